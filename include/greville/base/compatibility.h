@@ -1,0 +1,41 @@
+#ifndef greville_base_compatibility_h
+#define greville_base_compatibility_h
+
+#include <deal.II/base/config.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <deal.II/distributed/tria.h>
+
+#include <deal.II/lac/la_parallel_vector.h>
+
+/**
+ * The base of all parts of the project. This file holds what deal.II renamed
+ * between the oldest and the newest supported version (9.4 to 9.7), so that no
+ * other file asks for the version.
+ */
+namespace greville
+{
+  /**
+   * The one vector type: the locally owned entries are contiguous, ghost
+   * entries follow them.
+   */
+  using VectorType = dealii::LinearAlgebra::distributed::Vector<double>;
+
+  template <int dim>
+  using DistributedTriangulation =
+    dealii::parallel::distributed::Triangulation<dim>;
+
+  template <int dim>
+  MPI_Comm
+  get_communicator(const DistributedTriangulation<dim> &triangulation)
+  {
+#if DEAL_II_VERSION_GTE(9, 7, 0)
+    return triangulation.get_mpi_communicator();
+#else
+    return triangulation.get_communicator();
+#endif
+  }
+} // namespace greville
+
+#endif

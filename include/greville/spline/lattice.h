@@ -1,0 +1,134 @@
+#ifndef greville_spline_lattice_h
+#define greville_spline_lattice_h
+
+#include <deal.II/base/point.h>
+
+#include <greville/base/compatibility.h>
+
+#include <array>
+#include <cstdint>
+
+namespace greville
+{
+  /**
+   * Integer coordinates of a cell or of a function in a tensor product.
+   */
+  template <int dim>
+  using MultiIndex = std::array<unsigned int, dim>;
+
+  /**
+   * The position of @p index in lexicographic order, x fastest, among
+   * extents[0] x extents[1] (x extents[2]) ones.
+   */
+  template <int dim>
+  std::uint64_t
+  lexicographic(const MultiIndex<dim> &index, const MultiIndex<dim> &extents)
+  {
+    std::uint64_t result = 0;
+    for (int d = dim - 1; d >= 0; --d)
+      result = result * extents[d] + index[d];
+    return result;
+  }
+
+  /**
+   * The inverse of lexicographic().
+   */
+  template <int dim>
+  MultiIndex<dim>
+  multi_index(std::uint64_t position, const MultiIndex<dim> &extents)
+  {
+    MultiIndex<dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        result[d] = position % extents[d];
+        position /= extents[d];
+      }
+    return result;
+  }
+
+  /**
+   * The cells of a box mesh, counted by integers along each axis. The lattice
+   * is read off a triangulation whose active cells are equal boxes that fill a
+   * larger box; it needs no memory besides these few numbers. Lengths carry the
+   * unit of the mesh.
+   */
+  template <int dim>
+  class Lattice
+  {
+  public:
+    Lattice() = default;
+
+    /**
+     * Collective. Throws dealii::ExcMessage where @p triangulation is not a
+     * box of equal cells.
+     */
+    Lattice(const DistributedTriangulation<dim> &triangulation);
+
+    const MultiIndex<dim> &
+    n_cells() const
+    {
+      return cells;
+    }
+
+    double
+    lower(const unsigned int d) const
+    {
+      return lower_corner[d];
+    }
+
+    double
+    upper(const unsigned int d) const
+    {
+      return upper_corner[d];
+    }
+
+    double
+    cell_size(const unsigned int d) const
+    {
+      return (upper_corner[d] - lower_corner[d]) / cells[d];
+    }
+
+    /**
+     * The corner of the cell @p index with the smallest coordinates.
+     */
+    dealii::Point<dim>
+    cell_corner(const MultiIndex<dim> &index) const;
+
+    dealii::Point<dim>
+    cell_center(const MultiIndex<dim> &index) const;
+
+    /**
+     * The cell that contains @p point; the nearest one for points outside.
+     */
+    MultiIndex<dim>
+    find_cell(const dealii::Point<dim> &point) const;
+
+  private:
+    dealii::Point<dim> lower_corner;
+    dealii::Point<dim> upper_corner;
+    MultiIndex<dim>    cells{};
+  };
+
+  /**
+   * Fill @p triangulation with n_cells[0] x n_cells[1] (x n_cells[2]) equal
+   * cells. The trees of p4est, which deal.II keeps on every process, are as
+   * few as these numbers allow: their odd parts after division by the largest
+   * common power of two.
+   */
+  template <int dim>
+  void
+  create_box_mesh(DistributedTriangulation<dim> &triangulation,
+                  const dealii::Point<dim> &     lower,
+                  const dealii::Point<dim> &     upper,
+                  const MultiIndex<dim> &        n_cells);
+
+  /**
+   * The settings that a triangulation needs for a SplineSpace, which asks
+   * p4est for the owners of points.
+   */
+  template <int dim>
+  constexpr typename DistributedTriangulation<dim>::Settings mesh_settings =
+    DistributedTriangulation<dim>::communicate_vertices_to_p4est;
+} // namespace greville
+
+#endif

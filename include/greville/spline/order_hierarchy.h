@@ -1,0 +1,84 @@
+#ifndef greville_spline_order_hierarchy_h
+#define greville_spline_order_hierarchy_h
+
+#include <greville/spline/spline_space.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * The levels of p-multigrid: spline spaces of falling order on one and the
+   * same mesh (R. Tielen, M. Moeller, C. Vuik, Efficient multigrid based
+   * solvers for B-spline MPM, 2019). As in deal.II, level 0 is the coarsest,
+   * here the one of order 1.
+   */
+  template <int dim>
+  class OrderHierarchy
+  {
+  public:
+    OrderHierarchy() = default;
+
+    OrderHierarchy(DistributedTriangulation<dim> &triangulation,
+                   const unsigned int             degree,
+                   const std::string &            coarsening = "one by one")
+    {
+      reinit(triangulation, degree, coarsening);
+    }
+
+    /**
+     * Collective. @p coarsening is one of coarsenings().
+     */
+    void
+    reinit(DistributedTriangulation<dim> &triangulation,
+           const unsigned int             degree,
+           const std::string &            coarsening);
+
+    /**
+     * "one by one": p, p-1, ..., 1; "by two": p, p-2, ..., 1 (the last step may
+     * be one by one); "direct": p, 1. Separated by '|' as a
+     * Patterns::Selection has it.
+     */
+    static std::string
+    coarsenings()
+    {
+      return "one by one|by two|direct";
+    }
+
+    /**
+     * The orders from the coarsest to the finest.
+     */
+    static std::vector<unsigned int>
+    orders(const unsigned int degree, const std::string &coarsening);
+
+    unsigned int
+    n_levels() const
+    {
+      return spaces.size();
+    }
+
+    unsigned int
+    max_level() const
+    {
+      return spaces.size() - 1;
+    }
+
+    const SplineSpace<dim> &
+    operator[](const unsigned int level) const
+    {
+      AssertIndexRange(level, spaces.size());
+      return spaces[level];
+    }
+
+    const SplineSpace<dim> &
+    finest() const
+    {
+      return spaces.back();
+    }
+
+  private:
+    std::vector<SplineSpace<dim>> spaces;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,303 @@
+#ifndef greville_spline_spline_space_h
+#define greville_spline_spline_space_h
+
+#include <deal.II/base/array_view.h>
+#include <deal.II/base/index_set.h>
+#include <deal.II/base/partitioner.h>
+#include <deal.II/base/types.h>
+
+#include <deal.II/dofs/dof_handler.h>
+
+#include <deal.II/fe/fe.h>
+
+#include <greville/spline/knot_vector.h>
+#include <greville/spline/lattice.h>
+
+#include <memory>
+
+namespace greville
+{
+  /**
+   * Tensor-product B-splines of order p on open uniform knot vectors over a
+   * distributed box mesh,
+   *   u(x) = sum_i c_i N_(i_1)(x_1) ... N_(i_dim)(x_dim),
+   * with one function per Greville point: n + p in a direction of n cells. The
+   * class has the shape of a DoFHandler; a *dof* is a coefficient c_i of one
+   * component.
+   *
+   * **Ownership.** A coefficient belongs to the process that owns the cell of
+   * its Greville point (the upper one, where the point lies between two cells).
+   * The rule needs no communication for the coefficients of own cells; owners
+   * and numbers of others are asked of p4est and of the owner. No array has
+   * the size of the mesh; those of a single direction (n numbers) are kept.
+   *
+   * **Numbering.** Contiguous per process, lexicographic (x fastest) among the
+   * coefficients of a process; incomplete factorizations depend on that order.
+   * Dofs of the components of one coefficient follow each other.
+   *
+   * The triangulation has to be made with the settings ::mesh_settings and to
+   * live as long as the space. After a repartitioning call reinit() again.
+   *
+   * All functions that say so are collective.
+   */
+  template <int dim>
+  class SplineSpace
+  {
+  public:
+    using CellIterator =
+      typename dealii::Triangulation<dim>::active_cell_iterator;
+
+    SplineSpace();
+
+    /**
+     * As reinit().
+     */
+    SplineSpace(DistributedTriangulation<dim> &triangulation,
+                const unsigned int             degree,
+                const unsigned int             n_components = 1);
+
+    /**
+     * Collective. Throws dealii::ExcMessage for an order outside 1...5, no
+     * component or a mesh that is no Lattice.
+     */
+    void
+    reinit(DistributedTriangulation<dim> &triangulation,
+           const unsigned int             degree,
+           const unsigned int             n_components = 1);
+
+    /**
+     * The largest order that kernels are compiled for.
+     */
+    static constexpr unsigned int max_degree = 5;
+
+    // What the space is.
+
+    unsigned int
+    degree() const
+    {
+      return p;
+    }
+
+    unsigned int
+    n_components() const
+    {
+      return components;
+    }
+
+    const Lattice<dim> &
+    lattice() const
+    {
+      return mesh_lattice;
+    }
+
+    const KnotVector &
+    knots(const unsigned int d) const
+    {
+      return knot_vectors[d];
+    }
+
+    /**
+     * Number of functions in each direction.
+     */
+    const MultiIndex<dim> &
+    n_functions() const
+    {
+      return extents;
+    }
+
+    MPI_Comm
+    communicator() const
+    {
+      return comm;
+    }
+
+    /**
+     * The Bezier elements: FE_Bernstein of order p, or a FESystem of it where
+     * there is more than one component.
+     */
+    const dealii::FiniteElement<dim> &
+    fe() const
+    {
+      return *element;
+    }
+
+    // Numbers, as of a DoFHandler.
+
+    dealii::types::global_dof_index
+    n_dofs() const;
+
+    unsigned int
+    n_locally_owned_dofs() const
+    {
+      return components * owned.size();
+    }
+
+    const dealii::IndexSet &
+    locally_owned_dofs() const
+    {
+      return partition->locally_owned_range();
+    }
+
+    /**
+     * The dofs that do not vanish on the cells of this process.
+     */
+    const dealii::IndexSet &
+    locally_relevant_dofs() const
+    {
+      return relevant;
+    }
+
+    /**
+     * Layout of vectors whose ghost entries are the relevant dofs.
+     */
+    const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
+    partitioner() const
+    {
+      return partition;
+    }
+
+    void
+    initialize_vector(VectorType &vector) const
+    {
+      vector.reinit(partition);
+    }
+
+    unsigned int
+    n_dofs_per_cell() const
+    {
+      return components * functions_per_cell;
+    }
+
+    /**
+     * Global numbers of the dofs of a locally owned cell: function by function
+     * in lexicographic order, the components of each together.
+     */
+    void
+    cell_dof_indices(
+      const CellIterator &                         cell,
+      std::vector<dealii::types::global_dof_index> &indices) const;
+
+    // Bezier extraction.
+
+    /**
+     * The matrix C with N_a = sum_b C(a, b) B_b on a cell, for functions and
+     * Bernstein polynomials in lexicographic order: the Kronecker product of
+     * KnotVector::extraction_matrix() of the directions.
+     */
+    dealii::FullMatrix<double>
+    extraction(const CellIterator &cell) const;
+
+    /**
+     * Write the spline with @p coefficients (ghost entries are not needed) as
+     * a field of @p dof_handler, which carries fe(), into @p bernstein, a
+     * vector with (at least) the locally owned dofs of @p dof_handler.
+     * Collective.
+     */
+    void
+    extract(const VectorType &             coefficients,
+            const dealii::DoFHandler<dim> &dof_handler,
+            VectorType &                   bernstein) const;
+
+    // The cells and functions of this process, for those who write loops over
+    // arrays. Counted from 0; functions that are owned come first.
+
+    /**
+     * Lexicographic positions (in Lattice::n_cells()) of the owned cells,
+     * ascending.
+     */
+    const std::vector<std::uint64_t> &
+    owned_cells() const
+    {
+      return cells;
+    }
+
+    /**
+     * The place of a locally owned cell in owned_cells().
+     */
+    unsigned int
+    cell_number(const CellIterator &cell) const;
+
+    /**
+     * Lexicographic positions (in n_functions()) of the owned functions,
+     * ascending; the local number of a function is its place here.
+     */
+    const std::vector<std::uint64_t> &
+    owned_functions() const
+    {
+      return owned;
+    }
+
+    /**
+     * Lexicographic positions of the functions of owned cells that are owned
+     * by others. Their local numbers follow those of the owned functions.
+     */
+    const std::vector<std::uint64_t> &
+    ghost_functions() const
+    {
+      return ghosts;
+    }
+
+    /**
+     * Local numbers of the (p + 1)^dim functions of owned cell number @p cell,
+     * in lexicographic order.
+     */
+    dealii::ArrayView<const unsigned int>
+    cell_functions(const unsigned int cell) const
+    {
+      return {cell_function_numbers.data() +
+                std::size_t(cell) * functions_per_cell,
+              functions_per_cell};
+    }
+
+    /**
+     * Global numbers of functions at lexicographic @p positions, anywhere in
+     * the mesh. Collective; the owners answer.
+     */
+    std::vector<dealii::types::global_dof_index>
+    global_numbers(const std::vector<std::uint64_t> &positions) const;
+
+  private:
+    /**
+     * Processes that own the cells of the Greville points of functions.
+     */
+    std::vector<unsigned int>
+    find_owners(const std::vector<std::uint64_t> &positions) const;
+
+    void
+    find_owned_cells_and_functions();
+
+    void
+    number_functions();
+
+    void
+    make_partitioner();
+
+    DistributedTriangulation<dim> *tria = nullptr;
+    MPI_Comm                       comm = MPI_COMM_NULL;
+
+    unsigned int                                p                  = 0;
+    unsigned int                                components         = 0;
+    unsigned int                                functions_per_cell = 0;
+    Lattice<dim>                                mesh_lattice;
+    std::array<KnotVector, dim>                 knot_vectors;
+    MultiIndex<dim>                             extents{};
+    std::unique_ptr<dealii::FiniteElement<dim>> element;
+
+    // Per direction: the cell of the Greville point of each function. It does
+    // not decrease with the function.
+    std::array<std::vector<unsigned int>, dim> anchor_cells;
+
+    std::vector<std::uint64_t>                   cells;
+    std::vector<unsigned int>                    cell_numbers; // active index
+    std::vector<std::uint64_t>                   owned;
+    std::vector<std::uint64_t>                   ghosts;
+    std::vector<dealii::types::global_dof_index> ghost_numbers;
+    std::vector<unsigned int>                    cell_function_numbers;
+    dealii::types::global_dof_index              first_owned = 0;
+
+    dealii::IndexSet relevant;
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
+  };
+} // namespace greville
+
+#endif

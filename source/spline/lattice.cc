@@ -1,0 +1,142 @@
+#include <deal.II/grid/grid_generator.h>
+
+#include <greville/spline/lattice.h>
+
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  Lattice<dim>::Lattice(const DistributedTriangulation<dim> &triangulation)
+  {
+    const MPI_Comm comm = get_communicator(triangulation);
+
+    // Smallest and largest corners and cell sizes, negated where the minimum
+    // serves as maximum: one reduction.
+    const double                 infinity = std::numeric_limits<double>::max();
+    std::array<double, 4 * dim> local;
+    local.fill(infinity);
+    for (const auto &cell : triangulation.active_cell_iterators())
+      if (cell->is_locally_owned())
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double a = cell->vertex(0)[d];
+            const double b =
+              cell->vertex(GeometryInfo<dim>::vertices_per_cell - 1)[d];
+            local[d]           = std::min(local[d], a);
+            local[dim + d]     = std::min(local[dim + d], -b);
+            local[2 * dim + d] = std::min(local[2 * dim + d], b - a);
+            local[3 * dim + d] = std::min(local[3 * dim + d], a - b);
+          }
+    std::array<double, 4 * dim> global;
+    Utilities::MPI::min(ArrayView<const double>(local.data(), local.size()),
+                        comm,
+                        ArrayView<double>(global.data(), global.size()));
+
+    double product = 1;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        lower_corner[d]   = global[d];
+        upper_corner[d]   = -global[dim + d];
+        const double size = global[2 * dim + d];
+        AssertThrow(size > 0 &&
+                      -global[3 * dim + d] - size <= 1e-6 * size,
+                    ExcMessage("A spline space needs a mesh whose cells are "
+                               "all boxes of the same size."));
+        cells[d] = std::lround((upper_corner[d] - lower_corner[d]) / size);
+        product *= cells[d];
+      }
+    AssertThrow(product ==
+                  static_cast<double>(triangulation.n_global_active_cells()),
+                ExcMessage("A spline space needs a mesh whose cells fill a "
+                           "box."));
+  }
+
+
+
+  template <int dim>
+  Point<dim>
+  Lattice<dim>::cell_corner(const MultiIndex<dim> &index) const
+  {
+    Point<dim> corner;
+    for (unsigned int d = 0; d < dim; ++d)
+      corner[d] = lower_corner[d] + cell_size(d) * index[d];
+    return corner;
+  }
+
+
+
+  template <int dim>
+  Point<dim>
+  Lattice<dim>::cell_center(const MultiIndex<dim> &index) const
+  {
+    Point<dim> center;
+    for (unsigned int d = 0; d < dim; ++d)
+      center[d] = lower_corner[d] + cell_size(d) * (index[d] + 0.5);
+    return center;
+  }
+
+
+
+  template <int dim>
+  MultiIndex<dim>
+  Lattice<dim>::find_cell(const Point<dim> &point) const
+  {
+    MultiIndex<dim> index;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double position = (point[d] - lower_corner[d]) / cell_size(d);
+        index[d] = std::min<double>(std::max(position, 0.), cells[d] - 1);
+      }
+    return index;
+  }
+
+
+
+  template <int dim>
+  void
+  create_box_mesh(DistributedTriangulation<dim> &triangulation,
+                  const Point<dim> &             lower,
+                  const Point<dim> &             upper,
+                  const MultiIndex<dim> &        n_cells)
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        AssertThrow(n_cells[d] > 0,
+                    ExcMessage("A box mesh needs at least one cell in each "
+                               "direction."));
+        AssertThrow(lower[d] < upper[d],
+                    ExcMessage("The lower corner of a box has to be below its "
+                               "upper corner in each direction."));
+      }
+
+    std::vector<unsigned int> trees(n_cells.begin(), n_cells.end());
+    unsigned int              n_refinements = 0;
+    const auto is_even = [](const unsigned int n) { return n % 2 == 0; };
+    while (std::all_of(trees.begin(), trees.end(), is_even))
+      {
+        for (unsigned int &n : trees)
+          n /= 2;
+        ++n_refinements;
+      }
+    GridGenerator::subdivided_hyper_rectangle(triangulation,
+                                              trees,
+                                              lower,
+                                              upper,
+                                              true);
+    triangulation.refine_global(n_refinements);
+  }
+
+
+
+#define INSTANTIATE(dim)                                                   \
+  template class Lattice<dim>;                                             \
+  template void create_box_mesh<dim>(DistributedTriangulation<dim> &,      \
+                                     const Point<dim> &,                   \
+                                     const Point<dim> &,                   \
+                                     const MultiIndex<dim> &)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
+} // namespace greville

@@ -1,0 +1,45 @@
+#include <greville/spline/order_hierarchy.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  std::vector<unsigned int>
+  OrderHierarchy<dim>::orders(const unsigned int degree,
+                              const std::string &coarsening)
+  {
+    AssertThrow(coarsening == "one by one" || coarsening == "by two" ||
+                  coarsening == "direct",
+                ExcMessage("The coarsening <" + coarsening +
+                           "> is none of " + coarsenings() + "."));
+    const unsigned int step =
+      coarsening == "one by one" ? 1 : (coarsening == "by two" ? 2 : degree);
+
+    std::vector<unsigned int> result{degree};
+    while (result.back() > 1)
+      result.push_back(std::max<int>(1, int(result.back()) - int(step)));
+    std::reverse(result.begin(), result.end());
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  OrderHierarchy<dim>::reinit(DistributedTriangulation<dim> &triangulation,
+                              const unsigned int             degree,
+                              const std::string &            coarsening)
+  {
+    spaces.clear();
+    for (const unsigned int order : orders(degree, coarsening))
+      spaces.emplace_back(triangulation, order);
+  }
+
+
+
+  template class OrderHierarchy<2>;
+  template class OrderHierarchy<3>;
+} // namespace greville

@@ -1,0 +1,479 @@
+#include <deal.II/base/mpi.templates.h>
+#include <deal.II/base/mpi_consensus_algorithms.h>
+
+#include <deal.II/fe/fe_bernstein.h>
+#include <deal.II/fe/fe_system.h>
+
+#include <greville/spline/spline_space.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  SplineSpace<dim>::SplineSpace() = default;
+
+
+
+  template <int dim>
+  SplineSpace<dim>::SplineSpace(DistributedTriangulation<dim> &triangulation,
+                                const unsigned int             degree,
+                                const unsigned int             n_components)
+  {
+    reinit(triangulation, degree, n_components);
+  }
+
+
+
+  template <int dim>
+  void
+  SplineSpace<dim>::reinit(DistributedTriangulation<dim> &triangulation,
+                           const unsigned int             degree,
+                           const unsigned int             n_components)
+  {
+    AssertThrow(degree >= 1 && degree <= max_degree,
+                ExcMessage("A spline space has an order from 1 to " +
+                           std::to_string(max_degree) + ", not " +
+                           std::to_string(degree) + "."));
+    AssertThrow(n_components >= 1,
+                ExcMessage("A spline space has at least one component."));
+
+    tria               = &triangulation;
+    comm               = get_communicator(triangulation);
+    p                  = degree;
+    components         = n_components;
+    functions_per_cell = Utilities::fixed_power<dim>(p + 1);
+    mesh_lattice       = Lattice<dim>(triangulation);
+
+    if (components == 1)
+      element = std::make_unique<FE_Bernstein<dim>>(p);
+    else
+      element =
+        std::make_unique<FESystem<dim>>(FE_Bernstein<dim>(p), components);
+
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const unsigned int n = mesh_lattice.n_cells()[d];
+        knot_vectors[d]      = KnotVector::open_uniform(p,
+                                                   n,
+                                                   mesh_lattice.lower(d),
+                                                   mesh_lattice.upper(d));
+        extents[d]           = n + p;
+
+        // Greville abscissae in units of cells, in exact integer arithmetic.
+        anchor_cells[d].resize(extents[d]);
+        for (unsigned int i = 0; i < extents[d]; ++i)
+          {
+            unsigned int sum = 0;
+            for (unsigned int k = i + 1; k <= i + p; ++k)
+              sum += std::min(k - std::min(k, p), n);
+            anchor_cells[d][i] = std::min(sum / p, n - 1);
+          }
+      }
+
+    find_owned_cells_and_functions();
+    number_functions();
+    make_partitioner();
+  }
+
+
+
+  template <int dim>
+  void
+  SplineSpace<dim>::find_owned_cells_and_functions()
+  {
+    cells.clear();
+    std::vector<std::uint64_t> positions(tria->n_active_cells());
+    for (const auto &cell : tria->active_cell_iterators())
+      if (cell->is_locally_owned())
+        {
+          const std::uint64_t position =
+            lexicographic<dim>(mesh_lattice.find_cell(cell->center()),
+                               mesh_lattice.n_cells());
+          positions[cell->active_cell_index()] = position;
+          cells.push_back(position);
+        }
+    std::sort(cells.begin(), cells.end());
+
+    cell_numbers.assign(tria->n_active_cells(), numbers::invalid_unsigned_int);
+    for (const auto &cell : tria->active_cell_iterators())
+      if (cell->is_locally_owned())
+        cell_numbers[cell->active_cell_index()] =
+          std::lower_bound(cells.begin(),
+                           cells.end(),
+                           positions[cell->active_cell_index()]) -
+          cells.begin();
+
+    // The functions of a cell's Greville points are a run in each direction.
+    owned.clear();
+    for (const std::uint64_t position : cells)
+      {
+        const auto cell =
+          multi_index<dim>(position, mesh_lattice.n_cells());
+        MultiIndex<dim> begin, length;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const auto range = std::equal_range(anchor_cells[d].begin(),
+                                                anchor_cells[d].end(),
+                                                cell[d]);
+            begin[d]  = range.first - anchor_cells[d].begin();
+            length[d] = range.second - range.first;
+          }
+        const std::uint64_t n =
+          std::accumulate(length.begin(),
+                          length.end(),
+                          std::uint64_t(1),
+                          std::multiplies<std::uint64_t>());
+        for (std::uint64_t k = 0; k < n; ++k)
+          {
+            MultiIndex<dim> function = multi_index<dim>(k, length);
+            for (unsigned int d = 0; d < dim; ++d)
+              function[d] += begin[d];
+            owned.push_back(lexicographic<dim>(function, extents));
+          }
+      }
+    std::sort(owned.begin(), owned.end());
+
+    const std::uint64_t n_owned = owned.size();
+    std::uint64_t       offset  = 0;
+    const int           ierr    = MPI_Exscan(
+      &n_owned, &offset, 1, MPI_UINT64_T, MPI_SUM, comm);
+    AssertThrowMPI(ierr);
+    first_owned = Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : offset;
+  }
+
+
+
+  template <int dim>
+  void
+  SplineSpace<dim>::number_functions()
+  {
+    // A cell's functions are runs of p + 1 in x. Owned parts of a run are
+    // contiguous in owned, so one search per run mostly suffices.
+    const unsigned int n_runs = functions_per_cell / (p + 1);
+    MultiIndex<dim>    runs;
+    runs.fill(p + 1);
+    runs[0] = 1;
+
+    const auto for_each_function = [&](const auto &visit) {
+      for (unsigned int c = 0; c < cells.size(); ++c)
+        {
+          const auto cell = multi_index<dim>(cells[c], mesh_lattice.n_cells());
+          for (unsigned int r = 0; r < n_runs; ++r)
+            {
+              MultiIndex<dim> function = multi_index<dim>(r, runs);
+              for (unsigned int d = 0; d < dim; ++d)
+                function[d] += cell[d];
+              const std::uint64_t start = lexicographic<dim>(function, extents);
+              auto hint = std::lower_bound(owned.begin(), owned.end(), start);
+              for (unsigned int a = 0; a <= p; ++a)
+                {
+                  const bool is_owned =
+                    hint != owned.end() && *hint == start + a;
+                  visit(std::size_t(c) * functions_per_cell + r * (p + 1) + a,
+                        start + a,
+                        is_owned ? hint - owned.begin() : -1);
+                  if (is_owned)
+                    ++hint;
+                }
+            }
+        }
+    };
+
+    cell_function_numbers.resize(cells.size() * functions_per_cell);
+    ghosts.clear();
+    for_each_function([&](const std::size_t   slot,
+                          const std::uint64_t position,
+                          const long          number) {
+      cell_function_numbers[slot] = number;
+      if (number < 0)
+        ghosts.push_back(position);
+    });
+    std::sort(ghosts.begin(), ghosts.end());
+    ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
+
+    // Ghosts in the order of their global numbers, as in a Partitioner.
+    ghost_numbers = global_numbers(ghosts);
+    std::vector<unsigned int> order(ghosts.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](const auto a, const auto b) {
+      return ghost_numbers[a] < ghost_numbers[b];
+    });
+    std::vector<unsigned int> place(ghosts.size());
+    for (unsigned int k = 0; k < order.size(); ++k)
+      place[order[k]] = owned.size() + k;
+
+    if (!ghosts.empty())
+      for_each_function([&](const std::size_t   slot,
+                            const std::uint64_t position,
+                            const long          number) {
+        if (number < 0)
+          cell_function_numbers[slot] =
+            place[std::lower_bound(ghosts.begin(), ghosts.end(), position) -
+                  ghosts.begin()];
+      });
+
+    const auto old_ghosts  = ghosts;
+    const auto old_numbers = ghost_numbers;
+    for (unsigned int k = 0; k < order.size(); ++k)
+      {
+        ghosts[k]        = old_ghosts[order[k]];
+        ghost_numbers[k] = old_numbers[order[k]];
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  SplineSpace<dim>::make_partitioner()
+  {
+    const types::global_dof_index begin = components * first_owned;
+    const types::global_dof_index end   = begin + n_locally_owned_dofs();
+
+    IndexSet owned_set(n_dofs());
+    owned_set.add_range(begin, end);
+    IndexSet ghost_set(n_dofs());
+    for (const types::global_dof_index number : ghost_numbers)
+      ghost_set.add_range(components * number, components * (number + 1));
+    ghost_set.compress();
+
+    relevant = owned_set;
+    relevant.add_indices(ghost_set);
+    relevant.compress();
+    partition = std::make_shared<const Utilities::MPI::Partitioner>(owned_set,
+                                                                    ghost_set,
+                                                                    comm);
+  }
+
+
+
+  template <int dim>
+  types::global_dof_index
+  SplineSpace<dim>::n_dofs() const
+  {
+    types::global_dof_index n = components;
+    for (unsigned int d = 0; d < dim; ++d)
+      n *= extents[d];
+    return n;
+  }
+
+
+
+  template <int dim>
+  std::vector<unsigned int>
+  SplineSpace<dim>::find_owners(
+    const std::vector<std::uint64_t> &positions) const
+  {
+    const unsigned int me = Utilities::MPI::this_mpi_process(comm);
+
+    std::vector<unsigned int> owners(positions.size(), me);
+    std::vector<Point<dim>>   points;
+    std::vector<std::size_t>  places;
+    for (std::size_t k = 0; k < positions.size(); ++k)
+      {
+        MultiIndex<dim> cell = multi_index<dim>(positions[k], extents);
+        for (unsigned int d = 0; d < dim; ++d)
+          cell[d] = anchor_cells[d][cell[d]];
+        if (!std::binary_search(
+              cells.begin(),
+              cells.end(),
+              lexicographic<dim>(cell, mesh_lattice.n_cells())))
+          {
+            points.push_back(mesh_lattice.cell_center(cell));
+            places.push_back(k);
+          }
+      }
+    if (points.empty())
+      return owners;
+
+    const auto found = tria->find_point_owner_rank(points);
+    for (std::size_t k = 0; k < places.size(); ++k)
+      owners[places[k]] = found[k];
+    return owners;
+  }
+
+
+
+  template <int dim>
+  std::vector<types::global_dof_index>
+  SplineSpace<dim>::global_numbers(
+    const std::vector<std::uint64_t> &positions) const
+  {
+    const auto number_of = [this](const std::uint64_t position) {
+      const auto place =
+        std::lower_bound(owned.begin(), owned.end(), position);
+      Assert(place != owned.end() && *place == position, ExcInternalError());
+      return first_owned + types::global_dof_index(place - owned.begin());
+    };
+
+    const unsigned int me     = Utilities::MPI::this_mpi_process(comm);
+    const auto         owners = find_owners(positions);
+
+    std::vector<types::global_dof_index>               result(positions.size());
+    std::map<unsigned int, std::vector<std::size_t>>   places;
+    std::map<unsigned int, std::vector<std::uint64_t>> questions;
+    for (std::size_t k = 0; k < positions.size(); ++k)
+      if (owners[k] == me)
+        result[k] = number_of(positions[k]);
+      else
+        {
+          places[owners[k]].push_back(k);
+          questions[owners[k]].push_back(positions[k]);
+        }
+
+    const auto received = Utilities::MPI::some_to_some(comm, questions);
+    std::map<unsigned int, std::vector<types::global_dof_index>> answers;
+    for (const auto &question : received)
+      for (const std::uint64_t position : question.second)
+        answers[question.first].push_back(number_of(position));
+    for (const auto &answer : Utilities::MPI::some_to_some(comm, answers))
+      for (std::size_t k = 0; k < answer.second.size(); ++k)
+        result[places[answer.first][k]] = answer.second[k];
+    return result;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  SplineSpace<dim>::cell_number(const CellIterator &cell) const
+  {
+    Assert(cell->is_locally_owned(),
+           ExcMessage("Only owned cells have a place here."));
+    return cell_numbers[cell->active_cell_index()];
+  }
+
+
+
+  template <int dim>
+  void
+  SplineSpace<dim>::cell_dof_indices(
+    const CellIterator &                  cell,
+    std::vector<types::global_dof_index> &indices) const
+  {
+    indices.resize(n_dofs_per_cell());
+    auto out = indices.begin();
+    for (const unsigned int number : cell_functions(cell_number(cell)))
+      {
+        const types::global_dof_index function =
+          number < owned.size() ? first_owned + number :
+                                  ghost_numbers[number - owned.size()];
+        for (unsigned int c = 0; c < components; ++c)
+          *out++ = components * function + c;
+      }
+  }
+
+
+
+  template <int dim>
+  FullMatrix<double>
+  SplineSpace<dim>::extraction(const CellIterator &cell) const
+  {
+    const auto index = mesh_lattice.find_cell(cell->center());
+
+    std::array<FullMatrix<double>, dim> matrices;
+    MultiIndex<dim>                     local_extents;
+    local_extents.fill(p + 1);
+    for (unsigned int d = 0; d < dim; ++d)
+      matrices[d] = knot_vectors[d].extraction_matrix(index[d]);
+
+    FullMatrix<double> result(functions_per_cell, functions_per_cell);
+    for (unsigned int i = 0; i < functions_per_cell; ++i)
+      for (unsigned int j = 0; j < functions_per_cell; ++j)
+        {
+          const auto a = multi_index<dim>(i, local_extents);
+          const auto b = multi_index<dim>(j, local_extents);
+          result(i, j) = 1.;
+          for (unsigned int d = 0; d < dim; ++d)
+            result(i, j) *= matrices[d](a[d], b[d]);
+        }
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  SplineSpace<dim>::extract(const VectorType &     coefficients,
+                            const DoFHandler<dim> &dof_handler,
+                            VectorType &           bernstein) const
+  {
+    Assert(dof_handler.get_fe() == fe(),
+           ExcMessage("The DoFHandler has to carry the space's fe()."));
+
+    VectorType ghosted;
+    initialize_vector(ghosted);
+    ghosted.copy_locally_owned_data_from(coefficients);
+    ghosted.update_ghost_values();
+
+    const FE_Bernstein<dim> scalar_fe(p);
+    const auto to_lexicographic = scalar_fe.get_poly_space_numbering();
+
+    const unsigned int                   n = functions_per_cell;
+    std::vector<types::global_dof_index> dofs(n_dofs_per_cell());
+    std::vector<double>                  values(n_dofs_per_cell());
+    const auto own = dof_handler.locally_owned_dofs();
+    bernstein      = 0.;
+
+    // The 1D matrices repeat from cell to cell; they are made once.
+    std::array<std::vector<FullMatrix<double>>, dim> matrices;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int e = 0; e < mesh_lattice.n_cells()[d]; ++e)
+        matrices[d].push_back(knot_vectors[d].extraction_matrix(e));
+
+    std::vector<double> in(n), out(n);
+    for (const auto &cell : dof_handler.active_cell_iterators())
+      if (cell->is_locally_owned())
+        {
+          const auto index    = mesh_lattice.find_cell(cell->center());
+          const auto function = cell_functions(cell_number(cell));
+          for (unsigned int c = 0; c < components; ++c)
+            {
+              for (unsigned int a = 0; a < n; ++a)
+                in[a] = ghosted.local_element(components * function[a] + c);
+              for (unsigned int d = 0, stride = 1; d < dim;
+                   ++d, stride *= p + 1)
+                {
+                  const FullMatrix<double> &matrix = matrices[d][index[d]];
+                  std::fill(out.begin(), out.end(), 0.);
+                  for (unsigned int i = 0; i < n; ++i)
+                    {
+                      const unsigned int a     = (i / stride) % (p + 1);
+                      const unsigned int start = i - a * stride;
+                      for (unsigned int b = 0; b <= p; ++b)
+                        out[start + b * stride] += matrix(a, b) * in[i];
+                    }
+                  in.swap(out);
+                }
+              for (unsigned int a = 0; a < n; ++a)
+                values[c * n + a] = in[a];
+            }
+
+          cell->get_dof_indices(dofs);
+          for (unsigned int i = 0; i < dofs.size(); ++i)
+            if (own.is_element(dofs[i]))
+              {
+                const auto component_and_base =
+                  components == 1 ? std::make_pair(0u, i) :
+                                    element->system_to_component_index(i);
+                bernstein(dofs[i]) =
+                  values[component_and_base.first * n +
+                         to_lexicographic[component_and_base.second]];
+              }
+        }
+
+    // A dof can be owned by a process none of whose cells carries it only if
+    // deal.II gave it away; its owner always has one of its cells.
+    bernstein.update_ghost_values();
+  }
+
+
+
+  template class SplineSpace<2>;
+  template class SplineSpace<3>;
+} // namespace greville
