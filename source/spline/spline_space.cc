@@ -288,9 +288,9 @@ namespace greville
             places.push_back(k);
           }
       }
-    if (points.empty())
+    // Collective in deal.II: called also where there is nothing to ask.
+    if (Utilities::MPI::n_mpi_processes(comm) == 1)
       return owners;
-
     const auto found = tria->find_point_owner_rank(points);
     for (std::size_t k = 0; k < places.size(); ++k)
       owners[places[k]] = found[k];

@@ -1,0 +1,111 @@
+#ifndef greville_multigrid_mass_matrix_h
+#define greville_multigrid_mass_matrix_h
+
+#include <greville/base/petsc.h>
+#include <greville/multigrid/density_weights.h>
+
+namespace greville
+{
+  /**
+   * The consistent mass matrix M_ij = sum_q w_q N_i(x_q) N_j(x_q), assembled as
+   * a PETSc matrix (MPIAIJ). Row i has the columns j with |i_d - j_d| <= p in
+   * each direction d: (2 p + 1)^dim entries away from the walls. Inactive
+   * coefficients are treated as in MassOperator.
+   *
+   * The rows lie in arrays of this class, which PETSc uses in place. A row of
+   * the arrays is filled run by run in x; its entries are found by arithmetic,
+   * not by search. assemble() can be called again with new weights (each step
+   * of a simulation has a new matrix).
+   */
+  template <int dim>
+  class MassMatrix
+  {
+  public:
+    MassMatrix() = default;
+
+    MassMatrix(const SplineSpace<dim> &   space,
+               const DensityWeights<dim> &weights)
+    {
+      reinit(space);
+      assemble(weights);
+    }
+
+    /**
+     * Collective. Make the sparsity pattern. The space is kept by reference.
+     */
+    void
+    reinit(const SplineSpace<dim> &space);
+
+    /**
+     * Collective. Fill the matrix.
+     */
+    void
+    assemble(const DensityWeights<dim> &weights);
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return *spline_space;
+    }
+
+    Mat
+    petsc() const
+    {
+      return matrix.get();
+    }
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const;
+
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const
+    {
+      vmult(dst, src);
+    }
+
+    /**
+     * Bytes of the arrays on this process.
+     */
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    void
+    find_row_boxes();
+
+    void
+    make_parallel_pattern();
+
+    template <int n>
+    void
+    add_cells(const DensityWeights<dim> &weights);
+
+    void
+    finish();
+
+    const SplineSpace<dim> *spline_space = nullptr;
+
+    // Rows of owned and then of ghost functions as boxes of columns in
+    // lexicographic order. On one process they are the matrix.
+    std::vector<std::array<std::vector<unsigned int>, 2>> boxes;
+    std::vector<PetscInt>                                 row_begin;
+    std::vector<double>                                   box_values;
+
+    // The columns of the diagonal and of the off-diagonal part, and the place
+    // of each entry in box_values.
+    std::vector<PetscInt>     diagonal_begin, diagonal_columns;
+    std::vector<double>       diagonal_values;
+    std::vector<unsigned int> diagonal_source;
+    std::vector<PetscInt>     remote_begin, remote_columns;
+    std::vector<double>       remote_values;
+    std::vector<unsigned int> remote_source;
+
+    std::vector<PetscInt> ghost_rows;
+    std::vector<PetscInt> ghost_columns; // -1: meets no owned cell
+
+    PetscMatrix     matrix;
+    PetscVectorView view_dst, view_src;
+  };
+} // namespace greville
+
+#endif

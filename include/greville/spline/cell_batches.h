@@ -1,0 +1,69 @@
+#ifndef greville_spline_cell_batches_h
+#define greville_spline_cell_batches_h
+
+#include <greville/spline/spline_space.h>
+
+namespace greville
+{
+  /**
+   * The owned cells in groups for SIMD: a batch is a run of neighbours in x,
+   * one cell per lane. The groups depend on the mesh only and so serve all
+   * orders of an OrderHierarchy.
+   */
+  template <int dim>
+  class CellBatches
+  {
+  public:
+    struct Batch
+    {
+      /// Number of the first cell in SplineSpace::owned_cells().
+      unsigned int first_cell;
+      /// Lanes [first_lane, end_lane) hold cells that no other batch holds;
+      /// lanes before are repeated from another batch, lanes behind are empty.
+      unsigned int first_lane;
+      unsigned int end_lane;
+      /// The lattice index of first_cell.
+      MultiIndex<dim> index;
+    };
+
+    /**
+     * Number of lanes: doubles in a native vector of the machine that the
+     * library was compiled for.
+     */
+    static unsigned int
+    width();
+
+    CellBatches() = default;
+
+    CellBatches(const SplineSpace<dim> &space);
+
+    std::size_t
+    size() const
+    {
+      return batches.size();
+    }
+
+    const Batch &
+    operator[](const std::size_t batch) const
+    {
+      return batches[batch];
+    }
+
+    typename std::vector<Batch>::const_iterator
+    begin() const
+    {
+      return batches.begin();
+    }
+
+    typename std::vector<Batch>::const_iterator
+    end() const
+    {
+      return batches.end();
+    }
+
+  private:
+    std::vector<Batch> batches;
+  };
+} // namespace greville
+
+#endif

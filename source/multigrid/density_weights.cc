@@ -1,0 +1,82 @@
+#include <deal.II/base/quadrature_lib.h>
+
+#include <greville/multigrid/density_weights.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  DensityWeights<dim>::DensityWeights(const SplineSpace<dim> &space,
+                                      const unsigned int      n_points_1d,
+                                      const Function<dim> &   density)
+    : n_q(n_points_1d)
+    , cell_batches(space)
+  {
+    const unsigned int width = CellBatches<dim>::width();
+    values.resize(cell_batches.size() * n_points() * width, 0.);
+
+    double cell_measure = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      cell_measure *= space.lattice().cell_size(d);
+    const QGauss<dim>   quadrature(n_q);
+    std::vector<double> densities(n_points());
+
+    for (std::size_t b = 0; b < cell_batches.size(); ++b)
+      {
+        const auto &batch = cell_batches[b];
+        for (unsigned int lane = batch.first_lane; lane < batch.end_lane;
+             ++lane)
+          {
+            MultiIndex<dim> cell = batch.index;
+            cell[0] += lane;
+            const auto cell_points = points(space, cell);
+            density.value_list(cell_points, densities);
+            for (unsigned int q = 0; q < n_points(); ++q)
+              {
+                if (!(densities[q] >= 0 && std::isfinite(densities[q])))
+                  {
+                    std::ostringstream message;
+                    message << "The density has to be a number >= 0, but is "
+                            << densities[q] << " at (" << cell_points[q]
+                            << ").";
+                    AssertThrow(false, ExcMessage(message.str()));
+                  }
+                values[(b * n_points() + q) * width + lane] =
+                  densities[q] * cell_measure * quadrature.weight(q);
+              }
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  std::vector<Point<dim>>
+  DensityWeights<dim>::points(const SplineSpace<dim> &space,
+                              const MultiIndex<dim> & cell) const
+  {
+    const QGauss<1>         quadrature(n_q);
+    const Point<dim>        corner = space.lattice().cell_corner(cell);
+    std::vector<Point<dim>> result(n_points());
+    MultiIndex<dim>         extents;
+    extents.fill(n_q);
+    for (unsigned int q = 0; q < n_points(); ++q)
+      {
+        const auto index = multi_index<dim>(q, extents);
+        for (unsigned int d = 0; d < dim; ++d)
+          result[q][d] =
+            corner[d] +
+            space.lattice().cell_size(d) * quadrature.point(index[d])(0);
+      }
+    return result;
+  }
+
+
+
+  template class DensityWeights<2>;
+  template class DensityWeights<3>;
+} // namespace greville

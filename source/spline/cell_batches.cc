@@ -1,0 +1,52 @@
+#include <greville/base/simd.h>
+#include <greville/spline/cell_batches.h>
+
+namespace greville
+{
+  template <int dim>
+  unsigned int
+  CellBatches<dim>::width()
+  {
+    return simd_width;
+  }
+
+
+
+  template <int dim>
+  CellBatches<dim>::CellBatches(const SplineSpace<dim> &space)
+  {
+    const auto &cells   = space.owned_cells();
+    const auto &extents = space.lattice().n_cells();
+
+    unsigned int begin = 0;
+    while (begin < cells.size())
+      {
+        // The run of neighbours in x that starts here.
+        const auto   index = multi_index<dim>(cells[begin], extents);
+        unsigned int end   = begin + 1;
+        while (end < cells.size() && cells[end] == cells[end - 1] + 1 &&
+               cells[end] % extents[0] != 0)
+          ++end;
+
+        for (unsigned int first = begin; first < end; first += simd_width)
+          {
+            Batch batch{first, 0, std::min(simd_width, end - first), index};
+            // A full batch is faster than a part of one: begin earlier.
+            if (batch.end_lane < simd_width && end - begin >= simd_width)
+              {
+                batch.first_lane = simd_width - batch.end_lane;
+                batch.end_lane   = simd_width;
+                batch.first_cell = end - simd_width;
+              }
+            batch.index[0] += batch.first_cell - begin;
+            batches.push_back(batch);
+          }
+        begin = end;
+      }
+  }
+
+
+
+  template class CellBatches<2>;
+  template class CellBatches<3>;
+} // namespace greville
