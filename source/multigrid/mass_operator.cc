@@ -10,7 +10,7 @@ namespace greville
     constexpr unsigned int
     max_cell_size(const unsigned int dim)
     {
-      return dim == 2 ? 36 : 216;
+      return dim == 1 ? 6 : 6 * max_cell_size(dim - 1);
     }
   } // namespace
 
@@ -28,7 +28,7 @@ namespace greville
       , tables(s, weights.n_points_1d())
       , kernels(cell_kernels<dim>(s.degree(), weights.n_points_1d()))
       , n(s.degree() + 1)
-      , n_rows(Utilities::fixed_power<dim - 1>(n))
+      , n_layer(Utilities::fixed_power<dim - 1>(n))
       , contiguous(weights.batches().size())
     {
       for (std::size_t b = 0; b < contiguous.size(); ++b)
@@ -48,12 +48,54 @@ namespace greville
       for (unsigned int lane = 0; lane < simd_width; ++lane)
         {
           const auto numbers = space.cell_functions(batch.first_cell + lane);
-          for (unsigned int r = 0; r < n_rows; ++r)
+          for (unsigned int r = 0; r < n_layer; ++r)
             for (unsigned int a = 0; a < n; ++a)
               if (numbers[r * n + a] != first[r * n] + lane + a)
                 return false;
         }
       return true;
+    }
+
+    /**
+     * Coefficients of one layer (all with the same place in the last direction)
+     * of a batch.
+     */
+    void
+    gather_layer(const std::size_t                        b,
+                 const typename CellBatches<dim>::Batch &batch,
+                 const unsigned int                       layer,
+                 const double *                           source,
+                 Simd *                                   values) const
+    {
+      const unsigned int *first =
+        space.cell_functions(batch.first_cell).data() + layer * n_layer;
+      if (contiguous[b])
+        kernels.gather_layer(first, source, values);
+      else
+        for (unsigned int i = 0; i < n_layer; ++i)
+          {
+            values[i] = 0.;
+            for (unsigned int lane = 0; lane < batch.end_lane; ++lane)
+              values[i][lane] = source[first[lane * n * n_layer + i]];
+          }
+    }
+
+    void
+    scatter_add_layer(const std::size_t                        b,
+                      const typename CellBatches<dim>::Batch &batch,
+                      const unsigned int                       layer,
+                      const Simd *                             values,
+                      double *                                 target) const
+    {
+      const unsigned int *first =
+        space.cell_functions(batch.first_cell).data() + layer * n_layer;
+      if (contiguous[b])
+        kernels.scatter_add_layer(first, values, target);
+      else
+        for (unsigned int i = 0; i < n_layer; ++i)
+          for (unsigned int lane = batch.first_lane; lane < batch.end_lane;
+               ++lane)
+            target[first[lane * n * n_layer + i]] += values[i][lane];
     }
 
     void
@@ -62,19 +104,8 @@ namespace greville
            const double *                           source,
            Simd *                                   values) const
     {
-      const unsigned int *first =
-        space.cell_functions(batch.first_cell).data();
-      if (contiguous[b])
-        for (unsigned int r = 0; r < n_rows; ++r)
-          for (unsigned int a = 0; a < n; ++a)
-            values[r * n + a] = load(source + first[r * n] + a);
-      else
-        for (unsigned int i = 0; i < n * n_rows; ++i)
-          {
-            values[i] = 0.;
-            for (unsigned int lane = 0; lane < batch.end_lane; ++lane)
-              values[i][lane] = source[first[lane * n * n_rows + i]];
-          }
+      for (unsigned int layer = 0; layer < n; ++layer)
+        gather_layer(b, batch, layer, source, values + layer * n_layer);
     }
 
     void
@@ -83,22 +114,8 @@ namespace greville
                 const Simd *                             values,
                 double *                                 target) const
     {
-      const unsigned int *first =
-        space.cell_functions(batch.first_cell).data();
-      if (contiguous[b])
-        // Neighbouring functions of a row overlap in memory: go through the
-        // rows first, so that a load does not wait for the store before it.
-        for (unsigned int a = 0; a < n; ++a)
-          for (unsigned int r = 0; r < n_rows; ++r)
-            {
-              double *address = target + first[r * n] + a;
-              store(load(address) + values[r * n + a], address);
-            }
-      else
-        for (unsigned int i = 0; i < n * n_rows; ++i)
-          for (unsigned int lane = batch.first_lane; lane < batch.end_lane;
-               ++lane)
-            target[first[lane * n * n_rows + i]] += values[i][lane];
+      for (unsigned int layer = 0; layer < n; ++layer)
+        scatter_add_layer(b, batch, layer, values + layer * n_layer, target);
     }
 
     /**
@@ -126,7 +143,7 @@ namespace greville
     ShapeTables<dim>           tables;
     CellKernels                kernels;
     unsigned int               n;
-    unsigned int               n_rows;
+    unsigned int               n_layer;
     std::vector<unsigned char> contiguous;
   };
 
@@ -163,7 +180,8 @@ namespace greville
   void
   CrossMassOperator<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
-    apply(*rows, columns ? *columns : *rows, dst, src);
+    const Side &in = columns ? *columns : *rows;
+    apply(*rows, in, dst, src);
   }
 
 
@@ -172,7 +190,8 @@ namespace greville
   void
   CrossMassOperator<dim>::Tvmult(VectorType &dst, const VectorType &src) const
   {
-    apply(columns ? *columns : *rows, *rows, dst, src);
+    const Side &out = columns ? *columns : *rows;
+    apply(out, *rows, dst, src);
   }
 
 
@@ -192,27 +211,71 @@ namespace greville
       src.update_ghost_values();
     dst = 0.;
 
-    const unsigned int    n_points = weights->n_points();
+    // Along a column of batches, neighbours share all layers of coefficients
+    // but one: each layer is interpolated in the other directions once, when it
+    // enters the column, and integrated once, when it leaves.
     typename Side::Tables in_tables, out_tables;
-    Simd                  coefficients[max_cell_size(dim)];
-    Simd                  values[max_cell_size(dim)];
-    for (std::size_t b = 0; b < weights->batches().size(); ++b)
+    Simd                  coefficients[max_cell_size(dim - 1)];
+    Simd                  in_memory[max_cell_size(dim)];
+    Simd                  out_memory[max_cell_size(dim)];
+    Simd *                in_layers[max_cell_size(1)];
+    Simd *                out_layers[max_cell_size(1)];
+    const unsigned int    n_layer_points =
+      Utilities::fixed_power<dim - 1>(weights->n_points_1d());
+    for (unsigned int k = 0; k < max_cell_size(1); ++k)
       {
-        const auto &  batch = weights->batches()[b];
-        const double *w     = (*weights)[b];
+        in_layers[k]  = in_memory + k * n_layer_points;
+        out_layers[k] = out_memory + k * n_layer_points;
+      }
 
+    const ColumnKernel multiply_column =
+      column_kernel<dim>(in.space.degree(),
+                         weights->n_points_1d(),
+                         out.space.degree());
+    const auto &batches = weights->batches();
+    for (std::size_t b = 0; b < batches.size(); ++b)
+      {
+        const auto &batch = batches[b];
         in.load_tables(in.tables, batch, in_tables);
-        in.gather(b, batch, src.begin(), coefficients);
-        in.kernels.interpolate(
-          coefficients, in_tables.x, in_tables.y, in_tables.z, values);
-        for (unsigned int q = 0; q < n_points; ++q)
-          values[q] *= load(w + q * simd_width);
         if (&in != &out)
           out.load_tables(out.tables, batch, out_tables);
         const auto &tables = &in == &out ? in_tables : out_tables;
-        out.kernels.integrate(
-          values, tables.x, tables.y, tables.z, coefficients);
-        out.scatter_add(b, batch, coefficients, dst.begin());
+
+        unsigned int n_new_in = in.n, n_new_out = out.n;
+        if (batch.continues_column)
+          {
+            std::rotate(in_layers, in_layers + 1, in_layers + in.n);
+            std::rotate(out_layers, out_layers + 1, out_layers + out.n);
+            n_new_in = n_new_out = 1;
+          }
+        for (unsigned int layer = in.n - n_new_in; layer < in.n; ++layer)
+          {
+            in.gather_layer(b, batch, layer, src.begin(), coefficients);
+            in.kernels.interpolate_layer(coefficients,
+                                         in_tables.x,
+                                         in_tables.y,
+                                         in_layers[layer]);
+          }
+        for (unsigned int layer = out.n - n_new_out; layer < out.n; ++layer)
+          std::fill_n(out_layers[layer], n_layer_points, Simd(0.));
+
+        multiply_column(in_layers,
+                        dim == 2 ? in_tables.y : in_tables.z,
+                        (*weights)[b],
+                        dim == 2 ? tables.y : tables.z,
+                        out_layers);
+
+        const bool is_last =
+          b + 1 == batches.size() || !batches[b + 1].continues_column;
+        for (unsigned int layer = 0; layer < (is_last ? out.n : 1); ++layer)
+          {
+            out.kernels.integrate_layer(out_layers[layer],
+                                        tables.x,
+                                        tables.y,
+                                        coefficients);
+            out.scatter_add_layer(
+              b, batch, layer, coefficients, dst.begin());
+          }
       }
 
     if (communicate)

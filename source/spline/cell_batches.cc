@@ -1,6 +1,9 @@
 #include <greville/base/simd.h>
 #include <greville/spline/cell_batches.h>
 
+#include <algorithm>
+#include <tuple>
+
 namespace greville
 {
   template <int dim>
@@ -30,7 +33,7 @@ namespace greville
 
         for (unsigned int first = begin; first < end; first += simd_width)
           {
-            Batch batch{first, 0, std::min(simd_width, end - first), index};
+            Batch batch{first, 0, std::min(simd_width, end - first), index, false};
             // A full batch is faster than a part of one: begin earlier.
             if (batch.end_lane < simd_width && end - begin >= simd_width)
               {
@@ -43,6 +46,24 @@ namespace greville
           }
         begin = end;
       }
+
+    const auto column = [](const Batch &batch) {
+      return std::make_tuple(batch.index[0],
+                             batch.first_lane,
+                             batch.end_lane,
+                             dim == 3 ? batch.index[1] : 0);
+    };
+    const auto height = [](const Batch &batch) { return batch.index[dim - 1]; };
+    std::sort(batches.begin(),
+              batches.end(),
+              [&](const Batch &a, const Batch &b) {
+                return std::make_pair(column(a), height(a)) <
+                       std::make_pair(column(b), height(b));
+              });
+    for (std::size_t b = 1; b < batches.size(); ++b)
+      batches[b].continues_column =
+        column(batches[b]) == column(batches[b - 1]) &&
+        height(batches[b]) == height(batches[b - 1]) + 1;
   }
 
 

@@ -69,13 +69,15 @@ namespace greville
 
 
   /**
-   * The two kernels for p + 1 functions and n_q points per direction.
-   * - interpolate: (p + 1)^dim coefficients -> n_q^dim values at the points,
-   * - integrate, its transpose: n_q^dim values -> (p + 1)^dim test functions.
-   * Arrays are lexicographic, one SIMD vector per entry.
+   * The kernels of one space, for n = p + 1 functions and n_q points per
+   * direction. Arrays are lexicographic, one SIMD vector per entry.
    */
   struct CellKernels
   {
+    /**
+     * interpolate: n^dim coefficients -> n_q^dim values at the points,
+     * integrate, its transpose: n_q^dim values -> n^dim test functions.
+     */
     using Function = void (*)(const Simd *  in,
                               const Simd *  table_x,
                               const double *table_y,
@@ -83,7 +85,43 @@ namespace greville
                               Simd *        out);
     Function interpolate;
     Function integrate;
+
+    /**
+     * The same for one layer of coefficients or points, without the last
+     * direction. @p table_y is not used in 2D.
+     */
+    using LayerFunction = void (*)(const Simd *  in,
+                                   const Simd *  table_x,
+                                   const double *table_y,
+                                   Simd *        out);
+    LayerFunction interpolate_layer;
+    LayerFunction integrate_layer;
+
+    /**
+     * Between the vector of coefficients and the n^(dim - 1) values of a layer
+     * in which the coefficients of each row in x follow each other in memory.
+     * @p numbers are the local numbers of the layer's functions on the first
+     * cell.
+     */
+    void (*gather_layer)(const unsigned int *numbers,
+                         const double *      source,
+                         Simd *              values);
+    void (*scatter_add_layer)(const unsigned int *numbers,
+                              const Simd *        values,
+                              double *            target);
   };
+
+  /**
+   * The last direction of a cross mass matrix: interpolate the n_in layers to
+   * the points, multiply by the @p weights (n_q^dim vectors), integrate and add
+   * to the n_out layers. Layers have n_q^(dim - 1) entries; @p in and @p out
+   * are pointers to them.
+   */
+  using ColumnKernel = void (*)(const Simd *const *in,
+                                const double *     table_in,
+                                const double *     weights,
+                                const double *     table_out,
+                                Simd *const *      out);
 
   /**
    * Kernels are compiled for 1 <= p < n_q <= 6.
@@ -91,6 +129,12 @@ namespace greville
   template <int dim>
   CellKernels
   cell_kernels(const unsigned int degree, const unsigned int n_points_1d);
+
+  template <int dim>
+  ColumnKernel
+  column_kernel(const unsigned int degree_in,
+                const unsigned int n_points_1d,
+                const unsigned int degree_out);
 } // namespace greville
 
 #endif

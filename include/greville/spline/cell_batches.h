@@ -7,8 +7,10 @@ namespace greville
 {
   /**
    * The owned cells in groups for SIMD: a batch is a run of neighbours in x,
-   * one cell per lane. The groups depend on the mesh only and so serve all
-   * orders of an OrderHierarchy.
+   * one cell per lane. Batches that lie on each other in the last direction (y
+   * or z) follow each other: they form *columns*, in which a loop can keep what
+   * it computed for the coefficients that neighbours share. The groups depend
+   * on the mesh only and so serve all orders of an OrderHierarchy.
    */
   template <int dim>
   class CellBatches
@@ -24,6 +26,8 @@ namespace greville
       unsigned int end_lane;
       /// The lattice index of first_cell.
       MultiIndex<dim> index;
+      /// Whether the batch continues the column of the one before it.
+      bool continues_column;
     };
 
     /**
