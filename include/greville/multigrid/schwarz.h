@@ -1,0 +1,216 @@
+#ifndef greville_multigrid_schwarz_h
+#define greville_multigrid_schwarz_h
+
+#include <greville/multigrid/mass_matrix.h>
+#include <greville/multigrid/preconditioner.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * How the corrections of overlapping domains are put together. With the
+   * prolongation R_s^T of domain s, its matrix A_s = R_s M R_s^T and the
+   * partitions of unity sum_s R_s^T W_s R_s = 1:
+   * - restricted: sum_s R_s^T E_s A_s^-1 R_s, with E_s = 1 for the entries that
+   *   s owns (X.-C. Cai and M. Sarkis, 1999). Not symmetric.
+   * - symmetric: sum_s R_s^T W_s^(1/2) A_s^-1 W_s^(1/2) R_s, with W_s one over
+   *   the number of domains that hold an entry.
+   */
+  enum class SchwarzCombination
+  {
+    restricted,
+    symmetric
+  };
+
+  /**
+   * The part of a mass matrix that belongs to this process, with some layers
+   * of overlap in the graph of the matrix, and the transport of vectors to it
+   * and back. Without other processes it is the matrix itself, not a copy.
+   */
+  template <int dim>
+  class OverlappingDomain
+  {
+  public:
+    /**
+     * Collective. @p ordering is "lexicographic" or the name of an ordering of
+     * PETSc ("rcm", "amd", "nd", ...).
+     */
+    OverlappingDomain(const MassMatrix<dim> &    matrix,
+                      const unsigned int         overlap,
+                      const SchwarzCombination combination,
+                      const std::string &        ordering);
+
+    /**
+     * The local matrix A_s, sequential, in the chosen ordering.
+     */
+    Mat
+    matrix() const
+    {
+      return local_matrix;
+    }
+
+    unsigned int
+    size() const
+    {
+      return order.size();
+    }
+
+    /**
+     * Lexicographic positions of the functions of the domain in its ordering.
+     */
+    const std::vector<std::uint64_t> &
+    positions() const
+    {
+      return function_positions;
+    }
+
+    /**
+     * Whether this process owns the entry.
+     */
+    bool
+    owns(const unsigned int i) const
+    {
+      return order[i] < n_owned;
+    }
+
+    /**
+     * local = R_s src, weighted for the symmetric combination. For the
+     * transpose of a restricted combination call with @p transpose.
+     */
+    void
+    restrict_to(std::vector<double> &local,
+                const VectorType &   src,
+                const bool           transpose) const;
+
+    /**
+     * dst = sum_s R_s^T local, weighted or restricted.
+     */
+    void
+    prolongate_from(const std::vector<double> &local,
+                    VectorType &               dst,
+                    const bool                 transpose) const;
+
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    SchwarzCombination                 combination;
+    unsigned int                       n_owned;
+    Mat                                local_matrix = nullptr;
+    PetscMatrix                        local_copy;
+    std::vector<unsigned int>          order; // local number in overlapped
+    std::vector<std::uint64_t>         function_positions;
+    std::vector<double>                weights; // W_s^(1/2)
+    mutable VectorType                 overlapped;
+  };
+
+
+
+  /**
+   * A factorization or another approximate inverse of a sequential matrix.
+   */
+  class LocalSolver
+  {
+  public:
+    virtual ~LocalSolver() = default;
+
+    virtual void
+    solve(double *x, const bool transpose) const = 0;
+
+    virtual std::size_t
+    memory_consumption() const = 0;
+  };
+
+  /**
+   * ILUT, see the class of that name.
+   */
+  std::unique_ptr<LocalSolver>
+  make_ilut(const Mat     matrix,
+            const double drop_tolerance,
+            const double fill_factor);
+
+  /**
+   * PETSc's ILU(0) ("ilu") or IC(0) ("icc") of the matrix scaled to a unit
+   * diagonal, with @p shift added to that diagonal.
+   */
+  std::unique_ptr<LocalSolver>
+  make_incomplete_factorization(const Mat          matrix,
+                                const std::string &type,
+                                const double       shift);
+
+
+
+  /**
+   * Additive Schwarz with one domain per process and an approximate local
+   * solver.
+   */
+  template <int dim>
+  class AdditiveSchwarz : public Preconditioner
+  {
+  public:
+    AdditiveSchwarz(
+      std::unique_ptr<const OverlappingDomain<dim>>                     domain,
+      const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make);
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
+
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const override;
+
+    std::size_t
+    memory_consumption() const override;
+
+  private:
+    void
+    apply(VectorType &dst, const VectorType &src, const bool transpose) const;
+
+    std::unique_ptr<const OverlappingDomain<dim>> domain;
+    std::unique_ptr<LocalSolver>                  solver;
+    mutable std::vector<double>                   local;
+  };
+
+
+
+  /**
+   * Additive Schwarz with many small domains, boxes of coefficients that are
+   * solved exactly by dense Cholesky factorizations. A box has
+   * @p box_size coefficients per direction and @p overlap more on each side,
+   * as far as the process's domain goes.
+   */
+  template <int dim>
+  class BoxSchwarz : public Preconditioner
+  {
+  public:
+    BoxSchwarz(std::unique_ptr<const OverlappingDomain<dim>> domain,
+               const MassMatrix<dim> &                        matrix,
+               const unsigned int                             box_size,
+               const unsigned int                             overlap,
+               const SchwarzCombination                     combination);
+    ~BoxSchwarz() override;
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
+
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const override;
+
+    std::size_t
+    memory_consumption() const override;
+
+  private:
+    struct Box;
+
+    void
+    apply(VectorType &dst, const VectorType &src, const bool transpose) const;
+
+    std::unique_ptr<const OverlappingDomain<dim>> domain;
+    SchwarzCombination                            combination;
+    std::vector<Box>                              boxes;
+    std::vector<double>                           weights;
+    mutable std::vector<double>                   local, sum;
+  };
+} // namespace greville
+
+#endif

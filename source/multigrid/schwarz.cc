@@ -1,0 +1,395 @@
+#include <greville/multigrid/ilut.h>
+#include <greville/multigrid/schwarz.h>
+
+#include <petscpc.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  OverlappingDomain<dim>::OverlappingDomain(
+    const MassMatrix<dim> &    mass,
+    const unsigned int         overlap,
+    const SchwarzCombination c,
+    const std::string &        ordering)
+    : combination(c)
+    , n_owned(mass.space().n_locally_owned_dofs())
+  {
+    const SplineSpace<dim> &space = mass.space();
+    const MPI_Comm          comm  = space.communicator();
+    const auto              range = space.partitioner()->local_range();
+
+    // The numbers in the domain, ascending.
+    std::vector<PetscInt> domain_numbers(n_owned);
+    std::iota(domain_numbers.begin(), domain_numbers.end(), range.first);
+    if (Utilities::MPI::n_mpi_processes(comm) == 1)
+      check_petsc(
+        MatMPIAIJGetSeqAIJ(mass.petsc(), &local_matrix, nullptr, nullptr));
+    else
+      {
+        IS is;
+        check_petsc(ISCreateGeneral(PETSC_COMM_SELF,
+                                    n_owned,
+                                    domain_numbers.data(),
+                                    PETSC_COPY_VALUES,
+                                    &is));
+        check_petsc(MatIncreaseOverlap(mass.petsc(), 1, &is, overlap));
+        check_petsc(ISSort(is));
+        Mat *matrices;
+        check_petsc(MatCreateSubMatrices(
+          mass.petsc(), 1, &is, &is, MAT_INITIAL_MATRIX, &matrices));
+        check_petsc(
+          PetscObjectReference(reinterpret_cast<PetscObject>(matrices[0])));
+        local_copy.reset(matrices[0]);
+        local_matrix = local_copy.get();
+        check_petsc(MatDestroySubMatrices(1, &matrices));
+
+        PetscInt        n;
+        const PetscInt *indices;
+        check_petsc(ISGetLocalSize(is, &n));
+        check_petsc(ISGetIndices(is, &indices));
+        domain_numbers.assign(indices, indices + n);
+        check_petsc(ISRestoreIndices(is, &indices));
+        check_petsc(ISDestroy(&is));
+      }
+
+    IndexSet ghosts(space.n_dofs());
+    for (const PetscInt number : domain_numbers)
+      if (number < PetscInt(range.first) || number >= PetscInt(range.second))
+        ghosts.add_index(number);
+    overlapped.reinit(space.locally_owned_dofs(), ghosts, comm);
+    for (const PetscInt number : domain_numbers)
+      order.push_back(overlapped.get_partitioner()->global_to_local(number));
+
+    // Positions travel as doubles, exactly.
+    for (unsigned int i = 0; i < n_owned; ++i)
+      overlapped.local_element(i) = space.owned_functions()[i];
+    overlapped.update_ghost_values();
+    for (const unsigned int i : order)
+      function_positions.push_back(overlapped.local_element(i));
+    overlapped.zero_out_ghost_values();
+
+    // The ordering.
+    std::vector<PetscInt> permutation(order.size());
+    std::iota(permutation.begin(), permutation.end(), 0);
+    if (ordering == "lexicographic")
+      std::sort(permutation.begin(),
+                permutation.end(),
+                [&](const PetscInt a, const PetscInt b) {
+                  return function_positions[a] < function_positions[b];
+                });
+    else if (!permutation.empty())
+      {
+        IS rows, columns;
+        check_petsc(
+          MatGetOrdering(local_matrix, ordering.c_str(), &rows, &columns));
+        const PetscInt *indices;
+        check_petsc(ISGetIndices(rows, &indices));
+        permutation.assign(indices, indices + order.size());
+        check_petsc(ISRestoreIndices(rows, &indices));
+        check_petsc(ISDestroy(&rows));
+        check_petsc(ISDestroy(&columns));
+      }
+    if (!std::is_sorted(permutation.begin(), permutation.end()))
+      {
+        IS is;
+        check_petsc(ISCreateGeneral(PETSC_COMM_SELF,
+                                    permutation.size(),
+                                    permutation.data(),
+                                    PETSC_COPY_VALUES,
+                                    &is));
+        check_petsc(ISSetPermutation(is));
+        Mat permuted;
+        check_petsc(MatPermute(local_matrix, is, is, &permuted));
+        check_petsc(ISDestroy(&is));
+        local_copy.reset(permuted);
+        local_matrix = permuted;
+
+        const auto old_order     = order;
+        const auto old_positions = function_positions;
+        for (unsigned int i = 0; i < order.size(); ++i)
+          {
+            order[i]              = old_order[permutation[i]];
+            function_positions[i] = old_positions[permutation[i]];
+          }
+      }
+
+    if (combination == SchwarzCombination::symmetric)
+      {
+        // Count the domains that hold an entry.
+        overlapped = 0.;
+        for (const unsigned int i : order)
+          overlapped.local_element(i) = 1.;
+        overlapped.compress(VectorOperation::add);
+        overlapped.update_ghost_values();
+        for (const unsigned int i : order)
+          weights.push_back(1. / std::sqrt(overlapped.local_element(i)));
+        overlapped.zero_out_ghost_values();
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  OverlappingDomain<dim>::restrict_to(std::vector<double> &local,
+                                      const VectorType &   src,
+                                      const bool           transpose) const
+  {
+    std::copy_n(src.begin(), n_owned, overlapped.begin());
+    overlapped.update_ghost_values();
+    local.resize(order.size());
+    for (unsigned int i = 0; i < order.size(); ++i)
+      local[i] = overlapped.local_element(order[i]);
+    overlapped.zero_out_ghost_values();
+
+    if (combination == SchwarzCombination::symmetric)
+      for (unsigned int i = 0; i < order.size(); ++i)
+        local[i] *= weights[i];
+    else if (transpose)
+      for (unsigned int i = 0; i < order.size(); ++i)
+        if (!owns(i))
+          local[i] = 0.;
+  }
+
+
+
+  template <int dim>
+  void
+  OverlappingDomain<dim>::prolongate_from(const std::vector<double> &local,
+                                          VectorType &               dst,
+                                          const bool transpose) const
+  {
+    if (combination == SchwarzCombination::restricted && !transpose)
+      {
+        for (unsigned int i = 0; i < order.size(); ++i)
+          if (owns(i))
+            dst.local_element(order[i]) = local[i];
+        return;
+      }
+    overlapped = 0.;
+    for (unsigned int i = 0; i < order.size(); ++i)
+      overlapped.local_element(order[i]) =
+        combination == SchwarzCombination::symmetric ? weights[i] * local[i] :
+                                                       local[i];
+    overlapped.compress(VectorOperation::add);
+    std::copy_n(overlapped.begin(), n_owned, dst.begin());
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  OverlappingDomain<dim>::memory_consumption() const
+  {
+    std::size_t n = order.size() * (sizeof(unsigned int) + 8 + 8) +
+                    overlapped.memory_consumption();
+    if (local_copy)
+      {
+        MatInfo info;
+        check_petsc(MatGetInfo(local_copy.get(), MAT_LOCAL, &info));
+        n += info.memory;
+      }
+    return n;
+  }
+
+
+
+  namespace
+  {
+    class IlutSolver : public LocalSolver
+    {
+    public:
+      template <typename... Arguments>
+      IlutSolver(const Arguments &... arguments)
+        : ilut(arguments...)
+      {}
+
+      void
+      solve(double *x, const bool transpose) const override
+      {
+        transpose ? ilut.solve_transpose(x) : ilut.solve(x);
+      }
+
+      std::size_t
+      memory_consumption() const override
+      {
+        return ilut.memory_consumption();
+      }
+
+    private:
+      ILUT ilut;
+    };
+
+
+
+    class PetscFactorization : public LocalSolver
+    {
+    public:
+      PetscFactorization(const Mat          matrix,
+                         const std::string &type,
+                         const double       shift)
+      {
+        Mat scaled;
+        check_petsc(MatDuplicate(matrix, MAT_COPY_VALUES, &scaled));
+        PetscMatrix owner(scaled);
+        Vec         diagonal;
+        check_petsc(MatCreateVecs(scaled, &diagonal, nullptr));
+        PetscVector vector_owner(diagonal);
+        check_petsc(MatGetDiagonal(scaled, diagonal));
+        check_petsc(VecSqrtAbs(diagonal));
+        check_petsc(VecReciprocal(diagonal));
+        check_petsc(MatDiagonalScale(scaled, diagonal, diagonal));
+        if (shift != 0.)
+          check_petsc(MatShift(scaled, shift));
+
+        PetscInt           n;
+        const PetscScalar *values;
+        check_petsc(VecGetLocalSize(diagonal, &n));
+        check_petsc(VecGetArrayRead(diagonal, &values));
+        scaling.assign(values, values + n);
+        check_petsc(VecRestoreArrayRead(diagonal, &values));
+
+        PC handle;
+        check_petsc(PCCreate(PETSC_COMM_SELF, &handle));
+        pc.reset(handle);
+        check_petsc(PCSetOperators(handle, scaled, scaled));
+        check_petsc(PCSetType(handle, type.c_str()));
+        check_petsc(
+          PCFactorSetMatOrderingType(handle, MATORDERINGNATURAL));
+        check_petsc(PCFactorSetLevels(handle, 0));
+        check_petsc(PCFactorSetShiftType(handle, MAT_SHIFT_NONE));
+        check_petsc(PCFactorSetZeroPivot(handle, 1e-14));
+        check_petsc(PCSetErrorIfFailure(handle, PETSC_FALSE));
+        check_petsc(PCSetUp(handle));
+        PCFailedReason reason;
+        check_petsc(PCGetFailedReason(handle, &reason));
+        AssertThrow(reason == PC_NOERROR,
+                    ExcMessage(
+                      std::string(type == "icc" ? "IC(0)" : "ILU(0)") +
+                      " found a pivot that is not positive: the matrix needs "
+                      "a shift (parameter 'Shift', try 1e-3)."));
+        view_in  = PetscVectorView(PETSC_COMM_SELF, n);
+        view_out = PetscVectorView(PETSC_COMM_SELF, n);
+        scratch.resize(n);
+
+        MatInfo info;
+        Mat     factor;
+        check_petsc(PCFactorGetMatrix(handle, &factor));
+        check_petsc(MatGetInfo(factor, MAT_LOCAL, &info));
+        bytes = info.nz_used * (sizeof(double) + sizeof(PetscInt));
+      }
+
+      void
+      solve(double *x, const bool transpose) const override
+      {
+        for (std::size_t i = 0; i < scaling.size(); ++i)
+          x[i] *= scaling[i];
+        view_in.with(x, [&](Vec in) {
+          view_out.with(scratch.data(), [&](Vec out) {
+            check_petsc(transpose ? PCApplyTranspose(pc.get(), in, out) :
+                                    PCApply(pc.get(), in, out));
+          });
+        });
+        for (std::size_t i = 0; i < scaling.size(); ++i)
+          x[i] = scaling[i] * scratch[i];
+      }
+
+      std::size_t
+      memory_consumption() const override
+      {
+        return bytes + 2 * scaling.size() * sizeof(double);
+      }
+
+    private:
+      PetscHandle<PC, PCDestroy>  pc;
+      std::vector<double>         scaling;
+      mutable std::vector<double> scratch;
+      PetscVectorView             view_in, view_out;
+      std::size_t                 bytes = 0;
+    };
+  } // namespace
+
+
+
+  std::unique_ptr<LocalSolver>
+  make_ilut(const Mat     matrix,
+            const double drop_tolerance,
+            const double fill_factor)
+  {
+    return std::make_unique<IlutSolver>(matrix, drop_tolerance, fill_factor);
+  }
+
+
+
+  std::unique_ptr<LocalSolver>
+  make_incomplete_factorization(const Mat          matrix,
+                                const std::string &type,
+                                const double       shift)
+  {
+    return std::make_unique<PetscFactorization>(matrix, type, shift);
+  }
+
+
+
+  template <int dim>
+  AdditiveSchwarz<dim>::AdditiveSchwarz(
+    std::unique_ptr<const OverlappingDomain<dim>>                     d,
+    const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make)
+    : domain(std::move(d))
+    , solver(domain->size() > 0 ? make(domain->matrix()) : nullptr)
+  {}
+
+
+
+  template <int dim>
+  void
+  AdditiveSchwarz<dim>::apply(VectorType &      dst,
+                              const VectorType &src,
+                              const bool        transpose) const
+  {
+    domain->restrict_to(local, src, transpose);
+    if (solver)
+      solver->solve(local.data(), transpose);
+    domain->prolongate_from(local, dst, transpose);
+  }
+
+
+
+  template <int dim>
+  void
+  AdditiveSchwarz<dim>::vmult(VectorType &dst, const VectorType &src) const
+  {
+    apply(dst, src, false);
+  }
+
+
+
+  template <int dim>
+  void
+  AdditiveSchwarz<dim>::Tvmult(VectorType &dst, const VectorType &src) const
+  {
+    apply(dst, src, true);
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  AdditiveSchwarz<dim>::memory_consumption() const
+  {
+    return domain->memory_consumption() +
+           (solver ? solver->memory_consumption() : 0);
+  }
+
+
+
+  template class OverlappingDomain<2>;
+  template class OverlappingDomain<3>;
+  template class AdditiveSchwarz<2>;
+  template class AdditiveSchwarz<3>;
+} // namespace greville
