@@ -4,6 +4,11 @@
 #include <deal.II/base/config.h>
 
 #include <deal.II/base/mpi.h>
+#if DEAL_II_VERSION_GTE(9, 7, 0)
+#  include <deal.II/base/enable_observer_pointer.h>
+#else
+#  include <deal.II/base/subscriptor.h>
+#endif
 
 #include <deal.II/distributed/tria.h>
 
@@ -25,6 +30,15 @@ namespace greville
   template <int dim>
   using DistributedTriangulation =
     dealii::parallel::distributed::Triangulation<dim>;
+
+  /**
+   * The base of what deal.II's solvers and smoothers keep pointers to.
+   */
+#if DEAL_II_VERSION_GTE(9, 7, 0)
+  using Observable = dealii::EnableObserverPointer;
+#else
+  using Observable = dealii::Subscriptor;
+#endif
 
   template <int dim>
   MPI_Comm

@@ -1,0 +1,90 @@
+#ifndef greville_multigrid_mass_level_h
+#define greville_multigrid_mass_level_h
+
+#include <greville/multigrid/mass_matrix.h>
+#include <greville/multigrid/mass_operator.h>
+
+namespace greville
+{
+  /**
+   * The mass matrix of one order of the hierarchy, discretized anew from the
+   * density: matrix-free, and assembled where somebody needs the entries.
+   */
+  template <int dim>
+  class MassLevel
+  {
+  public:
+    /**
+     * Collective. Evaluates @p density at p + 1 Gauss points per direction; no
+     * operator is made yet. The space is kept by reference.
+     */
+    MassLevel(const SplineSpace<dim> &     space,
+              const dealii::Function<dim> &density);
+
+    /**
+     * Collective. Make the operators. vmult() works on the assembled matrix if
+     * @p apply_matrix, which implies @p with_matrix.
+     */
+    void
+    assemble(const bool with_matrix, const bool apply_matrix);
+
+    /**
+     * Free the operators.
+     */
+    void
+    clear();
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return *spline_space;
+    }
+
+    const DensityWeights<dim> &
+    weights() const
+    {
+      return density_weights;
+    }
+
+    const MassOperator<dim> &
+    mass() const
+    {
+      Assert(mass_operator, dealii::ExcNotInitialized());
+      return *mass_operator;
+    }
+
+    const MassMatrix<dim> &
+    matrix() const
+    {
+      Assert(mass_matrix, dealii::ExcNotInitialized());
+      return *mass_matrix;
+    }
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const
+    {
+      if (apply_matrix)
+        mass_matrix->vmult(dst, src);
+      else
+        mass_operator->vmult(dst, src);
+    }
+
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const
+    {
+      vmult(dst, src);
+    }
+
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    const SplineSpace<dim> *           spline_space;
+    DensityWeights<dim>                density_weights;
+    std::unique_ptr<MassOperator<dim>> mass_operator;
+    std::unique_ptr<MassMatrix<dim>>   mass_matrix;
+    bool                               apply_matrix = false;
+  };
+} // namespace greville
+
+#endif

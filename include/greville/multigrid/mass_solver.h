@@ -1,0 +1,171 @@
+#ifndef greville_multigrid_mass_solver_h
+#define greville_multigrid_mass_solver_h
+
+#include <greville/multigrid/p_multigrid.h>
+#include <greville/spline/order_hierarchy.h>
+
+#include <optional>
+
+namespace greville
+{
+  /**
+   * Parameters of MassSolver.
+   */
+  class MassSolverParameters : public dealii::ParameterAcceptor
+  {
+  public:
+    MassSolverParameters(const std::string &section = "Solver");
+
+    double       tolerance      = 1e-8;
+    unsigned int max_iterations = 1000;
+    std::string  operator_kind  = "automatic";
+  };
+
+
+
+  /**
+   * The mass matrix of a density on all orders of a hierarchy.
+   */
+  template <int dim>
+  class MassHierarchy
+  {
+  public:
+    /**
+     * Collective. Evaluates the density; operators are made by a MassSolver.
+     * The hierarchy is kept by reference.
+     */
+    MassHierarchy(const OrderHierarchy<dim> &  orders,
+                  const dealii::Function<dim> &density);
+
+    MassLevel<dim> &
+    finest()
+    {
+      return *levels.back();
+    }
+
+    /**
+     * From the coarsest to the finest.
+     */
+    std::vector<MassLevel<dim> *>
+    all_levels();
+
+    /**
+     * Free the operators of all levels.
+     */
+    void
+    clear();
+
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    std::vector<std::unique_ptr<MassLevel<dim>>> levels;
+  };
+
+
+
+  /**
+   * What a solve did.
+   */
+  struct SolveResult
+  {
+    /// Empty where the solver does not iterate to a tolerance.
+    std::optional<unsigned int> iterations;
+    bool                        converged = false;
+    /// Euclidean norm of b - M x relative to that of b, computed at the end.
+    double reduction = 0.;
+    /// Empty, or why the solver did not converge.
+    std::string reason;
+  };
+
+
+
+  /**
+   * The solvers of M x = b by name:
+   * - "p-multigrid": x += cycle(b - M x), see PMultigrid,
+   * - "cg-p-multigrid", "fgmres-p-multigrid": conjugate gradients and FGMRES,
+   *   preconditioned by a cycle,
+   * - "cg", "cg-jacobi", "cg-tensor-product": conjugate gradients,
+   * - "tensor-product": TensorProductPreconditioner, once,
+   * - "lumped": x = M_L^-1 b with the row sums M_L of M,
+   * - "fmpm-K": x = sum_(j<K) (1 - M_L^-1 M)^j M_L^-1 b (J. Nairn and C.
+   *   Hammerquist, Material point method simulations using an approximate full
+   *   mass matrix inverse, 2021); fmpm-1 is lumped.
+   *
+   * All start from zero. Iterations end when the residual has fallen by the
+   * tolerance.
+   */
+  template <int dim>
+  class MassSolver
+  {
+  public:
+    /**
+     * The names, with fmpm-K for any K.
+     */
+    static std::string
+    names();
+
+    /**
+     * Throws dealii::ExcMessage for a name that is none of names(). All
+     * arguments are kept by reference.
+     */
+    MassSolver(const std::string &         name,
+               MassHierarchy<dim> &        hierarchy,
+               const MassSolverParameters &parameters,
+               const PMultigridParameters &multigrid_parameters,
+               const SmootherParameters &  smoother_parameters);
+
+    /**
+     * Collective. Make the operators of the levels that the solver needs, and
+     * the matrices that it or its smoother needs.
+     */
+    void
+    assemble();
+
+    /**
+     * Collective. Make transfers, smoothers, factorizations.
+     */
+    void
+    setup();
+
+    /**
+     * Collective. The initial value of x does not matter.
+     */
+    SolveResult
+    solve(VectorType &x, const VectorType &b) const;
+
+    /**
+     * Whether the solver has a p-multigrid cycle.
+     */
+    static bool
+    uses_multigrid(const std::string &name);
+
+    /**
+     * Bytes of operators and preconditioner on this process.
+     */
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    void
+    iterate(VectorType &x, const VectorType &b, SolveResult &result) const;
+
+    void
+    run_krylov(VectorType &x, const VectorType &b, SolveResult &result) const;
+
+    void
+    run_fmpm(VectorType &x, const VectorType &b) const;
+
+    const std::string           name;
+    MassHierarchy<dim> &        hierarchy;
+    const MassSolverParameters &parameters;
+    const PMultigridParameters &multigrid_parameters;
+    const SmootherParameters &  smoother_parameters;
+    unsigned int                fmpm_order = 0;
+
+    std::unique_ptr<Preconditioner> preconditioner;
+    VectorType                      inverse_lumped;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,108 @@
+#ifndef greville_multigrid_order_transfer_h
+#define greville_multigrid_order_transfer_h
+
+#include <deal.II/multigrid/mg_base.h>
+
+#include <greville/multigrid/mass_level.h>
+#include <greville/multigrid/tensor_product_solver.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * Transfer between consecutive orders k > l on one mesh, in the form of
+   * deal.II's transfer classes (level 0 is the coarsest). With the cross matrix
+   * P_ij = int w phi_i^k phi_j^l, applied matrix-free:
+   * - prolongation "lumped-l2": D_k^-1 P, with the row sums D_k = diag(P 1)
+   *   (R. Tielen, M. Moeller, C. Vuik, 2019);
+   *   "exact-l2": M_k^-1 P with the tensor-product inverse, exact for a
+   *   constant weight (see TensorProductPreconditioner for others).
+   * - restriction "lumped-l2": D_l^-1 P^T with D_l = diag(P^T 1), the paper's;
+   *   "exact-l2": M_l^-1 P^T; "transpose": the transpose of the prolongation,
+   *   which makes a cycle with a symmetric smoother symmetric.
+   * The weight w is the density ("density") or 1 ("unit"). Inactive
+   * coefficients neither give nor take.
+   */
+  template <int dim>
+  class OrderTransfer : public dealii::MGTransferBase<VectorType>
+  {
+  public:
+    static std::string
+    prolongations()
+    {
+      return "lumped-l2|exact-l2";
+    }
+
+    static std::string
+    restrictions()
+    {
+      return "lumped-l2|exact-l2|transpose";
+    }
+
+    static std::string
+    weightings()
+    {
+      return "density|unit";
+    }
+
+    /**
+     * Collective. @p levels, whose operators have to be made, are kept by
+     * reference.
+     */
+    OrderTransfer(const std::vector<MassLevel<dim> *> &levels,
+                  const std::string &                  prolongation,
+                  const std::string &                  restriction,
+                  const std::string &                  weighting);
+
+    void
+    prolongate(const unsigned int to_level,
+               VectorType &       dst,
+               const VectorType & src) const override;
+
+    void
+    prolongate_and_add(const unsigned int to_level,
+                       VectorType &       dst,
+                       const VectorType & src) const override;
+
+    void
+    restrict_and_add(const unsigned int from_level,
+                     VectorType &       dst,
+                     const VectorType & src) const override;
+
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    /**
+     * Between a level and the next coarser one.
+     */
+    struct Step
+    {
+      std::unique_ptr<DensityWeights<dim>> unit_weights;
+      CrossMassOperator<dim>               cross;
+      VectorType                           inverse_row_sums;
+      VectorType                           inverse_column_sums;
+      mutable VectorType                   fine, coarse;
+    };
+
+    /**
+     * The tensor-product inverse on a level, where it is used.
+     */
+    struct Inverse
+    {
+      TensorProductSolver<dim>                          solver;
+      std::unique_ptr<TensorProductPreconditioner<dim>> weighted;
+      std::vector<unsigned int>                         inactive;
+
+      void
+      apply(VectorType &x) const;
+    };
+
+    std::vector<Step>                     steps; // [level - 1]
+    std::vector<std::unique_ptr<Inverse>> inverses;
+    std::string                           prolongation, restriction;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,132 @@
+#ifndef greville_multigrid_p_multigrid_h
+#define greville_multigrid_p_multigrid_h
+
+#include <deal.II/multigrid/mg_base.h>
+
+#include <greville/multigrid/order_transfer.h>
+#include <greville/multigrid/smoother.h>
+#include <greville/spline/order_hierarchy.h>
+
+namespace greville
+{
+  /**
+   * Parameters of PMultigrid.
+   */
+  class PMultigridParameters : public dealii::ParameterAcceptor
+  {
+  public:
+    PMultigridParameters(const std::string &section = "p-multigrid");
+
+    std::string  coarsening              = "one by one";
+    std::string  cycle                   = "V";
+    std::string  prolongation            = "lumped-l2";
+    std::string  restriction             = "lumped-l2";
+    std::string  weighting               = "density";
+    unsigned int pre_smoothing           = 1;
+    unsigned int post_smoothing          = 1;
+    double       coarse_tolerance        = 1e-4;
+    unsigned int coarse_max_iterations   = 1000;
+    std::string  coarse_preconditioner   = "none";
+    std::string  smoother                = "ilut";
+  };
+
+
+
+  /**
+   * p-multigrid (R. Tielen, M. Moeller, C. Vuik, Efficient multigrid based
+   * solvers for B-spline MPM, 2019) for M x = b on a hierarchy of orders. On
+   * level l, with smoother S,
+   *   x <- x + S (b - M x)                         nu1 times,
+   *   e  = cycle(l - 1, restriction of b - M x)    once (V) or twice (W), or an
+   *                                                F- and a V-cycle (F),
+   *   x <- x + prolongation of e,
+   *   x <- x + S (b - M x)                         nu2 times,
+   * and conjugate gradients on level 0. With restriction = "transpose" the
+   * steps after the coarse correction use S^T, so that the cycle is symmetric
+   * (up to the tolerance of the coarse solver).
+   *
+   * The cycle is not dealii::Multigrid's, whose W-cycle runs as a V-cycle up to
+   * version 9.7. Its parts have deal.II's interfaces and can be given to it.
+   */
+  template <int dim>
+  class PMultigrid : public Preconditioner
+  {
+  public:
+    /**
+     * Collective. @p levels, whose operators have to be made, are kept by
+     * reference, from the coarsest to the finest. @p coarse_tolerance is the
+     * relative tolerance on level 0.
+     */
+    PMultigrid(const std::vector<MassLevel<dim> *> &levels,
+               const PMultigridParameters &         parameters,
+               const SmootherParameters &           smoother_parameters,
+               const double                         coarse_tolerance);
+    ~PMultigrid() override;
+
+    /**
+     * One cycle with the initial guess zero.
+     */
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
+
+    /**
+     * As vmult(); for symmetric cycles only.
+     */
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const override;
+
+    std::size_t
+    memory_consumption() const override;
+
+    // The parts, in deal.II's interfaces.
+
+    const dealii::MGMatrixBase<VectorType> &
+    matrices() const;
+
+    const dealii::MGSmootherBase<VectorType> &
+    pre_smoother() const;
+
+    const dealii::MGSmootherBase<VectorType> &
+    post_smoother() const;
+
+    const dealii::MGCoarseGridBase<VectorType> &
+    coarse_solver() const;
+
+    const OrderTransfer<dim> &
+    transfer() const
+    {
+      return order_transfer;
+    }
+
+  private:
+    enum class Cycle
+    {
+      V,
+      W,
+      F
+    };
+
+    class Matrices;
+    class Smoother;
+    class CoarseSolver;
+
+    /**
+     * Improve x[level] for the right-hand side b[level]; begin with zero where
+     * @p from_zero.
+     */
+    void
+    cycle(const unsigned int level,
+          const Cycle        type,
+          const bool         from_zero) const;
+
+    OrderTransfer<dim>                           order_transfer;
+    Cycle                                        cycle_type;
+    std::vector<std::unique_ptr<Preconditioner>> smoothers;
+    std::unique_ptr<Matrices>                    level_matrices;
+    std::unique_ptr<Smoother>                    pre, post;
+    std::unique_ptr<CoarseSolver>                coarse;
+    mutable std::vector<VectorType>              x, b, residual;
+  };
+} // namespace greville
+
+#endif

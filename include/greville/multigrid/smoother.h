@@ -1,0 +1,75 @@
+#ifndef greville_multigrid_smoother_h
+#define greville_multigrid_smoother_h
+
+#include <deal.II/base/parameter_acceptor.h>
+
+#include <greville/multigrid/mass_level.h>
+#include <greville/multigrid/preconditioner.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * Parameters of all smoothers; each reads its own.
+   */
+  class SmootherParameters : public dealii::ParameterAcceptor
+  {
+  public:
+    SmootherParameters(const std::string &section = "Smoother");
+
+    // Incomplete factorizations and Schwarz methods
+    double       drop_tolerance = 1e-12;
+    double       fill_factor    = 1.;
+    double       shift          = 0.;
+    unsigned int overlap        = 1;
+    std::string  ordering       = "lexicographic";
+    std::string  combination    = "automatic";
+    unsigned int box_size       = 8;
+    unsigned int box_overlap    = 2;
+
+    // Point smoothers
+    double       damping          = 1.;
+    unsigned int chebyshev_degree = 4;
+    double       chebyshev_range  = 20.;
+
+    std::string petsc_options = "-pc_type bjacobi -sub_pc_type icc";
+  };
+
+  /**
+   * The names of smoothers, separated by '|':
+   * - "ilut": ILUT on overlapping domains, one per process,
+   * - "ilu0", "ic0": ILU(0) and IC(0) of the diagonally scaled matrix, likewise,
+   * - "jacobi": omega D^-1, omega = damping / lambda_max(D^-1 M),
+   * - "gauss-seidel": forward before and backward after the coarse correction
+   *   of a symmetric cycle, "symmetric-gauss-seidel": forward and backward;
+   *   both process by process (PETSc's SOR),
+   * - "chebyshev": deal.II's polynomial smoother on D^-1 M,
+   * - "schwarz": small overlapping boxes, solved exactly,
+   * - "tensor-product": TensorProductPreconditioner,
+   * - "petsc": the PETSc preconditioner that the options describe.
+   */
+  std::string
+  smoother_names();
+
+  /**
+   * Whether a smoother needs the assembled matrix.
+   */
+  bool
+  smoother_needs_matrix(const std::string &name);
+
+  /**
+   * Make a smoother for @p level, which is kept by reference. Collective.
+   * @p symmetric asks for a symmetric one where the combination of Schwarz
+   * domains is "automatic". Throws dealii::ExcMessage for an unknown name or
+   * a factorization that fails.
+   */
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  make_smoother(const std::string &       name,
+                const SmootherParameters &parameters,
+                const MassLevel<dim> &    level,
+                const bool                symmetric);
+} // namespace greville
+
+#endif

@@ -1,0 +1,373 @@
+#include <deal.II/lac/precondition.h>
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/solver_gmres.h>
+
+#include <greville/multigrid/mass_solver.h>
+
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  MassSolverParameters::MassSolverParameters(const std::string &section)
+    : ParameterAcceptor(section)
+  {
+    add_parameter("Tolerance",
+                  tolerance,
+                  "Iterations end when the Euclidean norm of the residual has "
+                  "fallen to this part of that of the right-hand side. Unit: "
+                  "none.",
+                  prm,
+                  Patterns::Double(1e-15, 1.));
+    add_parameter("Maximum iterations",
+                  max_iterations,
+                  "A solver that needs more has not converged. Unit: "
+                  "iterations.",
+                  prm,
+                  Patterns::Integer(1));
+    add_parameter("Operator",
+                  operator_kind,
+                  "How M is applied: by the assembled matrix, matrix-free, or "
+                  "(automatic) by the matrix in cg and cg-jacobi, as other "
+                  "codes do, and matrix-free in all others. Smoothers that "
+                  "need the matrix have it assembled in any case.",
+                  prm,
+                  Patterns::Selection("automatic|assembled|matrix-free"));
+  }
+
+
+
+  template <int dim>
+  MassHierarchy<dim>::MassHierarchy(const OrderHierarchy<dim> &orders,
+                                    const Function<dim> &      density)
+  {
+    for (unsigned int l = 0; l < orders.n_levels(); ++l)
+      levels.push_back(std::make_unique<MassLevel<dim>>(orders[l], density));
+  }
+
+
+
+  template <int dim>
+  std::vector<MassLevel<dim> *>
+  MassHierarchy<dim>::all_levels()
+  {
+    std::vector<MassLevel<dim> *> result;
+    for (const auto &level : levels)
+      result.push_back(level.get());
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  MassHierarchy<dim>::clear()
+  {
+    for (const auto &level : levels)
+      level->clear();
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  MassHierarchy<dim>::memory_consumption() const
+  {
+    std::size_t n = 0;
+    for (const auto &level : levels)
+      n += level->memory_consumption();
+    return n;
+  }
+
+
+
+  namespace
+  {
+    const std::vector<std::string> solver_names = {"p-multigrid",
+                                                   "cg-p-multigrid",
+                                                   "fgmres-p-multigrid",
+                                                   "cg",
+                                                   "cg-jacobi",
+                                                   "cg-tensor-product",
+                                                   "tensor-product",
+                                                   "lumped"};
+
+    /**
+     * K of "fmpm-K", 0 for other names.
+     */
+    unsigned int
+    order_of_fmpm(const std::string &name)
+    {
+      const std::string prefix = "fmpm-";
+      if (name.compare(0, prefix.size(), prefix) != 0)
+        return 0;
+      const std::string number = name.substr(prefix.size());
+      if (number.empty() || number.size() > 6 ||
+          number.find_first_not_of("0123456789") != std::string::npos)
+        return 0;
+      return std::stoi(number);
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  std::string
+  MassSolver<dim>::names()
+  {
+    std::string result;
+    for (const std::string &name : solver_names)
+      result += name + "|";
+    return result + "fmpm-K (K = 1, 2, ...)";
+  }
+
+
+
+  template <int dim>
+  MassSolver<dim>::MassSolver(const std::string &         name,
+                              MassHierarchy<dim> &        hierarchy,
+                              const MassSolverParameters &parameters,
+                              const PMultigridParameters &multigrid_parameters,
+                              const SmootherParameters &  smoother_parameters)
+    : name(name)
+    , hierarchy(hierarchy)
+    , parameters(parameters)
+    , multigrid_parameters(multigrid_parameters)
+    , smoother_parameters(smoother_parameters)
+    , fmpm_order(name == "lumped" ? 1 : order_of_fmpm(name))
+  {
+    AssertThrow(fmpm_order > 0 || std::count(solver_names.begin(),
+                                             solver_names.end(),
+                                             name) == 1,
+                ExcMessage("The solver <" + name + "> is none of " + names() +
+                           "."));
+  }
+
+
+
+  template <int dim>
+  bool
+  MassSolver<dim>::uses_multigrid(const std::string &name)
+  {
+    return name.find("p-multigrid") != std::string::npos;
+  }
+
+
+
+  template <int dim>
+  void
+  MassSolver<dim>::assemble()
+  {
+    preconditioner.reset();
+    hierarchy.clear();
+    const bool apply_matrix =
+      parameters.operator_kind == "assembled" ||
+      (parameters.operator_kind == "automatic" &&
+       (name == "cg" || name == "cg-jacobi"));
+    const bool smoother_wants_matrix =
+      uses_multigrid(name) &&
+      smoother_needs_matrix(multigrid_parameters.smoother);
+
+    const auto levels = hierarchy.all_levels();
+    for (unsigned int l = 0; l < levels.size(); ++l)
+      if (l + 1 == levels.size() || uses_multigrid(name))
+        levels[l]->assemble(l > 0 && smoother_wants_matrix, apply_matrix);
+  }
+
+
+
+  template <int dim>
+  void
+  MassSolver<dim>::setup()
+  {
+    MassLevel<dim> &finest = hierarchy.finest();
+    if (uses_multigrid(name))
+      {
+        // A single level is solved by the coarse solver: to the end.
+        const auto levels = hierarchy.all_levels();
+        preconditioner    = std::make_unique<PMultigrid<dim>>(
+          levels,
+          multigrid_parameters,
+          smoother_parameters,
+          levels.size() == 1 ? 0.5 * parameters.tolerance :
+                               multigrid_parameters.coarse_tolerance);
+      }
+    else if (name == "cg-jacobi")
+      preconditioner = make_smoother<dim>("jacobi",
+                                          smoother_parameters,
+                                          finest,
+                                          true);
+    else if (name == "tensor-product" || name == "cg-tensor-product")
+      preconditioner = make_smoother<dim>("tensor-product",
+                                          smoother_parameters,
+                                          finest,
+                                          true);
+    else if (fmpm_order > 0)
+      {
+        inverse_lumped = finest.mass().lumped();
+        for (double &entry : inverse_lumped)
+          entry = 1. / entry;
+      }
+  }
+
+
+
+  template <int dim>
+  SolveResult
+  MassSolver<dim>::solve(VectorType &x, const VectorType &b) const
+  {
+    SolveResult result;
+    x = 0.;
+    if (fmpm_order > 0)
+      run_fmpm(x, b);
+    else if (name == "tensor-product")
+      preconditioner->vmult(x, b);
+    else if (name == "p-multigrid")
+      iterate(x, b, result);
+    else
+      run_krylov(x, b, result);
+
+    VectorType residual(b);
+    hierarchy.finest().vmult(residual, x);
+    residual.sadd(-1., 1., b);
+    const double norm = b.l2_norm();
+    result.reduction  = norm > 0. ? residual.l2_norm() / norm : 0.;
+
+    // Recursive and true residual may differ by round-off.
+    result.converged = result.reduction <= 1.01 * parameters.tolerance;
+    if (!result.converged && result.reason.empty())
+      {
+        std::ostringstream reason;
+        if (result.iterations)
+          reason << "the residual of the iteration and the true one differ: "
+                    "round-off keeps it at "
+                 << result.reduction;
+        else
+          reason << "a direct approximation, its residual is "
+                 << result.reduction;
+        result.reason = reason.str();
+      }
+    return result;
+  }
+
+
+
+  namespace
+  {
+    std::string
+    reason_of_failure(const unsigned int iterations, const double reduction)
+    {
+      std::ostringstream reason;
+      if (!std::isfinite(reduction) || reduction > 1e3)
+        reason << "diverges: residual times " << reduction << " after "
+               << iterations << " iterations";
+      else
+        reason << "not within " << iterations
+               << " iterations: residual times " << reduction;
+      return reason.str();
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  MassSolver<dim>::iterate(VectorType &      x,
+                           const VectorType &b,
+                           SolveResult &     result) const
+  {
+    VectorType   residual(b), correction(b);
+    const double start     = b.l2_norm();
+    double       reduction = start > 0. ? 1. : 0.;
+    unsigned int k         = 0;
+    while (reduction > parameters.tolerance && reduction < 1e6 &&
+           k < parameters.max_iterations)
+      {
+        preconditioner->vmult(correction, residual);
+        x += correction;
+        hierarchy.finest().vmult(residual, x);
+        residual.sadd(-1., 1., b);
+        reduction = residual.l2_norm() / start;
+        ++k;
+      }
+    result.iterations = k;
+    if (!(reduction <= parameters.tolerance))
+      result.reason = reason_of_failure(k, reduction);
+  }
+
+
+
+  template <int dim>
+  void
+  MassSolver<dim>::run_krylov(VectorType &      x,
+                              const VectorType &b,
+                              SolveResult &     result) const
+  {
+    const double                    start = b.l2_norm();
+    SolverControl                   control(parameters.max_iterations,
+                          parameters.tolerance * start,
+                          false,
+                          false);
+    GrowingVectorMemory<VectorType> memory;
+    const MassLevel<dim> &          matrix = hierarchy.finest();
+    try
+      {
+        if (name == "cg")
+          SolverCG<VectorType>(control, memory)
+            .solve(matrix, x, b, PreconditionIdentity());
+        else if (name == "fgmres-p-multigrid")
+          SolverFGMRES<VectorType>(control, memory)
+            .solve(matrix, x, b, *preconditioner);
+        else if (uses_multigrid(name))
+          // The coarse solve is not linear: a flexible method.
+          SolverFlexibleCG<VectorType>(control, memory)
+            .solve(matrix, x, b, *preconditioner);
+        else
+          SolverCG<VectorType>(control, memory)
+            .solve(matrix, x, b, *preconditioner);
+      }
+    catch (const SolverControl::NoConvergence &failure)
+      {
+        result.reason = reason_of_failure(failure.last_step,
+                                          failure.last_residual / start);
+      }
+    result.iterations = control.last_step();
+  }
+
+
+
+  template <int dim>
+  void
+  MassSolver<dim>::run_fmpm(VectorType &x, const VectorType &b) const
+  {
+    VectorType term(b), product(b);
+    term.scale(inverse_lumped);
+    x = term;
+    for (unsigned int j = 1; j < fmpm_order; ++j)
+      {
+        hierarchy.finest().vmult(product, term);
+        product.scale(inverse_lumped);
+        term -= product;
+        x += term;
+      }
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  MassSolver<dim>::memory_consumption() const
+  {
+    return hierarchy.memory_consumption() +
+           (preconditioner ? preconditioner->memory_consumption() : 0) +
+           inverse_lumped.memory_consumption();
+  }
+
+
+
+  template class MassHierarchy<2>;
+  template class MassHierarchy<3>;
+  template class MassSolver<2>;
+  template class MassSolver<3>;
+} // namespace greville

@@ -1,0 +1,472 @@
+#include <deal.II/lac/diagonal_matrix.h>
+#include <deal.II/lac/precondition.h>
+
+#include <greville/multigrid/petsc_preconditioner.h>
+#include <greville/multigrid/schwarz.h>
+#include <greville/multigrid/smoother.h>
+#include <greville/multigrid/tensor_product_solver.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  SmootherParameters::SmootherParameters(const std::string &section)
+    : ParameterAcceptor(section)
+  {
+    add_parameter("Drop tolerance",
+                  drop_tolerance,
+                  "ilut: entries below this part of the norm of their row are "
+                  "dropped. Unit: none.",
+                  prm,
+                  Patterns::Double(0., 1.));
+    add_parameter("Fill factor",
+                  fill_factor,
+                  "ilut: entries kept in a row of L and of U, as a multiple of "
+                  "those of the matrix. Unit: none.",
+                  prm,
+                  Patterns::Double(0.));
+    add_parameter("Shift",
+                  shift,
+                  "ilu0, ic0: added to the diagonal of the scaled matrix "
+                  "(which is 1) before the factorization. Unit: none.",
+                  prm,
+                  Patterns::Double(0.));
+    add_parameter("Overlap",
+                  overlap,
+                  "ilut, ilu0, ic0, schwarz: overlap of the domains of "
+                  "processes, in layers of the matrix's graph (p coefficients "
+                  "each). Unit: layers.",
+                  prm,
+                  Patterns::Integer(0, 10));
+    add_parameter("Ordering",
+                  ordering,
+                  "ilut, ilu0, ic0: order of the unknowns of a process. All "
+                  "but lexicographic are orderings of PETSc.",
+                  prm,
+                  Patterns::Selection("lexicographic|rcm|amd|nd|qmd|1wd"));
+    add_parameter("Combination",
+                  combination,
+                  "ilut, ilu0, ic0, schwarz: how overlapping corrections are "
+                  "put together; automatic is symmetric in a symmetric cycle "
+                  "(restriction = transpose), else restricted.",
+                  prm,
+                  Patterns::Selection("automatic|restricted|symmetric"));
+    add_parameter("Box size",
+                  box_size,
+                  "schwarz: coefficients of a box in each direction, without "
+                  "its overlap. Unit: coefficients.",
+                  prm,
+                  Patterns::Integer(1, 64));
+    add_parameter("Box overlap",
+                  box_overlap,
+                  "schwarz: coefficients that a box takes from its neighbours "
+                  "on each side. Unit: coefficients.",
+                  prm,
+                  Patterns::Integer(0, 64));
+    add_parameter("Damping",
+                  damping,
+                  "jacobi: the factor omega in units of 1 / lambda_max(D^-1 "
+                  "M), which is estimated; below 2 for convergence. Unit: "
+                  "none.",
+                  prm,
+                  Patterns::Double(0.));
+    add_parameter("Chebyshev degree",
+                  chebyshev_degree,
+                  "chebyshev: degree of the polynomial. Unit: none.",
+                  prm,
+                  Patterns::Integer(1, 100));
+    add_parameter("Chebyshev range",
+                  chebyshev_range,
+                  "chebyshev: eigenvalues of D^-1 M between lambda_max / "
+                  "range and lambda_max are smoothed. Unit: none.",
+                  prm,
+                  Patterns::Double(1.));
+    add_parameter("PETSc options",
+                  petsc_options,
+                  "petsc: the preconditioner, in PETSc's options without "
+                  "prefix.");
+  }
+
+
+
+  namespace
+  {
+    /**
+     * omega D^-1 with omega = damping / lambda_max(D^-1 M).
+     */
+    template <int dim>
+    class JacobiSmoother : public Preconditioner
+    {
+    public:
+      JacobiSmoother(const MassLevel<dim> &level, const double damping)
+        : inverse_diagonal(level.mass().diagonal())
+      {
+        for (double &entry : inverse_diagonal)
+          entry = 1. / entry;
+
+        // Some power steps. The start is a function of the position only, so
+        // that the estimate does not depend on the number of processes.
+        VectorType x, y;
+        level.space().initialize_vector(x);
+        level.space().initialize_vector(y);
+        const auto &positions = level.space().owned_functions();
+        for (unsigned int i = 0; i < positions.size(); ++i)
+          x.local_element(i) =
+            1. + 0.5 * std::sin(12.9898 * (positions[i] % 104729));
+        double lambda = 1.;
+        for (unsigned int step = 0; step < 15; ++step)
+          {
+            level.vmult(y, x);
+            y.scale(inverse_diagonal);
+            lambda = y.l2_norm() / x.l2_norm();
+            x.equ(1. / y.l2_norm(), y);
+          }
+        inverse_diagonal *= damping / lambda;
+      }
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        for (unsigned int i = 0; i < src.locally_owned_size(); ++i)
+          dst.local_element(i) =
+            inverse_diagonal.local_element(i) * src.local_element(i);
+      }
+
+      std::size_t
+      memory_consumption() const override
+      {
+        return inverse_diagonal.memory_consumption();
+      }
+
+    private:
+      VectorType inverse_diagonal;
+    };
+
+
+
+    template <int dim>
+    class ChebyshevSmoother : public Preconditioner
+    {
+    public:
+      ChebyshevSmoother(const MassLevel<dim> &    level,
+                        const SmootherParameters &parameters)
+        : matrix(level)
+      {
+        typename Chebyshev::AdditionalData data;
+        data.degree              = parameters.chebyshev_degree;
+        data.smoothing_range     = parameters.chebyshev_range;
+        data.eig_cg_n_iterations = 15;
+        data.preconditioner =
+          std::make_shared<DiagonalMatrix<VectorType>>(
+            level.mass().diagonal());
+        for (double &entry : data.preconditioner->get_vector())
+          entry = 1. / entry;
+        chebyshev.initialize(matrix, data);
+        VectorType vector;
+        level.space().initialize_vector(vector);
+        chebyshev.estimate_eigenvalues(vector);
+      }
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        chebyshev.vmult(dst, src);
+      }
+
+      std::size_t
+      memory_consumption() const override
+      {
+        return 0;
+      }
+
+    private:
+      /**
+       * A level in the form that deal.II's class wants.
+       */
+      struct Matrix : public Observable
+      {
+        Matrix(const MassLevel<dim> &level)
+          : level(level)
+        {}
+
+        void
+        vmult(VectorType &dst, const VectorType &src) const
+        {
+          level.vmult(dst, src);
+        }
+
+        types::global_dof_index
+        m() const
+        {
+          return level.space().n_dofs();
+        }
+
+        double
+        el(const unsigned int i, const unsigned int) const
+        {
+          return level.mass().diagonal()(i);
+        }
+
+        const MassLevel<dim> &level;
+      };
+
+      using Chebyshev = PreconditionChebyshev<Matrix,
+                                              VectorType,
+                                              DiagonalMatrix<VectorType>>;
+      Matrix    matrix;
+      Chebyshev chebyshev;
+    };
+
+
+
+    template <int dim>
+    class TensorProductSmoother : public Preconditioner
+    {
+    public:
+      TensorProductSmoother(const MassLevel<dim> &level)
+        : solver(level.space())
+        , preconditioner(solver, level.mass())
+      {}
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        preconditioner.vmult(dst, src);
+      }
+
+      std::size_t
+      memory_consumption() const override
+      {
+        return preconditioner.memory_consumption();
+      }
+
+    private:
+      TensorProductSolver<dim>         solver;
+      TensorProductPreconditioner<dim> preconditioner;
+    };
+
+
+
+    /**
+     * Forward, and backward as its transpose; process by process.
+     */
+    class GaussSeidelSmoother : public Preconditioner
+    {
+    public:
+      GaussSeidelSmoother(const Mat matrix)
+        : forward(matrix, "-pc_type sor -pc_sor_local_forward")
+        , backward(matrix, "-pc_type sor -pc_sor_local_backward")
+      {}
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        forward.vmult(dst, src);
+      }
+
+      void
+      Tvmult(VectorType &dst, const VectorType &src) const override
+      {
+        backward.vmult(dst, src);
+      }
+
+      std::size_t
+      memory_consumption() const override
+      {
+        return 0;
+      }
+
+    private:
+      PetscPreconditioner forward, backward;
+    };
+
+
+
+    template <int dim>
+    using Maker =
+      std::function<std::unique_ptr<Preconditioner>(const SmootherParameters &,
+                                                    const MassLevel<dim> &,
+                                                    const bool symmetric)>;
+
+    SchwarzCombination
+    combination_of(const SmootherParameters &parameters, const bool symmetric)
+    {
+      if (parameters.combination == "automatic")
+        return symmetric ? SchwarzCombination::symmetric :
+                           SchwarzCombination::restricted;
+      return parameters.combination == "symmetric" ?
+               SchwarzCombination::symmetric :
+               SchwarzCombination::restricted;
+    }
+
+
+
+    template <int dim>
+    std::unique_ptr<Preconditioner>
+    make_schwarz(
+      const SmootherParameters &                                        p,
+      const MassLevel<dim> &                                            level,
+      const bool                                                        symmetric,
+      const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make)
+    {
+      return std::make_unique<AdditiveSchwarz<dim>>(
+        std::make_unique<OverlappingDomain<dim>>(level.matrix(),
+                                                 p.overlap,
+                                                 combination_of(p, symmetric),
+                                                 p.ordering),
+        make);
+    }
+
+
+
+    template <int dim>
+    struct Entry
+    {
+      std::string name;
+      bool        needs_matrix;
+      Maker<dim>  make;
+    };
+
+
+
+    /**
+     * The list of smoothers. A new one is a line here.
+     */
+    template <int dim>
+    const std::vector<Entry<dim>> &
+    smoothers()
+    {
+      using P = const SmootherParameters &;
+      using L = const MassLevel<dim> &;
+      static const std::vector<Entry<dim>> list = {
+        {"ilut",
+         true,
+         [](P p, L level, const bool symmetric) {
+           return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
+             return make_ilut(m, p.drop_tolerance, p.fill_factor);
+           });
+         }},
+        {"ilu0",
+         true,
+         [](P p, L level, const bool symmetric) {
+           return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
+             return make_incomplete_factorization(m, "ilu", p.shift);
+           });
+         }},
+        {"ic0",
+         true,
+         [](P p, L level, const bool symmetric) {
+           return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
+             return make_incomplete_factorization(m, "icc", p.shift);
+           });
+         }},
+        {"jacobi",
+         false,
+         [](P p, L level, const bool) {
+           return std::make_unique<JacobiSmoother<dim>>(level, p.damping);
+         }},
+        {"gauss-seidel",
+         true,
+         [](P, L level, const bool) {
+           return std::make_unique<GaussSeidelSmoother>(
+             level.matrix().petsc());
+         }},
+        {"symmetric-gauss-seidel",
+         true,
+         [](P, L level, const bool) {
+           return std::make_unique<PetscPreconditioner>(
+             level.matrix().petsc(), "-pc_type sor -pc_sor_local_symmetric");
+         }},
+        {"chebyshev",
+         false,
+         [](P p, L level, const bool) {
+           return std::make_unique<ChebyshevSmoother<dim>>(level, p);
+         }},
+        {"schwarz",
+         true,
+         [](P p, L level, const bool symmetric) {
+           const auto combination = combination_of(p, symmetric);
+           return std::make_unique<BoxSchwarz<dim>>(
+             std::make_unique<OverlappingDomain<dim>>(
+               level.matrix(), p.overlap, combination, "lexicographic"),
+             level.matrix(),
+             p.box_size,
+             p.box_overlap,
+             combination);
+         }},
+        {"tensor-product",
+         false,
+         [](P, L level, const bool) {
+           return std::make_unique<TensorProductSmoother<dim>>(level);
+         }},
+        {"petsc", true, [](P p, L level, const bool) {
+           return std::make_unique<PetscPreconditioner>(
+             level.matrix().petsc(), p.petsc_options);
+         }}};
+      return list;
+    }
+
+
+
+    template <int dim>
+    const Entry<dim> &
+    find_smoother(const std::string &name)
+    {
+      const auto &list = smoothers<dim>();
+      const auto  found =
+        std::find_if(list.begin(), list.end(), [&](const Entry<dim> &entry) {
+          return entry.name == name;
+        });
+      AssertThrow(found != list.end(),
+                  ExcMessage("The smoother <" + name + "> is none of " +
+                             smoother_names() + "."));
+      return *found;
+    }
+  } // namespace
+
+
+
+  std::string
+  smoother_names()
+  {
+    std::string names;
+    for (const auto &entry : smoothers<2>())
+      names += (names.empty() ? "" : "|") + entry.name;
+    return names;
+  }
+
+
+
+  bool
+  smoother_needs_matrix(const std::string &name)
+  {
+    return find_smoother<2>(name).needs_matrix;
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  make_smoother(const std::string &       name,
+                const SmootherParameters &parameters,
+                const MassLevel<dim> &    level,
+                const bool                symmetric)
+  {
+    return find_smoother<dim>(name).make(parameters, level, symmetric);
+  }
+
+
+
+  template std::unique_ptr<Preconditioner>
+  make_smoother<2>(const std::string &,
+                   const SmootherParameters &,
+                   const MassLevel<2> &,
+                   const bool);
+  template std::unique_ptr<Preconditioner>
+  make_smoother<3>(const std::string &,
+                   const SmootherParameters &,
+                   const MassLevel<3> &,
+                   const bool);
+} // namespace greville
