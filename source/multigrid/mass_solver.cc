@@ -137,7 +137,16 @@ namespace greville
     , smoother_parameters(smoother_parameters)
     , fmpm_order(name == "lumped" ? 1 : order_of_fmpm(name))
   {
-    AssertThrow(fmpm_order > 0 || std::count(solver_names.begin(),
+    check_name(name);
+  }
+
+
+
+  template <int dim>
+  void
+  MassSolver<dim>::check_name(const std::string &name)
+  {
+    AssertThrow(order_of_fmpm(name) > 0 || std::count(solver_names.begin(),
                                              solver_names.end(),
                                              name) == 1,
                 ExcMessage("The solver <" + name + "> is none of " + names() +

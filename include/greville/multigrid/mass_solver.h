@@ -106,8 +106,13 @@ namespace greville
     names();
 
     /**
-     * Throws dealii::ExcMessage for a name that is none of names(). All
-     * arguments are kept by reference.
+     * Throws dealii::ExcMessage for a name that is none of names().
+     */
+    static void
+    check_name(const std::string &name);
+
+    /**
+     * Checks the name. All arguments are kept by reference.
      */
     MassSolver(const std::string &         name,
                MassHierarchy<dim> &        hierarchy,

@@ -1,0 +1,121 @@
+#ifndef greville_benchmark_mass_benchmark_h
+#define greville_benchmark_mass_benchmark_h
+
+#include <deal.II/base/conditional_ostream.h>
+
+#include <greville/benchmark/report.h>
+#include <greville/multigrid/mass_solver.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * What mass_benchmark sweeps over, and where it writes.
+   */
+  class MassBenchmarkParameters : public dealii::ParameterAcceptor
+  {
+  public:
+    MassBenchmarkParameters();
+
+    std::vector<unsigned int> dimensions = {2};
+    std::vector<unsigned int> orders     = {1, 2, 3};
+    std::string               cells      = "16, 32";
+    std::vector<std::string>  solvers    = {"p-multigrid"};
+    std::vector<std::string>  smoothers;
+    std::vector<std::string>  cycles;
+    std::vector<std::string>  restrictions;
+    std::vector<std::string>  published;
+    unsigned int              repetitions = 1;
+    bool                      throughput  = false;
+    std::string               output_directory;
+  };
+
+  /**
+   * The body: a box, its density and its acceleration.
+   */
+  class MassProblemParameters : public dealii::ParameterAcceptor
+  {
+  public:
+    MassProblemParameters();
+
+    std::vector<double>       lower        = {0., 0., 0.};
+    std::vector<double>       upper        = {1., 1., 1.};
+    std::vector<unsigned int> cell_ratio   = {1, 1, 1};
+    std::string               density      = "1";
+    std::string               acceleration = "-9.81";
+  };
+
+
+
+  /**
+   * Solves M a = F with F_i = int rho f N_i dx for sweeps over dimensions,
+   * orders, meshes and solvers, and reports iterations and times. The exact
+   * solution is the projection of the acceleration f onto the splines in the
+   * norm of the density.
+   */
+  class MassBenchmark
+  {
+  public:
+    MassBenchmark();
+
+    /**
+     * Collective. Read @p file, run, and write to the output directory: all
+     * parameters used, solves.csv, and where asked for comparison.csv and
+     * operators.csv. Throws where the file is wrong.
+     */
+    void
+    run(const std::string &file);
+
+  private:
+    template <int dim>
+    void
+    run_dimension(const std::vector<unsigned int> &cells);
+
+    template <int dim>
+    void
+    run_solvers(const OrderHierarchy<dim> &     orders,
+                const dealii::Function<dim> &density,
+                const dealii::Function<dim> &acceleration,
+                const unsigned int              n_cells);
+
+    template <int dim>
+    SolveRecord
+    run_solver(const std::string &             solver,
+               MassHierarchy<dim> &            mass,
+               const OrderHierarchy<dim> &     orders,
+               const dealii::Function<dim> &acceleration,
+               const unsigned int              n_cells);
+
+    void
+    check_parameters() const;
+
+    /**
+     * The cell numbers of each dimension.
+     */
+    std::vector<std::vector<unsigned int>>
+    cells_of_dimensions() const;
+
+    void
+    print_header(const std::string &file) const;
+
+    void
+    write_results() const;
+
+    MassBenchmarkParameters    parameters;
+    MassProblemParameters      problem;
+    MassSolverParameters       solver_parameters;
+    PMultigridParameters       multigrid_parameters;
+    SmootherParameters         smoother_parameters;
+    dealii::ConditionalOStream out;
+    std::string                output_directory;
+    std::string                input_directory;
+
+    std::vector<SolveRecord>    records;
+    std::vector<OperatorRecord> operator_records;
+    double                      bandwidth = 0.;
+    ProgressLine                progress;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,128 @@
+#ifndef greville_benchmark_report_h
+#define greville_benchmark_report_h
+
+#include <deal.II/base/timer.h>
+
+#include <greville/multigrid/mass_solver.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * One solve: a row of solves.csv. Times in seconds of wall clock (the slowest
+   * process), memory in bytes (all processes).
+   */
+  struct SolveRecord
+  {
+    std::string                  solver, smoother, cycle, restriction;
+    unsigned int                 dim = 0, cells = 0, p = 0, processes = 0;
+    unsigned long                unknowns = 0;
+    SolveResult                  result;
+    double                       error    = 0.;
+    double                       assembly = 0., setup = 0., solve = 0.;
+    std::optional<unsigned long> peak_bytes;
+
+    /**
+     * Solver with its variant, the key of a table.
+     */
+    std::string
+    variant() const;
+  };
+
+  /**
+   * The throughput of the operators in degrees of freedom per second, the bytes
+   * that the tensor-product solver sends to other processes in one solve (all
+   * of them), and the bytes of the assembled matrix.
+   */
+  struct OperatorRecord
+  {
+    unsigned int  dim = 0, cells = 0, p = 0, processes = 0;
+    unsigned long unknowns    = 0;
+    double        matrix_free = 0., assembled = 0., tensor_product = 0.;
+    unsigned long bytes_sent = 0, matrix_bytes = 0;
+  };
+
+  /**
+   * Published iterations of a solver, by (cells, p).
+   */
+  using PublishedTable =
+    std::map<std::pair<unsigned int, unsigned int>, unsigned int>;
+
+  /**
+   * Read a file with lines "elements,p1,p2,..." and "cells,iterations,...";
+   * lines with # are comments. Throws with the line where it cannot be read.
+   */
+  PublishedTable
+  read_published_table(const std::string &file);
+
+  /**
+   * The content of solves.csv, operators.csv.
+   */
+  std::string
+  solves_csv(const std::vector<SolveRecord> &records);
+
+  std::string
+  operators_csv(const std::vector<OperatorRecord> &records,
+                const double                        bandwidth);
+
+  /**
+   * Tables of iterations (rows: cells, columns: p) and of times for each
+   * variant. Solves that did not converge are marked and explained.
+   */
+  void
+  print_iterations(std::ostream &out, const std::vector<SolveRecord> &records);
+
+  void
+  print_times(std::ostream &out, const std::vector<SolveRecord> &records);
+
+  void
+  print_operators(std::ostream &                      out,
+                  const std::vector<OperatorRecord> &records,
+                  const double                        bandwidth);
+
+  /**
+   * Measured beside published iterations for the records of @p solver, as text
+   * to @p out, and as lines of comparison.csv.
+   */
+  std::string
+  compare_with_published(std::ostream &                  out,
+                         const std::vector<SolveRecord> &records,
+                         const std::string &             solver,
+                         const PublishedTable &          published);
+
+  /**
+   * The memory bandwidth of all processes together in bytes per second: the
+   * best of some sweeps a_i = b_i + s c_i over arrays that fit no cache, three
+   * numbers counted for each i (J. McCalpin's STREAM triad).
+   */
+  double
+  measure_bandwidth(const MPI_Comm comm);
+
+  /**
+   * One line that is rewritten on a terminal: what is being solved, how many of
+   * how many solves, and the time left. Quiet where the output is no terminal,
+   * and on all processes but the first.
+   */
+  class ProgressLine
+  {
+  public:
+    void
+    start(const unsigned int n_solves, const bool is_first_process);
+
+    void
+    show(const std::string &what);
+
+    void
+    finish();
+
+  private:
+    unsigned int  n = 0, done = 0;
+    bool          is_visible = false;
+    dealii::Timer timer;
+  };
+} // namespace greville
+
+#endif
