@@ -4,7 +4,6 @@
 #include <greville/base/parameters.h>
 
 #include <boost/property_tree/json_parser.hpp>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -14,8 +13,7 @@ namespace greville
 {
   using namespace dealii;
 
-  void
-  parse_parameter_file(const std::string &file)
+  void parse_parameter_file(const std::string &file)
   {
     AssertThrow(std::filesystem::is_regular_file(file),
                 ExcMessage("There is no parameter file <" + file + ">."));
@@ -31,8 +29,7 @@ namespace greville
     /**
      * ParameterHandler writes "Box_20size" for "Box size".
      */
-    std::string
-    demangle(const std::string &name)
+    std::string demangle(const std::string &name)
     {
       std::string result;
       for (std::size_t i = 0; i < name.size(); ++i)
@@ -49,8 +46,7 @@ namespace greville
 
 
 
-    std::string
-    escape_for_table(const std::string &text)
+    std::string escape_for_table(const std::string &text)
     {
       std::string result;
       for (const char c : text)
@@ -60,13 +56,12 @@ namespace greville
 
 
 
-    void
-    print_section(std::ostream &                     out,
-                  const boost::property_tree::ptree &tree,
-                  const std::string &                title)
+    void print_section(std::ostream                      &out,
+                       const boost::property_tree::ptree &tree,
+                       const std::string                 &title)
     {
       const auto value_of = [](const boost::property_tree::ptree &entry,
-                               const char *                       key) {
+                               const char                        *key) {
         return entry.get<std::string>(key, "");
       };
       bool has_entries = false;
@@ -97,8 +92,7 @@ namespace greville
 
 
 
-  void
-  print_parameter_reference(std::ostream &out, const std::string &program)
+  void print_parameter_reference(std::ostream &out, const std::string &program)
   {
     ParameterAcceptor::declare_all_parameters();
     std::stringstream json;
@@ -116,8 +110,7 @@ namespace greville
 
 
 
-  std::string
-  message_of(const std::exception &exception)
+  std::string message_of(const std::exception &exception)
   {
     const auto *dealii_exception =
       dynamic_cast<const ExceptionBase *>(&exception);
@@ -138,8 +131,8 @@ namespace greville
 
 
   template <int dim>
-  std::unique_ptr<Function<dim>>
-  make_function(const std::string &expression, const std::string &name)
+  std::unique_ptr<Function<dim>> make_function(const std::string &expression,
+                                               const std::string &name)
   {
     try
       {
@@ -174,8 +167,7 @@ namespace greville
 
 
 
-  void
-  write_atomically(const std::string &file, const std::string &content)
+  void write_atomically(const std::string &file, const std::string &content)
   {
     const std::string temporary = file + ".tmp";
     {
@@ -189,8 +181,8 @@ namespace greville
 
 
 
-  template std::unique_ptr<Function<2>>
-  make_function<2>(const std::string &, const std::string &);
-  template std::unique_ptr<Function<3>>
-  make_function<3>(const std::string &, const std::string &);
+  template std::unique_ptr<Function<2>> make_function<2>(const std::string &,
+                                                         const std::string &);
+  template std::unique_ptr<Function<3>> make_function<3>(const std::string &,
+                                                         const std::string &);
 } // namespace greville

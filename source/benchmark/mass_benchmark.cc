@@ -112,17 +112,16 @@ namespace greville
 
 
 
-  void
-  MassBenchmark::run(const std::string &file)
+  void MassBenchmark::run(const std::string &file)
   {
     parse_parameter_file(file);
     check_parameters();
 
     const std::filesystem::path path(file);
     input_directory  = path.parent_path().string();
-    output_directory = parameters.output_directory.empty() ?
-                         "output/" + path.stem().string() :
-                         parameters.output_directory;
+    output_directory = parameters.output_directory.empty()
+                         ? "output/" + path.stem().string()
+                         : parameters.output_directory;
     if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
       {
         std::filesystem::create_directories(output_directory);
@@ -152,18 +151,17 @@ namespace greville
     /**
      * The entries of a list, or the one value where the list is empty.
      */
-    std::vector<std::string>
-    list_or(const std::vector<std::string> &list, const std::string &value)
+    std::vector<std::string> list_or(const std::vector<std::string> &list,
+                                     const std::string              &value)
     {
       return list.empty() ? std::vector<std::string>{value} : list;
     }
 
 
 
-    void
-    check_names(const std::vector<std::string> &names,
-                const std::string &             parameter,
-                const std::string &             allowed)
+    void check_names(const std::vector<std::string> &names,
+                     const std::string              &parameter,
+                     const std::string              &allowed)
     {
       const auto list = Utilities::split_string_list(allowed, '|');
       for (const std::string &name : names)
@@ -209,8 +207,7 @@ namespace greville
 
 
 
-  void
-  MassBenchmark::check_parameters() const
+  void MassBenchmark::check_parameters() const
   {
     AssertThrow(!parameters.solvers.empty(),
                 ExcMessage("The parameter 'Solvers' is empty. It takes some "
@@ -247,16 +244,14 @@ namespace greville
 
 
 
-  void
-  MassBenchmark::print_header(const std::string &file) const
+  void MassBenchmark::print_header(const std::string &file) const
   {
     out << "Greville mass_benchmark: " << file << "\n  processes "
-        << Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) << ", "
-        << simd_width << " doubles per SIMD vector, deal.II "
-        << DEAL_II_PACKAGE_VERSION << "\n  density "
-        << problem.density << ", acceleration " << problem.acceleration
-        << ", tolerance " << solver_parameters.tolerance << "\n  results in "
-        << output_directory << "\n\n";
+        << Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) << ", " << simd_width
+        << " doubles per SIMD vector, deal.II " << DEAL_II_PACKAGE_VERSION
+        << "\n  density " << problem.density << ", acceleration "
+        << problem.acceleration << ", tolerance " << solver_parameters.tolerance
+        << "\n  results in " << output_directory << "\n\n";
 
     // The hierarchy of the largest order, with its sizes.
     const unsigned int p =
@@ -283,21 +278,20 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassBenchmark::run_dimension(const std::vector<unsigned int> &cells)
+  void MassBenchmark::run_dimension(const std::vector<unsigned int> &cells)
   {
-    const auto density      = make_function<dim>(problem.density, "Density");
+    const auto density = make_function<dim>(problem.density, "Density");
     const auto acceleration =
       make_function<dim>(problem.acceleration, "Acceleration");
 
     unsigned int n_variants = 0;
     for (const std::string &solver : parameters.solvers)
       n_variants +=
-        MassSolver<dim>::uses_multigrid(solver) ?
-          std::max<std::size_t>(1, parameters.smoothers.size()) *
-            std::max<std::size_t>(1, parameters.cycles.size()) *
-            std::max<std::size_t>(1, parameters.restrictions.size()) :
-          1;
+        MassSolver<dim>::uses_multigrid(solver)
+          ? std::max<std::size_t>(1, parameters.smoothers.size()) *
+              std::max<std::size_t>(1, parameters.cycles.size()) *
+              std::max<std::size_t>(1, parameters.restrictions.size())
+          : 1;
     progress.finish();
     progress.start(n_variants * cells.size() * parameters.orders.size(),
                    Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0);
@@ -335,8 +329,7 @@ namespace greville
      * The throughput of the operators of a level, in unknowns per second.
      */
     template <int dim>
-    OperatorRecord
-    measure_operators(MassLevel<dim> &level)
+    OperatorRecord measure_operators(MassLevel<dim> &level)
     {
       const SplineSpace<dim> &space = level.space();
       level.assemble(true, false);
@@ -352,10 +345,10 @@ namespace greville
         apply();
         Timer once;
         apply();
-        const double       first = Utilities::MPI::max(once.wall_time(),
-                                                 space.communicator());
-        const unsigned int n     = std::max(1., std::ceil(0.05 / first));
-        double             best  = std::numeric_limits<double>::max();
+        const double first =
+          Utilities::MPI::max(once.wall_time(), space.communicator());
+        const unsigned int n    = std::max(1., std::ceil(0.05 / first));
+        double             best = std::numeric_limits<double>::max();
         for (unsigned int group = 0; group < 5; ++group)
           {
             MPI_Barrier(space.communicator());
@@ -371,20 +364,20 @@ namespace greville
       };
 
       OperatorRecord record;
-      record.dim            = dim;
-      record.p              = space.degree();
-      record.processes      = Utilities::MPI::n_mpi_processes(
-        space.communicator());
-      record.unknowns       = space.n_dofs();
+      record.dim       = dim;
+      record.p         = space.degree();
+      record.processes = Utilities::MPI::n_mpi_processes(space.communicator());
+      record.unknowns  = space.n_dofs();
       record.matrix_free    = rate([&]() { level.mass().vmult(y, x); });
       record.assembled      = rate([&]() { level.matrix().vmult(y, x); });
       record.tensor_product = rate([&]() { inverse.vmult(y, x); });
-      record.bytes_sent     = Utilities::MPI::sum(
-        static_cast<unsigned long>(solver.bytes_sent()),
-        space.communicator());
-      record.matrix_bytes = Utilities::MPI::sum(
-        static_cast<unsigned long>(level.matrix().memory_consumption()),
-        space.communicator());
+      record.bytes_sent =
+        Utilities::MPI::sum(static_cast<unsigned long>(solver.bytes_sent()),
+                            space.communicator());
+      record.matrix_bytes =
+        Utilities::MPI::sum(static_cast<unsigned long>(
+                              level.matrix().memory_consumption()),
+                            space.communicator());
       level.clear();
       return record;
     }
@@ -395,8 +388,7 @@ namespace greville
      * Set the high-water mark of the process's memory back to what it holds.
      * False where the system does not allow it.
      */
-    bool
-    reset_peak_memory()
+    bool reset_peak_memory()
     {
       std::ofstream file("/proc/self/clear_refs");
       file << "5";
@@ -406,8 +398,7 @@ namespace greville
 
 
 
-    double
-    median(std::vector<double> values)
+    double median(std::vector<double> values)
     {
       std::sort(values.begin(), values.end());
       const std::size_t n = values.size();
@@ -418,26 +409,24 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassBenchmark::run_solvers(const OrderHierarchy<dim> &orders,
-                             const Function<dim> &      density,
-                             const Function<dim> &      acceleration,
-                             const unsigned int         n_cells)
+  void MassBenchmark::run_solvers(const OrderHierarchy<dim> &orders,
+                                  const Function<dim>       &density,
+                                  const Function<dim>       &acceleration,
+                                  const unsigned int         n_cells)
   {
     MassHierarchy<dim> mass(orders, density);
     for (const std::string &solver : parameters.solvers)
       {
         const PMultigridParameters &m = multigrid_parameters;
-        const bool is_multigrid = MassSolver<dim>::uses_multigrid(solver);
+        const bool is_multigrid       = MassSolver<dim>::uses_multigrid(solver);
         const std::vector<std::string> none{""};
         for (const std::string &smoother :
              is_multigrid ? list_or(parameters.smoothers, m.smoother) : none)
           for (const std::string &cycle :
                is_multigrid ? list_or(parameters.cycles, m.cycle) : none)
             for (const std::string &restriction :
-                 is_multigrid ? list_or(parameters.restrictions,
-                                        m.restriction) :
-                                none)
+                 is_multigrid ? list_or(parameters.restrictions, m.restriction)
+                              : none)
               {
                 const std::string old_smoother    = m.smoother;
                 const std::string old_cycle       = m.cycle;
@@ -448,8 +437,8 @@ namespace greville
                     multigrid_parameters.cycle       = cycle;
                     multigrid_parameters.restriction = restriction;
                   }
-                records.push_back(run_solver<dim>(
-                  solver, mass, orders, acceleration, n_cells));
+                records.push_back(
+                  run_solver<dim>(solver, mass, orders, acceleration, n_cells));
                 multigrid_parameters.smoother    = old_smoother;
                 multigrid_parameters.cycle       = old_cycle;
                 multigrid_parameters.restriction = old_restriction;
@@ -471,12 +460,11 @@ namespace greville
 
 
   template <int dim>
-  SolveRecord
-  MassBenchmark::run_solver(const std::string &        solver_name,
-                            MassHierarchy<dim> &       mass,
-                            const OrderHierarchy<dim> &orders,
-                            const Function<dim> &      acceleration,
-                            const unsigned int         n_cells)
+  SolveRecord MassBenchmark::run_solver(const std::string         &solver_name,
+                                        MassHierarchy<dim>        &mass,
+                                        const OrderHierarchy<dim> &orders,
+                                        const Function<dim>       &acceleration,
+                                        const unsigned int         n_cells)
   {
     const SplineSpace<dim> &space = orders.finest();
     const MPI_Comm          comm  = space.communicator();
@@ -509,8 +497,7 @@ namespace greville
     const bool has_peak =
       Utilities::MPI::min(int(reset_peak_memory()), comm) == 1;
     std::vector<double> assembly, setup, solve;
-    const auto          timed = [&](std::vector<double> &times,
-                           const auto &         action) {
+    const auto timed = [&](std::vector<double> &times, const auto &action) {
       MPI_Barrier(comm);
       Timer timer;
       action();
@@ -536,8 +523,8 @@ namespace greville
           const int n_failed = Utilities::MPI::sum(1, comm);
           if (n_failed != int(record.processes))
             throw;
-          record.result        = SolveResult();
-          record.result.reason = message_of(error);
+          record.result           = SolveResult();
+          record.result.reason    = message_of(error);
           record.result.reduction = 1.;
           record.error            = 1.;
           break;
@@ -559,8 +546,7 @@ namespace greville
 
 
 
-  void
-  MassBenchmark::write_results() const
+  void MassBenchmark::write_results() const
   {
     if (!out.is_active())
       return;
@@ -570,19 +556,17 @@ namespace greville
 
     if (!parameters.published.empty())
       {
-        std::string csv =
-          "variant,cells,p,measured,published,difference\n";
+        std::string csv = "variant,cells,p,measured,published,difference\n";
         for (const std::string &entry : parameters.published)
           {
             const std::size_t colon = entry.find(':');
-            const auto file =
-              std::filesystem::path(input_directory) /
-              Utilities::trim(entry.substr(colon + 1));
-            csv += compare_with_published(
-              stream,
-              records,
-              Utilities::trim(entry.substr(0, colon)),
-              read_published_table(file.string()));
+            const auto        file  = std::filesystem::path(input_directory) /
+                              Utilities::trim(entry.substr(colon + 1));
+            csv +=
+              compare_with_published(stream,
+                                     records,
+                                     Utilities::trim(entry.substr(0, colon)),
+                                     read_published_table(file.string()));
           }
         write_atomically(output_directory + "/comparison.csv", csv);
       }

@@ -4,21 +4,19 @@
 
 #include <greville/benchmark/report.h>
 
-#include <unistd.h>
-
 #include <cstdio>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <set>
 #include <sstream>
+#include <unistd.h>
 
 namespace greville
 {
   using namespace dealii;
 
-  std::string
-  SolveRecord::variant() const
+  std::string SolveRecord::variant() const
   {
     std::string text = std::to_string(dim) + "D, " + solver;
     for (const std::string &part : {cycle, smoother, restriction})
@@ -29,8 +27,7 @@ namespace greville
 
 
 
-  PublishedTable
-  read_published_table(const std::string &file)
+  PublishedTable read_published_table(const std::string &file)
   {
     std::ifstream in(file);
     AssertThrow(in,
@@ -49,7 +46,8 @@ namespace greville
             if (orders.empty())
               {
                 for (unsigned int k = 1; k < words.size(); ++k)
-                  orders.push_back(Utilities::string_to_int(words[k].substr(1)));
+                  orders.push_back(
+                    Utilities::string_to_int(words[k].substr(1)));
                 continue;
               }
             AssertThrow(words.size() == orders.size() + 1, ExcInternalError());
@@ -62,7 +60,8 @@ namespace greville
           {
             AssertThrow(false,
                         ExcMessage("Line " + std::to_string(number) + " of <" +
-                                   file + "> is neither 'elements,p1,p2,...' "
+                                   file +
+                                   "> is neither 'elements,p1,p2,...' "
                                    "nor integers for these columns: <" +
                                    line + ">."));
           }
@@ -72,8 +71,7 @@ namespace greville
 
 
 
-  std::string
-  solves_csv(const std::vector<SolveRecord> &records)
+  std::string solves_csv(const std::vector<SolveRecord> &records)
   {
     std::ostringstream out;
     out << "solver,smoother,cycle,restriction,dim,cells,p,processes,unknowns,"
@@ -99,9 +97,8 @@ namespace greville
 
 
 
-  std::string
-  operators_csv(const std::vector<OperatorRecord> &records,
-                const double                        bandwidth)
+  std::string operators_csv(const std::vector<OperatorRecord> &records,
+                            const double                       bandwidth)
   {
     std::ostringstream out;
     out << "dim,cells,p,processes,unknowns,matrix_free_dofs_per_s,"
@@ -147,11 +144,10 @@ namespace greville
      * Rows of cells and columns of orders, with @p text for each record.
      */
     template <typename Text>
-    void
-    print_table(std::ostream &                          out,
-                const std::vector<const SolveRecord *> &records,
-                const unsigned int                      width,
-                const Text &                            text)
+    void print_table(std::ostream                           &out,
+                     const std::vector<const SolveRecord *> &records,
+                     const unsigned int                      width,
+                     const Text                             &text)
     {
       std::set<unsigned int> orders, cells;
       for (const SolveRecord *record : records)
@@ -180,19 +176,17 @@ namespace greville
 
 
 
-    std::string
-    iterations_of(const SolveRecord &record)
+    std::string iterations_of(const SolveRecord &record)
     {
-      const std::string count =
-        record.result.iterations ? std::to_string(*record.result.iterations) :
-                                   "-";
+      const std::string count = record.result.iterations
+                                  ? std::to_string(*record.result.iterations)
+                                  : "-";
       return record.result.converged ? count : count + "!";
     }
 
 
 
-    std::string
-    seconds(const double time)
+    std::string seconds(const double time)
     {
       std::ostringstream text;
       text << std::scientific << std::setprecision(2) << time;
@@ -202,8 +196,8 @@ namespace greville
 
 
 
-  void
-  print_iterations(std::ostream &out, const std::vector<SolveRecord> &records)
+  void print_iterations(std::ostream                   &out,
+                        const std::vector<SolveRecord> &records)
   {
     for (const auto &group : by_variant(records))
       {
@@ -218,8 +212,7 @@ namespace greville
 
 
 
-  void
-  print_times(std::ostream &out, const std::vector<SolveRecord> &records)
+  void print_times(std::ostream &out, const std::vector<SolveRecord> &records)
   {
     for (const auto &group : by_variant(records))
       {
@@ -242,10 +235,9 @@ namespace greville
 
 
 
-  void
-  print_operators(std::ostream &                      out,
-                  const std::vector<OperatorRecord> &records,
-                  const double                        bandwidth)
+  void print_operators(std::ostream                      &out,
+                       const std::vector<OperatorRecord> &records,
+                       const double                       bandwidth)
   {
     out << std::fixed << std::setprecision(4)
         << "\nOperators in 10^9 unknowns per second; memory bandwidth (triad) "
@@ -264,11 +256,10 @@ namespace greville
 
 
 
-  std::string
-  compare_with_published(std::ostream &                  out,
-                         const std::vector<SolveRecord> &records,
-                         const std::string &             solver,
-                         const PublishedTable &          published)
+  std::string compare_with_published(std::ostream                   &out,
+                                     const std::vector<SolveRecord> &records,
+                                     const std::string              &solver,
+                                     const PublishedTable           &published)
   {
     std::ostringstream       csv;
     std::vector<SolveRecord> chosen;
@@ -284,17 +275,15 @@ namespace greville
             << "\n  - fewer, + more than published\n";
         print_table(out, group.second, 13, [&](const SolveRecord &record) {
           const int reference = published.at({record.cells, record.p});
-          const int measured  = record.result.iterations ?
-                                 int(*record.result.iterations) :
-                                 -1;
+          const int measured =
+            record.result.iterations ? int(*record.result.iterations) : -1;
           const bool is_more = !record.result.converged || measured > reference;
           n_more += is_more;
           csv << record.variant() << ',' << record.cells << ',' << record.p
               << ',' << measured << ',' << reference << ','
               << measured - reference << '\n';
           return iterations_of(record) + " (" + std::to_string(reference) +
-                 ") " +
-                 (is_more ? "+" : (measured < reference ? "-" : " "));
+                 ") " + (is_more ? "+" : (measured < reference ? "-" : " "));
         });
         out << "  entries with more iterations than published: " << n_more
             << " of " << group.second.size() << '\n';
@@ -304,8 +293,7 @@ namespace greville
 
 
 
-  double
-  measure_bandwidth(const MPI_Comm comm)
+  double measure_bandwidth(const MPI_Comm comm)
   {
     const std::size_t   n = 4000000;
     std::vector<double> a(n, 0.), b(n, 1.), c(n, 2.);
@@ -327,8 +315,8 @@ namespace greville
 
 
 
-  void
-  ProgressLine::start(const unsigned int n_solves, const bool is_first_process)
+  void ProgressLine::start(const unsigned int n_solves,
+                           const bool         is_first_process)
   {
     n          = n_solves;
     done       = 0;
@@ -338,8 +326,7 @@ namespace greville
 
 
 
-  void
-  ProgressLine::show(const std::string &what)
+  void ProgressLine::show(const std::string &what)
   {
     ++done;
     if (!is_visible)
@@ -347,15 +334,15 @@ namespace greville
     const double elapsed = timer.wall_time();
     std::cout << "\r\033[K[" << done << "/" << n << "] " << what;
     if (done > 1)
-      std::cout << ", about " << std::ceil(elapsed / (done - 1) * (n - done + 1))
+      std::cout << ", about "
+                << std::ceil(elapsed / (done - 1) * (n - done + 1))
                 << " s left";
     std::cout << std::flush;
   }
 
 
 
-  void
-  ProgressLine::finish()
+  void ProgressLine::finish()
   {
     if (is_visible)
       std::cout << "\r\033[K" << std::flush;

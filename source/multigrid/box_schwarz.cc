@@ -24,19 +24,18 @@ namespace greville
 
 
   template <int dim>
-  BoxSchwarz<dim>::BoxSchwarz(
-    std::unique_ptr<const OverlappingDomain<dim>> d,
-    const MassMatrix<dim> &                        matrix,
-    const unsigned int                             box_size,
-    const unsigned int                             overlap,
-    const SchwarzCombination                     c)
+  BoxSchwarz<dim>::BoxSchwarz(std::unique_ptr<const OverlappingDomain<dim>> d,
+                              const MassMatrix<dim>   &matrix,
+                              const unsigned int       box_size,
+                              const unsigned int       overlap,
+                              const SchwarzCombination c)
     : domain(std::move(d))
     , combination(c)
     , weights(domain->size(), 0.)
     , local(domain->size())
     , sum(domain->size())
   {
-    const auto &    extents = matrix.space().n_functions();
+    const auto     &extents = matrix.space().n_functions();
     MultiIndex<dim> n_boxes;
     for (unsigned int e = 0; e < dim; ++e)
       n_boxes[e] = (extents[e] + box_size - 1) / box_size;
@@ -51,17 +50,15 @@ namespace greville
     };
     for (unsigned int i = 0; i < domain->size(); ++i)
       if (domain->owns(i))
-        box_at.emplace(lexicographic<dim>(
-                         box_index(multi_index<dim>(domain->positions()[i],
-                                                    extents)),
-                         n_boxes),
+        box_at.emplace(lexicographic<dim>(box_index(multi_index<dim>(
+                                            domain->positions()[i], extents)),
+                                          n_boxes),
                        box_at.size());
     boxes.resize(box_at.size());
 
     for (unsigned int i = 0; i < domain->size(); ++i)
       {
-        const auto index =
-          multi_index<dim>(domain->positions()[i], extents);
+        const auto index = multi_index<dim>(domain->positions()[i], extents);
         MultiIndex<dim> begin, length;
         for (unsigned int e = 0; e < dim; ++e)
           {
@@ -78,8 +75,7 @@ namespace greville
             auto box = multi_index<dim>(k, length);
             for (unsigned int e = 0; e < dim; ++e)
               box[e] += begin[e];
-            const auto found =
-              box_at.find(lexicographic<dim>(box, n_boxes));
+            const auto found = box_at.find(lexicographic<dim>(box, n_boxes));
             if (found != box_at.end())
               {
                 Box &target = boxes[found->second];
@@ -102,21 +98,15 @@ namespace greville
         for (unsigned int k = 0; k < n; ++k)
           {
             PetscInt           n_columns;
-            const PetscInt *   columns;
+            const PetscInt    *columns;
             const PetscScalar *values;
-            check_petsc(MatGetRow(domain->matrix(),
-                                  box.entries[k],
-                                  &n_columns,
-                                  &columns,
-                                  &values));
+            check_petsc(MatGetRow(
+              domain->matrix(), box.entries[k], &n_columns, &columns, &values));
             for (PetscInt j = 0; j < n_columns; ++j)
               if (place[columns[j]] >= 0)
                 box.inverse(k, place[columns[j]]) = values[j];
-            check_petsc(MatRestoreRow(domain->matrix(),
-                                      box.entries[k],
-                                      &n_columns,
-                                      &columns,
-                                      &values));
+            check_petsc(MatRestoreRow(
+              domain->matrix(), box.entries[k], &n_columns, &columns, &values));
           }
         for (unsigned int k = 0; k < n; ++k)
           place[box.entries[k]] = -1;
@@ -128,10 +118,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  BoxSchwarz<dim>::apply(VectorType &      dst,
-                         const VectorType &src,
-                         const bool        transpose) const
+  void BoxSchwarz<dim>::apply(VectorType       &dst,
+                              const VectorType &src,
+                              const bool        transpose) const
   {
     const bool is_symmetric = combination == SchwarzCombination::symmetric;
     domain->restrict_to(local, src, transpose);
@@ -144,17 +133,17 @@ namespace greville
         for (unsigned int k = 0; k < n; ++k)
           {
             const unsigned int i = box.entries[k];
-            values(k)            = local[i] * (is_symmetric ? weights[i] :
-                                    transpose  ? box.is_own[k] :
-                                                 1.);
+            values(k)            = local[i] * (is_symmetric ? weights[i]
+                                               : transpose  ? box.is_own[k]
+                                                            : 1.);
           }
         box.inverse.solve(values);
         for (unsigned int k = 0; k < n; ++k)
           {
             const unsigned int i = box.entries[k];
-            sum[i] += values(k) * (is_symmetric ? weights[i] :
-                                   transpose    ? 1. :
-                                                  box.is_own[k]);
+            sum[i] += values(k) * (is_symmetric ? weights[i]
+                                   : transpose  ? 1.
+                                                : box.is_own[k]);
           }
       }
     domain->prolongate_from(sum, dst, transpose);
@@ -163,8 +152,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  BoxSchwarz<dim>::vmult(VectorType &dst, const VectorType &src) const
+  void BoxSchwarz<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     apply(dst, src, false);
   }
@@ -172,8 +160,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  BoxSchwarz<dim>::Tvmult(VectorType &dst, const VectorType &src) const
+  void BoxSchwarz<dim>::Tvmult(VectorType &dst, const VectorType &src) const
   {
     apply(dst, src, true);
   }
@@ -181,8 +168,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  BoxSchwarz<dim>::memory_consumption() const
+  std::size_t BoxSchwarz<dim>::memory_consumption() const
   {
     std::size_t n = domain->memory_consumption();
     for (const Box &box : boxes)

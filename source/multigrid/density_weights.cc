@@ -12,7 +12,7 @@ namespace greville
   template <int dim>
   DensityWeights<dim>::DensityWeights(const SplineSpace<dim> &space,
                                       const unsigned int      n_points_1d,
-                                      const Function<dim> &   density)
+                                      const Function<dim>    &density)
     : n_q(n_points_1d)
     , cell_batches(space)
   {
@@ -57,7 +57,7 @@ namespace greville
   template <int dim>
   std::vector<Point<dim>>
   DensityWeights<dim>::points(const SplineSpace<dim> &space,
-                              const MultiIndex<dim> & cell) const
+                              const MultiIndex<dim>  &cell) const
   {
     const QGauss<1>         quadrature(n_q);
     const Point<dim>        corner = space.lattice().cell_corner(cell);
@@ -68,9 +68,8 @@ namespace greville
       {
         const auto index = multi_index<dim>(q, extents);
         for (unsigned int d = 0; d < dim; ++d)
-          result[q][d] =
-            corner[d] +
-            space.lattice().cell_size(d) * quadrature.point(index[d])(0);
+          result[q][d] = corner[d] + space.lattice().cell_size(d) *
+                                       quadrature.point(index[d])(0);
       }
     return result;
   }

@@ -9,7 +9,7 @@ namespace greville
 {
   using namespace dealii;
 
-  ILUT::ILUT(const Mat     matrix,
+  ILUT::ILUT(const Mat    matrix,
              const double drop_tolerance,
              const double fill_factor)
   {
@@ -53,7 +53,7 @@ namespace greville
     for (unsigned int i = 0; i < static_cast<unsigned int>(n); ++i)
       {
         PetscInt           n_columns;
-        const PetscInt *   columns;
+        const PetscInt    *columns;
         const PetscScalar *values;
         check_petsc(MatGetRow(matrix, i, &n_columns, &columns, &values));
         double       norm    = 0.;
@@ -75,7 +75,7 @@ namespace greville
               ++n_upper;
           }
         check_petsc(MatRestoreRow(matrix, i, &n_columns, &columns, &values));
-        norm                  = std::sqrt(norm);
+        norm                   = std::sqrt(norm);
         const double threshold = drop_tolerance * norm;
 
         while (!to_eliminate.empty())
@@ -108,8 +108,8 @@ namespace greville
         const auto         keep = [&](const bool is_lower) {
           kept.clear();
           for (const unsigned int j : in_row)
-            if (is_lower ? (j < i && row[j] != 0.) :
-                           (j > i && std::abs(row[j]) > threshold))
+            if (is_lower ? (j < i && row[j] != 0.)
+                                 : (j > i && std::abs(row[j]) > threshold))
               kept.emplace_back(j, row[j]);
         };
         keep(true);
@@ -129,8 +129,7 @@ namespace greville
 
 
 
-  void
-  ILUT::solve(double *x) const
+  void ILUT::solve(double *x) const
   {
     const unsigned int n = inverse_diagonal.size();
     for (unsigned int i = 0; i < n; ++i)
@@ -146,8 +145,7 @@ namespace greville
 
 
 
-  void
-  ILUT::solve_transpose(double *x) const
+  void ILUT::solve_transpose(double *x) const
   {
     const unsigned int n = inverse_diagonal.size();
     for (unsigned int i = 0; i < n; ++i)
@@ -163,8 +161,7 @@ namespace greville
 
 
 
-  std::size_t
-  ILUT::memory_consumption() const
+  std::size_t ILUT::memory_consumption() const
   {
     std::size_t n = inverse_diagonal.size() * sizeof(double);
     for (const auto *triangle : {&lower, &upper})

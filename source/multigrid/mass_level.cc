@@ -3,7 +3,7 @@
 namespace greville
 {
   template <int dim>
-  MassLevel<dim>::MassLevel(const SplineSpace<dim> &     space,
+  MassLevel<dim>::MassLevel(const SplineSpace<dim>      &space,
                             const dealii::Function<dim> &density)
     : spline_space(&space)
     , density_weights(space, space.degree() + 1, density)
@@ -12,8 +12,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassLevel<dim>::assemble(const bool with_matrix, const bool apply)
+  void MassLevel<dim>::assemble(const bool with_matrix, const bool apply)
   {
     clear();
     apply_matrix = apply;
@@ -27,8 +26,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassLevel<dim>::clear()
+  void MassLevel<dim>::clear()
   {
     mass_operator.reset();
     mass_matrix.reset();
@@ -38,8 +36,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  MassLevel<dim>::memory_consumption() const
+  std::size_t MassLevel<dim>::memory_consumption() const
   {
     return (mass_operator ? mass_operator->memory_consumption() : 0) +
            (mass_matrix ? mass_matrix->memory_consumption() : 0);

@@ -18,8 +18,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassMatrix<dim>::reinit(const SplineSpace<dim> &space)
+  void MassMatrix<dim>::reinit(const SplineSpace<dim> &space)
   {
     Assert(space.n_components() == 1,
            ExcMessage("The mass matrix is the same for all components; use a "
@@ -58,12 +57,11 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassMatrix<dim>::find_row_boxes()
+  void MassMatrix<dim>::find_row_boxes()
   {
     const SplineSpace<dim> &space   = *spline_space;
     const unsigned int      p       = space.degree();
-    const auto &            extents = space.n_functions();
+    const auto             &extents = space.n_functions();
 
     boxes.assign(dim, {});
     for (unsigned int d = 0; d < dim; ++d)
@@ -95,17 +93,16 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassMatrix<dim>::make_parallel_pattern()
+  void MassMatrix<dim>::make_parallel_pattern()
   {
     const SplineSpace<dim> &space   = *spline_space;
-    const auto &            extents = space.n_functions();
-    const auto &            owned   = space.owned_functions();
+    const auto             &extents = space.n_functions();
+    const auto             &owned   = space.owned_functions();
     const bool              is_parallel =
       Utilities::MPI::n_mpi_processes(space.communicator()) > 1;
 
     const auto for_each_column = [&](const std::uint64_t row,
-                                     const auto &        visit) {
+                                     const auto         &visit) {
       const auto      index = multi_index<dim>(row, extents);
       MultiIndex<dim> box;
       for (unsigned int d = 0; d < dim; ++d)
@@ -192,8 +189,7 @@ namespace greville
         remote_begin.push_back(remote_columns.size());
       }
 
-    const PetscInt first_owned =
-      space.partitioner()->local_range().first;
+    const PetscInt first_owned = space.partitioner()->local_range().first;
     ghost_rows.clear();
     ghost_columns.clear();
     for (const std::uint64_t row : space.ghost_functions())
@@ -203,11 +199,10 @@ namespace greville
           const auto found = number_of.find(column);
           const auto local =
             std::lower_bound(owned.begin(), owned.end(), column);
-          ghost_columns.push_back(
-            found != number_of.end() ? found->second :
-            local != owned.end() && *local == column ?
-                                       first_owned + (local - owned.begin()) :
-                                       -1);
+          ghost_columns.push_back(found != number_of.end() ? found->second
+                                  : local != owned.end() && *local == column
+                                    ? first_owned + (local - owned.begin())
+                                    : -1);
         });
       }
 
@@ -222,8 +217,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassMatrix<dim>::assemble(const DensityWeights<dim> &weights)
+  void MassMatrix<dim>::assemble(const DensityWeights<dim> &weights)
   {
     std::fill(box_values.begin(), box_values.end(), 0.);
     switch (spline_space->degree())
@@ -261,8 +255,7 @@ namespace greville
     class ProductTables
     {
     public:
-      void
-      reinit(const KnotVector &knots, const QGauss<1> &quadrature)
+      void reinit(const KnotVector &knots, const QGauss<1> &quadrature)
       {
         n_cells = knots.n_elements();
         size    = quadrature.size() * n * n;
@@ -285,15 +278,13 @@ namespace greville
               }
       }
 
-      const double *
-      operator[](const unsigned int cell) const
+      const double *operator[](const unsigned int cell) const
       {
         return values.data() + kind(cell) * size;
       }
 
     private:
-      unsigned int
-      kind(const unsigned int cell) const
+      unsigned int kind(const unsigned int cell) const
       {
         if (n_cells < 2 * n - 1 || cell < n)
           return cell;
@@ -310,14 +301,13 @@ namespace greville
 
   template <int dim>
   template <int n>
-  void
-  MassMatrix<dim>::add_cells(const DensityWeights<dim> &weights)
+  void MassMatrix<dim>::add_cells(const DensityWeights<dim> &weights)
   {
-    constexpr unsigned int nn      = n * n;
-    constexpr unsigned int n_z     = dim == 3 ? n : 1;
-    const SplineSpace<dim> &space  = *spline_space;
-    constexpr unsigned int  n_q    = n;
-    const unsigned int      width  = CellBatches<dim>::width();
+    constexpr unsigned int  nn    = n * n;
+    constexpr unsigned int  n_z   = dim == 3 ? n : 1;
+    const SplineSpace<dim> &space = *spline_space;
+    constexpr unsigned int  n_q   = n;
+    const unsigned int      width = CellBatches<dim>::width();
     const QGauss<1>         quadrature(n_q);
     AssertThrow(weights.n_points_1d() == n_q,
                 ExcMessage("A matrix of order p is assembled from p + 1 Gauss "
@@ -331,8 +321,7 @@ namespace greville
     std::vector<double> in_z(n_z * n_z * n_q * n_q);
     std::vector<double> in_zy(n_z * n_z * nn * n_q);
 
-    for (std::size_t batch_number = 0;
-         batch_number < weights.batches().size();
+    for (std::size_t batch_number = 0; batch_number < weights.batches().size();
          ++batch_number)
       {
         const auto &batch = weights.batches()[batch_number];
@@ -341,7 +330,7 @@ namespace greville
           {
             MultiIndex<dim> cell = batch.index;
             cell[0] += lane;
-            const double *     w = weights[batch_number] + lane;
+            const double          *w    = weights[batch_number] + lane;
             constexpr unsigned int n_xy = n_q * n_q;
 
             // Integrate over z (in 3D), then over y, for all pairs.
@@ -353,8 +342,8 @@ namespace greville
                     {
                       double sum = 0;
                       for (unsigned int q_z = 0; q_z < n_q; ++q_z)
-                        sum += table[q_z * nn + ab] *
-                               w[(q_z * n_xy + q) * width];
+                        sum +=
+                          table[q_z * nn + ab] * w[(q_z * n_xy + q) * width];
                       in_z[ab * n_xy + q] = sum;
                     }
               }
@@ -376,31 +365,28 @@ namespace greville
 
             // Integrate over x and add an n x n block of rows and columns at
             // a time.
-            const double *     table_x = products[0][cell[0]];
+            const double       *table_x = products[0][cell[0]];
             const unsigned int *rows =
               space.cell_functions(batch.first_cell + lane).data();
             for (unsigned int a_z = 0; a_z < n_z; ++a_z)
               for (unsigned int a_y = 0; a_y < n; ++a_y)
                 {
                   // For each row: where its first column of this cell lies.
-                  double *           target[n];
-                  const unsigned int i_y = cell[1] + a_y;
+                  double            *target[n];
+                  const unsigned int i_y      = cell[1] + a_y;
                   const unsigned int length_y = boxes[1][length][i_y];
                   for (unsigned int a_x = 0; a_x < n; ++a_x)
                     {
-                      const unsigned int i_x = cell[0] + a_x;
-                      unsigned int       start =
-                        cell[1] - boxes[1][lower][i_y];
+                      const unsigned int i_x   = cell[0] + a_x;
+                      unsigned int       start = cell[1] - boxes[1][lower][i_y];
                       if (dim == 3)
                         start += (cell[dim - 1] -
-                                  boxes[dim - 1][lower]
-                                       [cell[dim - 1] + a_z]) *
+                                  boxes[dim - 1][lower][cell[dim - 1] + a_z]) *
                                  length_y;
-                      target[a_x] =
-                        box_values.data() +
-                        row_begin[rows[(a_z * n + a_y) * n + a_x]] +
-                        start * boxes[0][length][i_x] + cell[0] -
-                        boxes[0][lower][i_x];
+                      target[a_x] = box_values.data() +
+                                    row_begin[rows[(a_z * n + a_y) * n + a_x]] +
+                                    start * boxes[0][length][i_x] + cell[0] -
+                                    boxes[0][lower][i_x];
                     }
                   for (unsigned int b_z = 0; b_z < n_z; ++b_z)
                     for (unsigned int b_y = 0; b_y < n; ++b_y)
@@ -418,9 +404,8 @@ namespace greville
                         for (unsigned int a_x = 0; a_x < n; ++a_x)
                           {
                             double *run =
-                              target[a_x] +
-                              (b_z * length_y + b_y) *
-                                boxes[0][length][cell[0] + a_x];
+                              target[a_x] + (b_z * length_y + b_y) *
+                                              boxes[0][length][cell[0] + a_x];
                             for (unsigned int b_x = 0; b_x < n; ++b_x)
                               run[b_x] += block[a_x * n + b_x];
                           }
@@ -433,8 +418,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassMatrix<dim>::finish()
+  void MassMatrix<dim>::finish()
   {
     Mat                     mat   = matrix.get();
     const SplineSpace<dim> &space = *spline_space;
@@ -451,14 +435,14 @@ namespace greville
         for (unsigned int k = 0; k < ghost_rows.size(); ++k)
           {
             const PetscInt begin = row_begin[n_owned + k];
-            check_petsc(MatSetValues(mat,
-                                     1,
-                                     &ghost_rows[k],
-                                     row_begin[n_owned + k + 1] - begin,
-                                     ghost_columns.data() + begin -
-                                       row_begin[n_owned],
-                                     box_values.data() + begin,
-                                     ADD_VALUES));
+            check_petsc(
+              MatSetValues(mat,
+                           1,
+                           &ghost_rows[k],
+                           row_begin[n_owned + k + 1] - begin,
+                           ghost_columns.data() + begin - row_begin[n_owned],
+                           box_values.data() + begin,
+                           ADD_VALUES));
           }
       }
     check_petsc(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
@@ -466,14 +450,13 @@ namespace greville
 
     VectorType diagonal;
     space.initialize_vector(diagonal);
-    view_dst.with(diagonal.begin(), [&](Vec vec) {
-      check_petsc(MatGetDiagonal(mat, vec));
-    });
+    view_dst.with(diagonal.begin(),
+                  [&](Vec vec) { check_petsc(MatGetDiagonal(mat, vec)); });
     const auto     inactive = fill_inactive(diagonal);
     const PetscInt first    = space.partitioner()->local_range().first;
     for (const unsigned int i : inactive.second)
-      check_petsc(MatSetValue(
-        mat, first + i, first + i, inactive.first, INSERT_VALUES));
+      check_petsc(
+        MatSetValue(mat, first + i, first + i, inactive.first, INSERT_VALUES));
     check_petsc(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
     check_petsc(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
   }
@@ -481,21 +464,18 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassMatrix<dim>::vmult(VectorType &dst, const VectorType &src) const
+  void MassMatrix<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     view_src.with(src.begin(), [&](Vec x) {
-      view_dst.with(dst.begin(), [&](Vec y) {
-        check_petsc(MatMult(matrix.get(), x, y));
-      });
+      view_dst.with(dst.begin(),
+                    [&](Vec y) { check_petsc(MatMult(matrix.get(), x, y)); });
     });
   }
 
 
 
   template <int dim>
-  std::size_t
-  MassMatrix<dim>::memory_consumption() const
+  std::size_t MassMatrix<dim>::memory_consumption() const
   {
     return box_values.size() * sizeof(double) +
            (diagonal_values.size() + remote_values.size()) *

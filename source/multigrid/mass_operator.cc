@@ -7,8 +7,7 @@ namespace greville
 
   namespace
   {
-    constexpr unsigned int
-    max_cell_size(const unsigned int dim)
+    constexpr unsigned int max_cell_size(const unsigned int dim)
     {
       return dim == 1 ? 6 : 6 * max_cell_size(dim - 1);
     }
@@ -39,8 +38,7 @@ namespace greville
      * Whether the coefficients of each row in x of the batch follow each other
      * in memory.
      */
-    bool
-    is_contiguous(const typename CellBatches<dim>::Batch &batch) const
+    bool is_contiguous(const typename CellBatches<dim>::Batch &batch) const
     {
       if (batch.end_lane < simd_width)
         return false;
@@ -60,12 +58,11 @@ namespace greville
      * Coefficients of one layer (all with the same place in the last direction)
      * of a batch.
      */
-    void
-    gather_layer(const std::size_t                        b,
-                 const typename CellBatches<dim>::Batch &batch,
-                 const unsigned int                       layer,
-                 const double *                           source,
-                 Simd *                                   values) const
+    void gather_layer(const std::size_t                       b,
+                      const typename CellBatches<dim>::Batch &batch,
+                      const unsigned int                      layer,
+                      const double                           *source,
+                      Simd                                   *values) const
     {
       const unsigned int *first =
         space.cell_functions(batch.first_cell).data() + layer * n_layer;
@@ -80,12 +77,11 @@ namespace greville
           }
     }
 
-    void
-    scatter_add_layer(const std::size_t                        b,
-                      const typename CellBatches<dim>::Batch &batch,
-                      const unsigned int                       layer,
-                      const Simd *                             values,
-                      double *                                 target) const
+    void scatter_add_layer(const std::size_t                       b,
+                           const typename CellBatches<dim>::Batch &batch,
+                           const unsigned int                      layer,
+                           const Simd                             *values,
+                           double                                 *target) const
     {
       const unsigned int *first =
         space.cell_functions(batch.first_cell).data() + layer * n_layer;
@@ -98,21 +94,19 @@ namespace greville
             target[first[lane * n * n_layer + i]] += values[i][lane];
     }
 
-    void
-    gather(const std::size_t                        b,
-           const typename CellBatches<dim>::Batch &batch,
-           const double *                           source,
-           Simd *                                   values) const
+    void gather(const std::size_t                       b,
+                const typename CellBatches<dim>::Batch &batch,
+                const double                           *source,
+                Simd                                   *values) const
     {
       for (unsigned int layer = 0; layer < n; ++layer)
         gather_layer(b, batch, layer, source, values + layer * n_layer);
     }
 
-    void
-    scatter_add(const std::size_t                        b,
-                const typename CellBatches<dim>::Batch &batch,
-                const Simd *                             values,
-                double *                                 target) const
+    void scatter_add(const std::size_t                       b,
+                     const typename CellBatches<dim>::Batch &batch,
+                     const Simd                             *values,
+                     double                                 *target) const
     {
       for (unsigned int layer = 0; layer < n; ++layer)
         scatter_add_layer(b, batch, layer, values + layer * n_layer, target);
@@ -128,18 +122,17 @@ namespace greville
       const double *z;
     };
 
-    void
-    load_tables(const ShapeTables<dim> &                 shape,
-                const typename CellBatches<dim>::Batch &batch,
-                Tables &                                 result) const
+    void load_tables(const ShapeTables<dim>                 &shape,
+                     const typename CellBatches<dim>::Batch &batch,
+                     Tables                                 &result) const
     {
       shape.load_x(batch.index[0], result.x);
       result.y = shape.values(1, batch.index[1]);
-      result.z = dim == 3 ? shape.values(dim - 1, batch.index[dim - 1]) :
-                            nullptr;
+      result.z =
+        dim == 3 ? shape.values(dim - 1, batch.index[dim - 1]) : nullptr;
     }
 
-    const SplineSpace<dim> &   space;
+    const SplineSpace<dim>    &space;
     ShapeTables<dim>           tables;
     CellKernels                kernels;
     unsigned int               n;
@@ -166,8 +159,8 @@ namespace greville
 
 
   template <int dim>
-  CrossMassOperator<dim>::CrossMassOperator(const SplineSpace<dim> &r,
-                                            const SplineSpace<dim> &c,
+  CrossMassOperator<dim>::CrossMassOperator(const SplineSpace<dim>    &r,
+                                            const SplineSpace<dim>    &c,
                                             const DensityWeights<dim> &w)
     : weights(&w)
     , rows(std::make_unique<Side>(r, w))
@@ -177,8 +170,8 @@ namespace greville
 
 
   template <int dim>
-  void
-  CrossMassOperator<dim>::vmult(VectorType &dst, const VectorType &src) const
+  void CrossMassOperator<dim>::vmult(VectorType       &dst,
+                                     const VectorType &src) const
   {
     const Side &in = columns ? *columns : *rows;
     apply(*rows, in, dst, src);
@@ -187,8 +180,8 @@ namespace greville
 
 
   template <int dim>
-  void
-  CrossMassOperator<dim>::Tvmult(VectorType &dst, const VectorType &src) const
+  void CrossMassOperator<dim>::Tvmult(VectorType       &dst,
+                                      const VectorType &src) const
   {
     const Side &out = columns ? *columns : *rows;
     apply(out, *rows, dst, src);
@@ -197,11 +190,10 @@ namespace greville
 
 
   template <int dim>
-  void
-  CrossMassOperator<dim>::apply(const Side &      out,
-                                const Side &      in,
-                                VectorType &      dst,
-                                const VectorType &src) const
+  void CrossMassOperator<dim>::apply(const Side       &out,
+                                     const Side       &in,
+                                     VectorType       &dst,
+                                     const VectorType &src) const
   {
     Assert(src.get_partitioner().get() == in.space.partitioner().get() &&
              dst.get_partitioner().get() == out.space.partitioner().get(),
@@ -218,8 +210,8 @@ namespace greville
     Simd                  coefficients[max_cell_size(dim - 1)];
     Simd                  in_memory[max_cell_size(dim)];
     Simd                  out_memory[max_cell_size(dim)];
-    Simd *                in_layers[max_cell_size(1)];
-    Simd *                out_layers[max_cell_size(1)];
+    Simd                 *in_layers[max_cell_size(1)];
+    Simd                 *out_layers[max_cell_size(1)];
     const unsigned int    n_layer_points =
       Utilities::fixed_power<dim - 1>(weights->n_points_1d());
     for (unsigned int k = 0; k < max_cell_size(1); ++k)
@@ -273,8 +265,7 @@ namespace greville
                                         tables.x,
                                         tables.y,
                                         coefficients);
-            out.scatter_add_layer(
-              b, batch, layer, coefficients, dst.begin());
+            out.scatter_add_layer(b, batch, layer, coefficients, dst.begin());
           }
       }
 
@@ -288,8 +279,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  CrossMassOperator<dim>::row_sums(VectorType &dst) const
+  void CrossMassOperator<dim>::row_sums(VectorType &dst) const
   {
     integrate(dst, Functions::ConstantFunction<dim>(1.));
   }
@@ -297,8 +287,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  CrossMassOperator<dim>::diagonal(VectorType &dst) const
+  void CrossMassOperator<dim>::diagonal(VectorType &dst) const
   {
     dst                      = 0.;
     ShapeTables<dim> squares = rows->tables;
@@ -322,9 +311,8 @@ namespace greville
 
 
   template <int dim>
-  void
-  CrossMassOperator<dim>::integrate(VectorType &         dst,
-                                    const Function<dim> &f) const
+  void CrossMassOperator<dim>::integrate(VectorType          &dst,
+                                         const Function<dim> &f) const
   {
     dst = 0.;
     const auto *constant =
@@ -363,7 +351,7 @@ namespace greville
 
   template <int dim>
   std::pair<double, double>
-  CrossMassOperator<dim>::difference(const VectorType &   coefficients,
+  CrossMassOperator<dim>::difference(const VectorType    &coefficients,
                                      const Function<dim> &f) const
   {
     coefficients.update_ghost_values();
@@ -404,8 +392,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  CrossMassOperator<dim>::memory_consumption() const
+  std::size_t CrossMassOperator<dim>::memory_consumption() const
   {
     return weights->batches().size() * weights->n_points() * simd_width *
            sizeof(double);
@@ -432,9 +419,8 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassOperator<dim>::reinit(const SplineSpace<dim> &    space,
-                            const DensityWeights<dim> &weights)
+  void MassOperator<dim>::reinit(const SplineSpace<dim>    &space,
+                                 const DensityWeights<dim> &weights)
   {
     Assert(space.n_components() == 1,
            ExcMessage("The mass matrix is the same for all components; use a "
@@ -450,8 +436,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassOperator<dim>::vmult(VectorType &dst, const VectorType &src) const
+  void MassOperator<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     cross.vmult(dst, src);
     for (const unsigned int i : inactive_functions)
@@ -461,8 +446,7 @@ namespace greville
 
 
   template <int dim>
-  VectorType
-  MassOperator<dim>::lumped() const
+  VectorType MassOperator<dim>::lumped() const
   {
     VectorType sums;
     initialize_dof_vector(sums);
@@ -475,8 +459,7 @@ namespace greville
 
 
   template <int dim>
-  types::global_dof_index
-  MassOperator<dim>::n_active() const
+  types::global_dof_index MassOperator<dim>::n_active() const
   {
     return Utilities::MPI::sum(types::global_dof_index(
                                  spline_space->n_locally_owned_dofs() -

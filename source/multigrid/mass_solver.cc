@@ -40,7 +40,7 @@ namespace greville
 
   template <int dim>
   MassHierarchy<dim>::MassHierarchy(const OrderHierarchy<dim> &orders,
-                                    const Function<dim> &      density)
+                                    const Function<dim>       &density)
   {
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
       levels.push_back(std::make_unique<MassLevel<dim>>(orders[l], density));
@@ -49,8 +49,7 @@ namespace greville
 
 
   template <int dim>
-  std::vector<MassLevel<dim> *>
-  MassHierarchy<dim>::all_levels()
+  std::vector<MassLevel<dim> *> MassHierarchy<dim>::all_levels()
   {
     std::vector<MassLevel<dim> *> result;
     for (const auto &level : levels)
@@ -61,8 +60,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassHierarchy<dim>::clear()
+  void MassHierarchy<dim>::clear()
   {
     for (const auto &level : levels)
       level->clear();
@@ -71,8 +69,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  MassHierarchy<dim>::memory_consumption() const
+  std::size_t MassHierarchy<dim>::memory_consumption() const
   {
     std::size_t n = 0;
     for (const auto &level : levels)
@@ -96,8 +93,7 @@ namespace greville
     /**
      * K of "fmpm-K", 0 for other names.
      */
-    unsigned int
-    order_of_fmpm(const std::string &name)
+    unsigned int order_of_fmpm(const std::string &name)
     {
       const std::string prefix = "fmpm-";
       if (name.compare(0, prefix.size(), prefix) != 0)
@@ -113,8 +109,7 @@ namespace greville
 
 
   template <int dim>
-  std::string
-  MassSolver<dim>::names()
+  std::string MassSolver<dim>::names()
   {
     std::string result;
     for (const std::string &name : solver_names)
@@ -125,11 +120,11 @@ namespace greville
 
 
   template <int dim>
-  MassSolver<dim>::MassSolver(const std::string &         name,
-                              MassHierarchy<dim> &        hierarchy,
+  MassSolver<dim>::MassSolver(const std::string          &name,
+                              MassHierarchy<dim>         &hierarchy,
                               const MassSolverParameters &parameters,
                               const PMultigridParameters &multigrid_parameters,
-                              const SmootherParameters &  smoother_parameters)
+                              const SmootherParameters   &smoother_parameters)
     : name(name)
     , hierarchy(hierarchy)
     , parameters(parameters)
@@ -143,21 +138,18 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassSolver<dim>::check_name(const std::string &name)
+  void MassSolver<dim>::check_name(const std::string &name)
   {
-    AssertThrow(order_of_fmpm(name) > 0 || std::count(solver_names.begin(),
-                                             solver_names.end(),
-                                             name) == 1,
-                ExcMessage("The solver <" + name + "> is none of " + names() +
-                           "."));
+    AssertThrow(
+      order_of_fmpm(name) > 0 ||
+        std::count(solver_names.begin(), solver_names.end(), name) == 1,
+      ExcMessage("The solver <" + name + "> is none of " + names() + "."));
   }
 
 
 
   template <int dim>
-  bool
-  MassSolver<dim>::uses_multigrid(const std::string &name)
+  bool MassSolver<dim>::uses_multigrid(const std::string &name)
   {
     return name.find("p-multigrid") != std::string::npos;
   }
@@ -165,15 +157,13 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassSolver<dim>::assemble()
+  void MassSolver<dim>::assemble()
   {
     preconditioner.reset();
     hierarchy.clear();
-    const bool apply_matrix =
-      parameters.operator_kind == "assembled" ||
-      (parameters.operator_kind == "automatic" &&
-       (name == "cg" || name == "cg-jacobi"));
+    const bool apply_matrix = parameters.operator_kind == "assembled" ||
+                              (parameters.operator_kind == "automatic" &&
+                               (name == "cg" || name == "cg-jacobi"));
     const bool smoother_wants_matrix =
       uses_multigrid(name) &&
       smoother_needs_matrix(multigrid_parameters.smoother);
@@ -187,8 +177,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassSolver<dim>::setup()
+  void MassSolver<dim>::setup()
   {
     MassLevel<dim> &finest = hierarchy.finest();
     if (uses_multigrid(name))
@@ -199,19 +188,15 @@ namespace greville
           levels,
           multigrid_parameters,
           smoother_parameters,
-          levels.size() == 1 ? 0.5 * parameters.tolerance :
-                               multigrid_parameters.coarse_tolerance);
+          levels.size() == 1 ? 0.5 * parameters.tolerance
+                                : multigrid_parameters.coarse_tolerance);
       }
     else if (name == "cg-jacobi")
-      preconditioner = make_smoother<dim>("jacobi",
-                                          smoother_parameters,
-                                          finest,
-                                          true);
+      preconditioner =
+        make_smoother<dim>("jacobi", smoother_parameters, finest, true);
     else if (name == "tensor-product" || name == "cg-tensor-product")
-      preconditioner = make_smoother<dim>("tensor-product",
-                                          smoother_parameters,
-                                          finest,
-                                          true);
+      preconditioner =
+        make_smoother<dim>("tensor-product", smoother_parameters, finest, true);
     else if (fmpm_order > 0)
       {
         inverse_lumped = finest.mass().lumped();
@@ -223,8 +208,7 @@ namespace greville
 
 
   template <int dim>
-  SolveResult
-  MassSolver<dim>::solve(VectorType &x, const VectorType &b) const
+  SolveResult MassSolver<dim>::solve(VectorType &x, const VectorType &b) const
   {
     SolveResult result;
     x = 0.;
@@ -264,16 +248,16 @@ namespace greville
 
   namespace
   {
-    std::string
-    reason_of_failure(const unsigned int iterations, const double reduction)
+    std::string reason_of_failure(const unsigned int iterations,
+                                  const double       reduction)
     {
       std::ostringstream reason;
       if (!std::isfinite(reduction) || reduction > 1e3)
         reason << "diverges: residual times " << reduction << " after "
                << iterations << " iterations";
       else
-        reason << "not within " << iterations
-               << " iterations: residual times " << reduction;
+        reason << "not within " << iterations << " iterations: residual times "
+               << reduction;
       return reason.str();
     }
   } // namespace
@@ -281,10 +265,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassSolver<dim>::iterate(VectorType &      x,
-                           const VectorType &b,
-                           SolveResult &     result) const
+  void MassSolver<dim>::iterate(VectorType       &x,
+                                const VectorType &b,
+                                SolveResult      &result) const
   {
     VectorType   residual(b), correction(b);
     const double start     = b.l2_norm();
@@ -308,10 +291,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassSolver<dim>::run_krylov(VectorType &      x,
-                              const VectorType &b,
-                              SolveResult &     result) const
+  void MassSolver<dim>::run_krylov(VectorType       &x,
+                                   const VectorType &b,
+                                   SolveResult      &result) const
   {
     const double                    start = b.l2_norm();
     SolverControl                   control(parameters.max_iterations,
@@ -319,7 +301,7 @@ namespace greville
                           false,
                           false);
     GrowingVectorMemory<VectorType> memory;
-    const MassLevel<dim> &          matrix = hierarchy.finest();
+    const MassLevel<dim>           &matrix = hierarchy.finest();
     try
       {
         if (name == "cg")
@@ -338,8 +320,8 @@ namespace greville
       }
     catch (const SolverControl::NoConvergence &failure)
       {
-        result.reason = reason_of_failure(failure.last_step,
-                                          failure.last_residual / start);
+        result.reason =
+          reason_of_failure(failure.last_step, failure.last_residual / start);
       }
     result.iterations = control.last_step();
   }
@@ -347,8 +329,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassSolver<dim>::run_fmpm(VectorType &x, const VectorType &b) const
+  void MassSolver<dim>::run_fmpm(VectorType &x, const VectorType &b) const
   {
     VectorType term(b), product(b);
     term.scale(inverse_lumped);
@@ -365,8 +346,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  MassSolver<dim>::memory_consumption() const
+  std::size_t MassSolver<dim>::memory_consumption() const
   {
     return hierarchy.memory_consumption() +
            (preconditioner ? preconditioner->memory_consumption() : 0) +

@@ -9,8 +9,7 @@ namespace greville
     /**
      * 1 / x, and 0 for 0.
      */
-    void
-    invert(VectorType &x)
+    void invert(VectorType &x)
     {
       for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
         {
@@ -24,8 +23,8 @@ namespace greville
 
   template <int dim>
   OrderTransfer<dim>::OrderTransfer(const std::vector<MassLevel<dim> *> &levels,
-                                    const std::string &                  p,
-                                    const std::string &                  r,
+                                    const std::string                   &p,
+                                    const std::string                   &r,
                                     const std::string &weighting)
     : steps(levels.size() - 1)
     , inverses(levels.size())
@@ -36,17 +35,18 @@ namespace greville
       {
         const MassLevel<dim> &fine   = *levels[l];
         const MassLevel<dim> &coarse = *levels[l - 1];
-        Step &                step   = steps[l - 1];
+        Step                 &step   = steps[l - 1];
 
         if (weighting == "unit")
           step.unit_weights = std::make_unique<DensityWeights<dim>>(
             fine.space(),
             fine.space().degree() + 1,
             Functions::ConstantFunction<dim>(1.));
-        step.cross = CrossMassOperator<dim>(
-          fine.space(),
-          coarse.space(),
-          step.unit_weights ? *step.unit_weights : fine.weights());
+        step.cross =
+          CrossMassOperator<dim>(fine.space(),
+                                 coarse.space(),
+                                 step.unit_weights ? *step.unit_weights
+                                                   : fine.weights());
         for (VectorType *v : {&step.fine, &step.inverse_row_sums})
           fine.space().initialize_vector(*v);
         for (VectorType *v : {&step.coarse, &step.inverse_column_sums})
@@ -69,8 +69,8 @@ namespace greville
       if ((prolongation == "exact-l2" && l > 0) ||
           (restriction == "exact-l2" && l + 1 < levels.size()))
         {
-          inverses[l]         = std::make_unique<Inverse>();
-          inverses[l]->solver = TensorProductSolver<dim>(levels[l]->space());
+          inverses[l]           = std::make_unique<Inverse>();
+          inverses[l]->solver   = TensorProductSolver<dim>(levels[l]->space());
           inverses[l]->inactive = levels[l]->mass().inactive();
           if (weighting == "density")
             inverses[l]->weighted =
@@ -82,8 +82,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  OrderTransfer<dim>::Inverse::apply(VectorType &x) const
+  void OrderTransfer<dim>::Inverse::apply(VectorType &x) const
   {
     // Zero before and after, which keeps the transpose the transpose.
     const auto clear_inactive = [&]() {
@@ -101,10 +100,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  OrderTransfer<dim>::prolongate(const unsigned int to_level,
-                                 VectorType &       dst,
-                                 const VectorType & src) const
+  void OrderTransfer<dim>::prolongate(const unsigned int to_level,
+                                      VectorType        &dst,
+                                      const VectorType  &src) const
   {
     const Step &step = steps[to_level - 1];
     step.cross.vmult(dst, src);
@@ -117,10 +115,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  OrderTransfer<dim>::prolongate_and_add(const unsigned int to_level,
-                                         VectorType &       dst,
-                                         const VectorType & src) const
+  void OrderTransfer<dim>::prolongate_and_add(const unsigned int to_level,
+                                              VectorType        &dst,
+                                              const VectorType  &src) const
   {
     VectorType &correction = steps[to_level - 1].fine;
     prolongate(to_level, correction, src);
@@ -130,10 +127,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  OrderTransfer<dim>::restrict_and_add(const unsigned int from_level,
-                                       VectorType &       dst,
-                                       const VectorType & src) const
+  void OrderTransfer<dim>::restrict_and_add(const unsigned int from_level,
+                                            VectorType        &dst,
+                                            const VectorType  &src) const
   {
     const Step &step = steps[from_level - 1];
     if (restriction == "transpose")
@@ -159,8 +155,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  OrderTransfer<dim>::memory_consumption() const
+  std::size_t OrderTransfer<dim>::memory_consumption() const
   {
     std::size_t n = 0;
     for (const Step &step : steps)

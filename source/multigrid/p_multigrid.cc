@@ -17,11 +17,8 @@ namespace greville
                   "p-2, ..., 1 (by two), or p, 1 (direct).",
                   prm,
                   Patterns::Selection(OrderHierarchy<2>::coarsenings()));
-    add_parameter("Cycle",
-                  cycle,
-                  "The cycle.",
-                  prm,
-                  Patterns::Selection("V|W|F"));
+    add_parameter(
+      "Cycle", cycle, "The cycle.", prm, Patterns::Selection("V|W|F"));
     add_parameter("Prolongation",
                   prolongation,
                   "From an order to the next higher one: L2 projection with "
@@ -88,48 +85,42 @@ namespace greville
       : levels(levels)
     {}
 
-    void
-    vmult(const unsigned int level,
-          VectorType &       dst,
-          const VectorType & src) const override
+    void vmult(const unsigned int level,
+               VectorType        &dst,
+               const VectorType  &src) const override
     {
       levels[level]->vmult(dst, src);
     }
 
-    void
-    vmult_add(const unsigned int level,
-              VectorType &       dst,
-              const VectorType & src) const override
+    void vmult_add(const unsigned int level,
+                   VectorType        &dst,
+                   const VectorType  &src) const override
     {
       VectorType product(dst);
       vmult(level, product, src);
       dst += product;
     }
 
-    void
-    Tvmult(const unsigned int level,
-           VectorType &       dst,
-           const VectorType & src) const override
+    void Tvmult(const unsigned int level,
+                VectorType        &dst,
+                const VectorType  &src) const override
     {
       vmult(level, dst, src);
     }
 
-    void
-    Tvmult_add(const unsigned int level,
-               VectorType &       dst,
-               const VectorType & src) const override
+    void Tvmult_add(const unsigned int level,
+                    VectorType        &dst,
+                    const VectorType  &src) const override
     {
       vmult_add(level, dst, src);
     }
 
-    unsigned int
-    get_minlevel() const override
+    unsigned int get_minlevel() const override
     {
       return 0;
     }
 
-    unsigned int
-    get_maxlevel() const override
+    unsigned int get_maxlevel() const override
     {
       return levels.size() - 1;
     }
@@ -144,9 +135,9 @@ namespace greville
   class PMultigrid<dim>::Smoother : public MGSmootherBase<VectorType>
   {
   public:
-    Smoother(const Matrices &                                    matrices,
+    Smoother(const Matrices                                     &matrices,
              const std::vector<std::unique_ptr<Preconditioner>> &smoothers,
-             std::vector<VectorType> &                           residual,
+             std::vector<VectorType>                            &residual,
              const unsigned int                                  n_steps,
              const bool                                          transpose)
       : matrices(matrices)
@@ -157,23 +148,20 @@ namespace greville
       , transpose(transpose)
     {}
 
-    void
-    clear() override
+    void clear() override
     {}
 
-    void
-    smooth(const unsigned int level,
-           VectorType &       u,
-           const VectorType & rhs) const override
+    void smooth(const unsigned int level,
+                VectorType        &u,
+                const VectorType  &rhs) const override
     {
       for (unsigned int step = 0; step < n_steps; ++step)
         add_correction(level, u, rhs);
     }
 
-    void
-    apply(const unsigned int level,
-          VectorType &       u,
-          const VectorType & rhs) const override
+    void apply(const unsigned int level,
+               VectorType        &u,
+               const VectorType  &rhs) const override
     {
       if (n_steps == 0)
         u = 0.;
@@ -184,10 +172,9 @@ namespace greville
     }
 
   private:
-    void
-    precondition(const unsigned int level,
-                 VectorType &       dst,
-                 const VectorType & src) const
+    void precondition(const unsigned int level,
+                      VectorType        &dst,
+                      const VectorType  &src) const
     {
       if (transpose)
         smoothers[level]->Tvmult(dst, src);
@@ -195,10 +182,9 @@ namespace greville
         smoothers[level]->vmult(dst, src);
     }
 
-    void
-    add_correction(const unsigned int level,
-                   VectorType &       u,
-                   const VectorType & rhs) const
+    void add_correction(const unsigned int level,
+                        VectorType        &u,
+                        const VectorType  &rhs) const
     {
       VectorType &r = residual[level];
       matrices.vmult(level, r, u);
@@ -207,9 +193,9 @@ namespace greville
       u += correction[level];
     }
 
-    const Matrices &                                    matrices;
+    const Matrices                                     &matrices;
     const std::vector<std::unique_ptr<Preconditioner>> &smoothers;
-    std::vector<VectorType> &                           residual;
+    std::vector<VectorType>                            &residual;
     mutable std::vector<VectorType>                     correction;
     const unsigned int                                  n_steps;
     const bool                                          transpose;
@@ -221,11 +207,11 @@ namespace greville
   class PMultigrid<dim>::CoarseSolver : public MGCoarseGridBase<VectorType>
   {
   public:
-    CoarseSolver(const MassLevel<dim> &level,
-                 const std::string &   preconditioner,
+    CoarseSolver(const MassLevel<dim>     &level,
+                 const std::string        &preconditioner,
                  const SmootherParameters &parameters,
-                 const double          tolerance,
-                 const unsigned int    max_iterations)
+                 const double              tolerance,
+                 const unsigned int        max_iterations)
       : level(level)
       , tolerance(tolerance)
       , max_iterations(max_iterations)
@@ -236,10 +222,9 @@ namespace greville
         make_smoother<dim>(preconditioner, parameters, level, true);
     }
 
-    void
-    operator()(const unsigned int,
-               VectorType &      dst,
-               const VectorType &src) const override
+    void operator()(const unsigned int,
+                    VectorType       &dst,
+                    const VectorType &src) const override
     {
       dst                = 0.;
       const double start = src.l2_norm();
@@ -254,14 +239,13 @@ namespace greville
         cg.solve(level, dst, src, PreconditionIdentity());
     }
 
-    std::size_t
-    memory_consumption() const
+    std::size_t memory_consumption() const
     {
       return preconditioner ? preconditioner->memory_consumption() : 0;
     }
 
   private:
-    const MassLevel<dim> &                  level;
+    const MassLevel<dim>                   &level;
     const double                            tolerance;
     const unsigned int                      max_iterations;
     std::unique_ptr<Preconditioner>         preconditioner;
@@ -272,16 +256,16 @@ namespace greville
 
   template <int dim>
   PMultigrid<dim>::PMultigrid(const std::vector<MassLevel<dim> *> &levels,
-                              const PMultigridParameters &         parameters,
+                              const PMultigridParameters          &parameters,
                               const SmootherParameters &smoother_parameters,
                               const double              coarse_tolerance)
     : order_transfer(levels,
                      parameters.prolongation,
                      parameters.restriction,
                      parameters.weighting)
-    , cycle_type(parameters.cycle == "V" ? Cycle::V :
-                 parameters.cycle == "W" ? Cycle::W :
-                                           Cycle::F)
+    , cycle_type(parameters.cycle == "V"   ? Cycle::V
+                 : parameters.cycle == "W" ? Cycle::W
+                                           : Cycle::F)
     , smoothers(levels.size())
     , level_matrices(std::make_unique<Matrices>(levels))
     , x(levels.size())
@@ -299,11 +283,8 @@ namespace greville
                                             *levels[l],
                                             is_symmetric);
       }
-    pre    = std::make_unique<Smoother>(*level_matrices,
-                                     smoothers,
-                                     residual,
-                                     parameters.pre_smoothing,
-                                     false);
+    pre = std::make_unique<Smoother>(
+      *level_matrices, smoothers, residual, parameters.pre_smoothing, false);
     post   = std::make_unique<Smoother>(*level_matrices,
                                       smoothers,
                                       residual,
@@ -324,8 +305,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  PMultigrid<dim>::vmult(VectorType &dst, const VectorType &src) const
+  void PMultigrid<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     b.back() = src;
     cycle(x.size() - 1, cycle_type, true);
@@ -335,8 +315,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  PMultigrid<dim>::Tvmult(VectorType &dst, const VectorType &src) const
+  void PMultigrid<dim>::Tvmult(VectorType &dst, const VectorType &src) const
   {
     vmult(dst, src);
   }
@@ -344,10 +323,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  PMultigrid<dim>::cycle(const unsigned int l,
-                         const Cycle        type,
-                         const bool         from_zero) const
+  void PMultigrid<dim>::cycle(const unsigned int l,
+                              const Cycle        type,
+                              const bool         from_zero) const
   {
     if (l == 0)
       {
@@ -375,8 +353,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  PMultigrid<dim>::memory_consumption() const
+  std::size_t PMultigrid<dim>::memory_consumption() const
   {
     std::size_t n =
       order_transfer.memory_consumption() + coarse->memory_consumption();
@@ -391,8 +368,7 @@ namespace greville
 
 
   template <int dim>
-  const MGMatrixBase<VectorType> &
-  PMultigrid<dim>::matrices() const
+  const MGMatrixBase<VectorType> &PMultigrid<dim>::matrices() const
   {
     return *level_matrices;
   }
@@ -400,8 +376,7 @@ namespace greville
 
 
   template <int dim>
-  const MGSmootherBase<VectorType> &
-  PMultigrid<dim>::pre_smoother() const
+  const MGSmootherBase<VectorType> &PMultigrid<dim>::pre_smoother() const
   {
     return *pre;
   }
@@ -409,8 +384,7 @@ namespace greville
 
 
   template <int dim>
-  const MGSmootherBase<VectorType> &
-  PMultigrid<dim>::post_smoother() const
+  const MGSmootherBase<VectorType> &PMultigrid<dim>::post_smoother() const
   {
     return *post;
   }
@@ -418,8 +392,7 @@ namespace greville
 
 
   template <int dim>
-  const MGCoarseGridBase<VectorType> &
-  PMultigrid<dim>::coarse_solver() const
+  const MGCoarseGridBase<VectorType> &PMultigrid<dim>::coarse_solver() const
   {
     return *coarse;
   }

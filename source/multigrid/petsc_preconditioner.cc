@@ -70,8 +70,7 @@ namespace greville
 
 
 
-  void
-  PetscPreconditioner::vmult(VectorType &dst, const VectorType &src) const
+  void PetscPreconditioner::vmult(VectorType &dst, const VectorType &src) const
   {
     view_src.with(src.begin(), [&](Vec x) {
       view_dst.with(dst.begin(),
@@ -81,15 +80,13 @@ namespace greville
 
 
 
-  void
-  PetscPreconditioner::Tvmult(VectorType &dst, const VectorType &src) const
+  void PetscPreconditioner::Tvmult(VectorType &dst, const VectorType &src) const
   {
     check_petsc(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
     PetscErrorCode error = 0;
     view_src.with(src.begin(), [&](Vec x) {
-      view_dst.with(dst.begin(), [&](Vec y) {
-        error = PCApplyTranspose(pc.get(), x, y);
-      });
+      view_dst.with(dst.begin(),
+                    [&](Vec y) { error = PCApplyTranspose(pc.get(), x, y); });
     });
     check_petsc(PetscPopErrorHandler());
     AssertThrow(error == 0,

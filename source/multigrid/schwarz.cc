@@ -11,11 +11,10 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  OverlappingDomain<dim>::OverlappingDomain(
-    const MassMatrix<dim> &    mass,
-    const unsigned int         overlap,
-    const SchwarzCombination c,
-    const std::string &        ordering)
+  OverlappingDomain<dim>::OverlappingDomain(const MassMatrix<dim>   &mass,
+                                            const unsigned int       overlap,
+                                            const SchwarzCombination c,
+                                            const std::string       &ordering)
     : combination(c)
     , n_owned(mass.space().n_locally_owned_dofs())
   {
@@ -135,10 +134,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  OverlappingDomain<dim>::restrict_to(std::vector<double> &local,
-                                      const VectorType &   src,
-                                      const bool           transpose) const
+  void OverlappingDomain<dim>::restrict_to(std::vector<double> &local,
+                                           const VectorType    &src,
+                                           const bool           transpose) const
   {
     std::copy_n(src.begin(), n_owned, overlapped.begin());
     overlapped.update_ghost_values();
@@ -159,10 +157,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  OverlappingDomain<dim>::prolongate_from(const std::vector<double> &local,
-                                          VectorType &               dst,
-                                          const bool transpose) const
+  void OverlappingDomain<dim>::prolongate_from(const std::vector<double> &local,
+                                               VectorType                &dst,
+                                               const bool transpose) const
   {
     if (combination == SchwarzCombination::restricted && !transpose)
       {
@@ -174,8 +171,8 @@ namespace greville
     overlapped = 0.;
     for (unsigned int i = 0; i < order.size(); ++i)
       overlapped.local_element(order[i]) =
-        combination == SchwarzCombination::symmetric ? weights[i] * local[i] :
-                                                       local[i];
+        combination == SchwarzCombination::symmetric ? weights[i] * local[i]
+                                                     : local[i];
     overlapped.compress(VectorOperation::add);
     std::copy_n(overlapped.begin(), n_owned, dst.begin());
   }
@@ -183,8 +180,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  OverlappingDomain<dim>::memory_consumption() const
+  std::size_t OverlappingDomain<dim>::memory_consumption() const
   {
     std::size_t n = order.size() * (sizeof(unsigned int) + 8 + 8) +
                     overlapped.memory_consumption();
@@ -205,18 +201,16 @@ namespace greville
     {
     public:
       template <typename... Arguments>
-      IlutSolver(const Arguments &... arguments)
+      IlutSolver(const Arguments &...arguments)
         : ilut(arguments...)
       {}
 
-      void
-      solve(double *x, const bool transpose) const override
+      void solve(double *x, const bool transpose) const override
       {
         transpose ? ilut.solve_transpose(x) : ilut.solve(x);
       }
 
-      std::size_t
-      memory_consumption() const override
+      std::size_t memory_consumption() const override
       {
         return ilut.memory_consumption();
       }
@@ -259,8 +253,7 @@ namespace greville
         pc.reset(handle);
         check_petsc(PCSetOperators(handle, scaled, scaled));
         check_petsc(PCSetType(handle, type.c_str()));
-        check_petsc(
-          PCFactorSetMatOrderingType(handle, MATORDERINGNATURAL));
+        check_petsc(PCFactorSetMatOrderingType(handle, MATORDERINGNATURAL));
         check_petsc(PCFactorSetLevels(handle, 0));
         check_petsc(PCFactorSetShiftType(handle, MAT_SHIFT_NONE));
         check_petsc(PCFactorSetZeroPivot(handle, 1e-14));
@@ -284,23 +277,21 @@ namespace greville
         bytes = info.nz_used * (sizeof(double) + sizeof(PetscInt));
       }
 
-      void
-      solve(double *x, const bool transpose) const override
+      void solve(double *x, const bool transpose) const override
       {
         for (std::size_t i = 0; i < scaling.size(); ++i)
           x[i] *= scaling[i];
         view_in.with(x, [&](Vec in) {
           view_out.with(scratch.data(), [&](Vec out) {
-            check_petsc(transpose ? PCApplyTranspose(pc.get(), in, out) :
-                                    PCApply(pc.get(), in, out));
+            check_petsc(transpose ? PCApplyTranspose(pc.get(), in, out)
+                                  : PCApply(pc.get(), in, out));
           });
         });
         for (std::size_t i = 0; i < scaling.size(); ++i)
           x[i] = scaling[i] * scratch[i];
       }
 
-      std::size_t
-      memory_consumption() const override
+      std::size_t memory_consumption() const override
       {
         return bytes + 2 * scaling.size() * sizeof(double);
       }
@@ -316,20 +307,17 @@ namespace greville
 
 
 
-  std::unique_ptr<LocalSolver>
-  make_ilut(const Mat     matrix,
-            const double drop_tolerance,
-            const double fill_factor)
+  std::unique_ptr<LocalSolver> make_ilut(const Mat    matrix,
+                                         const double drop_tolerance,
+                                         const double fill_factor)
   {
     return std::make_unique<IlutSolver>(matrix, drop_tolerance, fill_factor);
   }
 
 
 
-  std::unique_ptr<LocalSolver>
-  make_incomplete_factorization(const Mat          matrix,
-                                const std::string &type,
-                                const double       shift)
+  std::unique_ptr<LocalSolver> make_incomplete_factorization(
+    const Mat matrix, const std::string &type, const double shift)
   {
     return std::make_unique<PetscFactorization>(matrix, type, shift);
   }
@@ -338,7 +326,7 @@ namespace greville
 
   template <int dim>
   AdditiveSchwarz<dim>::AdditiveSchwarz(
-    std::unique_ptr<const OverlappingDomain<dim>>                     d,
+    std::unique_ptr<const OverlappingDomain<dim>>                 d,
     const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make)
     : domain(std::move(d))
     , solver(domain->size() > 0 ? make(domain->matrix()) : nullptr)
@@ -347,10 +335,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  AdditiveSchwarz<dim>::apply(VectorType &      dst,
-                              const VectorType &src,
-                              const bool        transpose) const
+  void AdditiveSchwarz<dim>::apply(VectorType       &dst,
+                                   const VectorType &src,
+                                   const bool        transpose) const
   {
     domain->restrict_to(local, src, transpose);
     if (solver)
@@ -361,8 +348,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  AdditiveSchwarz<dim>::vmult(VectorType &dst, const VectorType &src) const
+  void AdditiveSchwarz<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     apply(dst, src, false);
   }
@@ -370,8 +356,8 @@ namespace greville
 
 
   template <int dim>
-  void
-  AdditiveSchwarz<dim>::Tvmult(VectorType &dst, const VectorType &src) const
+  void AdditiveSchwarz<dim>::Tvmult(VectorType       &dst,
+                                    const VectorType &src) const
   {
     apply(dst, src, true);
   }
@@ -379,8 +365,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  AdditiveSchwarz<dim>::memory_consumption() const
+  std::size_t AdditiveSchwarz<dim>::memory_consumption() const
   {
     return domain->memory_consumption() +
            (solver ? solver->memory_consumption() : 0);

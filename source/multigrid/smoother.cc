@@ -126,16 +126,14 @@ namespace greville
         inverse_diagonal *= damping / lambda;
       }
 
-      void
-      vmult(VectorType &dst, const VectorType &src) const override
+      void vmult(VectorType &dst, const VectorType &src) const override
       {
         for (unsigned int i = 0; i < src.locally_owned_size(); ++i)
           dst.local_element(i) =
             inverse_diagonal.local_element(i) * src.local_element(i);
       }
 
-      std::size_t
-      memory_consumption() const override
+      std::size_t memory_consumption() const override
       {
         return inverse_diagonal.memory_consumption();
       }
@@ -150,7 +148,7 @@ namespace greville
     class ChebyshevSmoother : public Preconditioner
     {
     public:
-      ChebyshevSmoother(const MassLevel<dim> &    level,
+      ChebyshevSmoother(const MassLevel<dim>     &level,
                         const SmootherParameters &parameters)
         : matrix(level)
       {
@@ -159,8 +157,7 @@ namespace greville
         data.smoothing_range     = parameters.chebyshev_range;
         data.eig_cg_n_iterations = 15;
         data.preconditioner =
-          std::make_shared<DiagonalMatrix<VectorType>>(
-            level.mass().diagonal());
+          std::make_shared<DiagonalMatrix<VectorType>>(level.mass().diagonal());
         for (double &entry : data.preconditioner->get_vector())
           entry = 1. / entry;
         chebyshev.initialize(matrix, data);
@@ -169,14 +166,12 @@ namespace greville
         chebyshev.estimate_eigenvalues(vector);
       }
 
-      void
-      vmult(VectorType &dst, const VectorType &src) const override
+      void vmult(VectorType &dst, const VectorType &src) const override
       {
         chebyshev.vmult(dst, src);
       }
 
-      std::size_t
-      memory_consumption() const override
+      std::size_t memory_consumption() const override
       {
         return 0;
       }
@@ -191,20 +186,17 @@ namespace greville
           : level(level)
         {}
 
-        void
-        vmult(VectorType &dst, const VectorType &src) const
+        void vmult(VectorType &dst, const VectorType &src) const
         {
           level.vmult(dst, src);
         }
 
-        types::global_dof_index
-        m() const
+        types::global_dof_index m() const
         {
           return level.space().n_dofs();
         }
 
-        double
-        el(const unsigned int i, const unsigned int) const
+        double el(const unsigned int i, const unsigned int) const
         {
           return level.mass().diagonal()(i);
         }
@@ -212,9 +204,8 @@ namespace greville
         const MassLevel<dim> &level;
       };
 
-      using Chebyshev = PreconditionChebyshev<Matrix,
-                                              VectorType,
-                                              DiagonalMatrix<VectorType>>;
+      using Chebyshev =
+        PreconditionChebyshev<Matrix, VectorType, DiagonalMatrix<VectorType>>;
       Matrix    matrix;
       Chebyshev chebyshev;
     };
@@ -230,14 +221,12 @@ namespace greville
         , preconditioner(solver, level.mass())
       {}
 
-      void
-      vmult(VectorType &dst, const VectorType &src) const override
+      void vmult(VectorType &dst, const VectorType &src) const override
       {
         preconditioner.vmult(dst, src);
       }
 
-      std::size_t
-      memory_consumption() const override
+      std::size_t memory_consumption() const override
       {
         return preconditioner.memory_consumption();
       }
@@ -260,20 +249,17 @@ namespace greville
         , backward(matrix, "-pc_type sor -pc_sor_local_backward")
       {}
 
-      void
-      vmult(VectorType &dst, const VectorType &src) const override
+      void vmult(VectorType &dst, const VectorType &src) const override
       {
         forward.vmult(dst, src);
       }
 
-      void
-      Tvmult(VectorType &dst, const VectorType &src) const override
+      void Tvmult(VectorType &dst, const VectorType &src) const override
       {
         backward.vmult(dst, src);
       }
 
-      std::size_t
-      memory_consumption() const override
+      std::size_t memory_consumption() const override
       {
         return 0;
       }
@@ -290,32 +276,29 @@ namespace greville
                                                     const MassLevel<dim> &,
                                                     const bool symmetric)>;
 
-    SchwarzCombination
-    combination_of(const SmootherParameters &parameters, const bool symmetric)
+    SchwarzCombination combination_of(const SmootherParameters &parameters,
+                                      const bool                symmetric)
     {
       if (parameters.combination == "automatic")
-        return symmetric ? SchwarzCombination::symmetric :
-                           SchwarzCombination::restricted;
-      return parameters.combination == "symmetric" ?
-               SchwarzCombination::symmetric :
-               SchwarzCombination::restricted;
+        return symmetric ? SchwarzCombination::symmetric
+                         : SchwarzCombination::restricted;
+      return parameters.combination == "symmetric"
+               ? SchwarzCombination::symmetric
+               : SchwarzCombination::restricted;
     }
 
 
 
     template <int dim>
-    std::unique_ptr<Preconditioner>
-    make_schwarz(
-      const SmootherParameters &                                        p,
-      const MassLevel<dim> &                                            level,
-      const bool                                                        symmetric,
+    std::unique_ptr<Preconditioner> make_schwarz(
+      const SmootherParameters                                     &p,
+      const MassLevel<dim>                                         &level,
+      const bool                                                    symmetric,
       const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make)
     {
       return std::make_unique<AdditiveSchwarz<dim>>(
-        std::make_unique<OverlappingDomain<dim>>(level.matrix(),
-                                                 p.overlap,
-                                                 combination_of(p, symmetric),
-                                                 p.ordering),
+        std::make_unique<OverlappingDomain<dim>>(
+          level.matrix(), p.overlap, combination_of(p, symmetric), p.ordering),
         make);
     }
 
@@ -335,11 +318,10 @@ namespace greville
      * The list of smoothers. A new one is a line here.
      */
     template <int dim>
-    const std::vector<Entry<dim>> &
-    smoothers()
+    const std::vector<Entry<dim>> &smoothers()
     {
-      using P = const SmootherParameters &;
-      using L = const MassLevel<dim> &;
+      using P                                   = const SmootherParameters &;
+      using L                                   = const MassLevel<dim> &;
       static const std::vector<Entry<dim>> list = {
         {"ilut",
          true,
@@ -370,8 +352,7 @@ namespace greville
         {"gauss-seidel",
          true,
          [](P, L level, const bool) {
-           return std::make_unique<GaussSeidelSmoother>(
-             level.matrix().petsc());
+           return std::make_unique<GaussSeidelSmoother>(level.matrix().petsc());
          }},
         {"symmetric-gauss-seidel",
          true,
@@ -402,8 +383,8 @@ namespace greville
            return std::make_unique<TensorProductSmoother<dim>>(level);
          }},
         {"petsc", true, [](P p, L level, const bool) {
-           return std::make_unique<PetscPreconditioner>(
-             level.matrix().petsc(), p.petsc_options);
+           return std::make_unique<PetscPreconditioner>(level.matrix().petsc(),
+                                                        p.petsc_options);
          }}};
       return list;
     }
@@ -411,8 +392,7 @@ namespace greville
 
 
     template <int dim>
-    const Entry<dim> &
-    find_smoother(const std::string &name)
+    const Entry<dim> &find_smoother(const std::string &name)
     {
       const auto &list = smoothers<dim>();
       const auto  found =
@@ -428,8 +408,7 @@ namespace greville
 
 
 
-  std::string
-  smoother_names()
+  std::string smoother_names()
   {
     std::string names;
     for (const auto &entry : smoothers<2>())
@@ -439,8 +418,7 @@ namespace greville
 
 
 
-  bool
-  smoother_needs_matrix(const std::string &name)
+  bool smoother_needs_matrix(const std::string &name)
   {
     return find_smoother<2>(name).needs_matrix;
   }
@@ -449,9 +427,9 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<Preconditioner>
-  make_smoother(const std::string &       name,
+  make_smoother(const std::string        &name,
                 const SmootherParameters &parameters,
-                const MassLevel<dim> &    level,
+                const MassLevel<dim>     &level,
                 const bool                symmetric)
   {
     return find_smoother<dim>(name).make(parameters, level, symmetric);

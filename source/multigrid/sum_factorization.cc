@@ -16,7 +16,7 @@ namespace greville
     std::vector<double> values(n);
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const KnotVector & knots   = space.knots(d);
+        const KnotVector  &knots   = space.knots(d);
         const unsigned int n_cells = knots.n_elements();
         if (d == 0)
           {
@@ -48,8 +48,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  ShapeTables<dim>::square()
+  void ShapeTables<dim>::square()
   {
     for (double &value : x)
       value *= value;
@@ -76,9 +75,9 @@ namespace greville
               typename Number>
     inline __attribute__((always_inline)) void
     multiply_columns(const Number *matrix,
-                     const Simd *  in,
+                     const Simd   *in,
                      const int     next_in,
-                     Simd *        out,
+                     Simd         *out,
                      const int     next_out)
     {
       constexpr int n_in  = transpose ? n_points : n_functions;
@@ -97,12 +96,12 @@ namespace greville
 #pragma GCC unroll 8
           for (int i = 0; i < n_in; ++i)
             {
-              const Simd entry = matrix[transpose ? i * n_functions + j :
-                                                    j * n_functions + i];
+              const Simd entry =
+                matrix[transpose ? i * n_functions + j : j * n_functions + i];
 #pragma GCC unroll 8
               for (int c = 0; c < n_columns; ++c)
-                sums[c] = i == 0 ? entry * values[c][i] :
-                                   sums[c] + entry * values[c][i];
+                sums[c] = i == 0 ? entry * values[c][i]
+                                 : sums[c] + entry * values[c][i];
             }
 #pragma GCC unroll 8
           for (int c = 0; c < n_columns; ++c)
@@ -130,14 +129,14 @@ namespace greville
 
       // Pairs of neighbours: in the inner index, or where there is only one,
       // in the outer index.
-      constexpr int n_pairs   = n_inner == 1 ? n_outer : n_inner;
-      constexpr int n_groups  = n_inner == 1 ? 1 : n_outer;
-      constexpr int next_in   = n_inner == 1 ? n_in : 1;
-      constexpr int next_out  = n_inner == 1 ? n_out : 1;
+      constexpr int n_pairs  = n_inner == 1 ? n_outer : n_inner;
+      constexpr int n_groups = n_inner == 1 ? 1 : n_outer;
+      constexpr int next_in  = n_inner == 1 ? n_in : 1;
+      constexpr int next_out = n_inner == 1 ? n_out : 1;
       for (int group = 0; group < n_groups; ++group)
         {
           const Simd *from = in + group * n_in * n_inner;
-          Simd *      to   = out + group * n_out * n_inner;
+          Simd       *to   = out + group * n_out * n_inner;
           for (int k = 0; k + 1 < n_pairs; k += 2)
             multiply_columns<n_functions, n_points, transpose, n_inner, 2>(
               matrix, from + k * next_in, next_in, to + k * next_out, next_out);
@@ -154,12 +153,11 @@ namespace greville
 
 
     template <int dim, int n, int q>
-    void
-    interpolate(const Simd *  in,
-                const Simd *  table_x,
-                const double *table_y,
-                const double *table_z,
-                Simd *        out)
+    void interpolate(const Simd   *in,
+                     const Simd   *table_x,
+                     const double *table_y,
+                     const double *table_z,
+                     Simd         *out)
     {
       (void)table_z;
       if constexpr (dim == 2)
@@ -180,12 +178,11 @@ namespace greville
 
 
     template <int dim, int n, int q>
-    void
-    integrate(const Simd *  in,
-              const Simd *  table_x,
-              const double *table_y,
-              const double *table_z,
-              Simd *        out)
+    void integrate(const Simd   *in,
+                   const Simd   *table_x,
+                   const double *table_y,
+                   const double *table_z,
+                   Simd         *out)
     {
       (void)table_z;
       if constexpr (dim == 2)
@@ -206,11 +203,10 @@ namespace greville
 
 
     template <int dim, int n, int q>
-    void
-    interpolate_layer(const Simd *  in,
-                      const Simd *  table_x,
-                      const double *table_y,
-                      Simd *        out)
+    void interpolate_layer(const Simd   *in,
+                           const Simd   *table_x,
+                           const double *table_y,
+                           Simd         *out)
     {
       (void)table_y;
       if constexpr (dim == 2)
@@ -226,11 +222,10 @@ namespace greville
 
 
     template <int dim, int n, int q>
-    void
-    integrate_layer(const Simd *  in,
-                    const Simd *  table_x,
-                    const double *table_y,
-                    Simd *        out)
+    void integrate_layer(const Simd   *in,
+                         const Simd   *table_x,
+                         const double *table_y,
+                         Simd         *out)
     {
       (void)table_y;
       if constexpr (dim == 2)
@@ -249,12 +244,11 @@ namespace greville
      * All of a point's column stays in registers.
      */
     template <int dim, int n_in, int q, int n_out>
-    void
-    multiply_column(const Simd *const *in,
-                    const double *     table_in,
-                    const double *     weights,
-                    const double *     table_out,
-                    Simd *const *      out)
+    void multiply_column(const Simd *const *in,
+                         const double      *table_in,
+                         const double      *weights,
+                         const double      *table_out,
+                         Simd *const       *out)
     {
       constexpr int n_layer = dim == 2 ? q : q * q;
       for (int k = 0; k < n_layer; ++k)
@@ -287,10 +281,9 @@ namespace greville
 
 
     template <int dim, int n>
-    void
-    gather_layer(const unsigned int *numbers,
-                 const double *      source,
-                 Simd *              values)
+    void gather_layer(const unsigned int *numbers,
+                      const double       *source,
+                      Simd               *values)
     {
       constexpr int n_rows = dim == 2 ? 1 : n;
       for (int row = 0; row < n_rows; ++row)
@@ -306,21 +299,19 @@ namespace greville
      * follow.
      */
     template <int shift>
-    inline __attribute__((always_inline)) Simd
-    shift_lanes(const Simd &value)
+    inline __attribute__((always_inline)) Simd shift_lanes(const Simd &value)
     {
       constexpr int width = simd_width;
-      using Vector = double __attribute__((vector_size(8 * width)));
-      using Mask   = long long __attribute__((vector_size(8 * width)));
+      using Vector        = double __attribute__((vector_size(8 * width)));
+      using Mask          = long long __attribute__((vector_size(8 * width)));
       Vector in, zero{};
       Mask   mask{};
       value.copy_to(reinterpret_cast<double *>(&in),
                     std::experimental::vector_aligned);
 #pragma GCC unroll 8
       for (int lane = 0; lane < width; ++lane)
-        mask[lane] = (lane - shift >= 0 && lane - shift < width) ?
-                       lane - shift :
-                       width;
+        mask[lane] =
+          (lane - shift >= 0 && lane - shift < width) ? lane - shift : width;
       const Vector out = __builtin_shuffle(in, zero, mask);
       return Simd(reinterpret_cast<const double *>(&out),
                   std::experimental::vector_aligned);
@@ -349,10 +340,9 @@ namespace greville
 
 
     template <int dim, int n>
-    void
-    scatter_add_layer(const unsigned int *numbers,
-                      const Simd *        values,
-                      double *            target)
+    void scatter_add_layer(const unsigned int *numbers,
+                           const Simd         *values,
+                           double             *target)
     {
       constexpr int width     = simd_width;
       constexpr int n_rows    = dim == 2 ? 1 : n;
@@ -382,8 +372,8 @@ namespace greville
 
 
     template <int dim, int n, int q>
-    CellKernels
-    select(const unsigned int degree, const unsigned int n_points_1d)
+    CellKernels select(const unsigned int degree,
+                       const unsigned int n_points_1d)
     {
       if (degree + 1 == n && n_points_1d == q)
         return {&interpolate<dim, n, q>,
@@ -410,10 +400,9 @@ namespace greville
 
 
     template <int dim, int n_in, int q, int n_out>
-    ColumnKernel
-    select_column(const unsigned int degree_in,
-                  const unsigned int n_points_1d,
-                  const unsigned int degree_out)
+    ColumnKernel select_column(const unsigned int degree_in,
+                               const unsigned int n_points_1d,
+                               const unsigned int degree_out)
     {
       if (degree_in + 1 == n_in && n_points_1d == q && degree_out + 1 == n_out)
         return &multiply_column<dim, n_in, q, n_out>;
@@ -440,8 +429,8 @@ namespace greville
 
 
   template <int dim>
-  CellKernels
-  cell_kernels(const unsigned int degree, const unsigned int n_points_1d)
+  CellKernels cell_kernels(const unsigned int degree,
+                           const unsigned int n_points_1d)
   {
     return select<dim, 2, 2>(degree, n_points_1d);
   }
@@ -449,10 +438,9 @@ namespace greville
 
 
   template <int dim>
-  ColumnKernel
-  column_kernel(const unsigned int degree_in,
-                const unsigned int n_points_1d,
-                const unsigned int degree_out)
+  ColumnKernel column_kernel(const unsigned int degree_in,
+                             const unsigned int n_points_1d,
+                             const unsigned int degree_out)
   {
     return select_column<dim, 2, 2, 2>(degree_in, n_points_1d, degree_out);
   }
@@ -461,16 +449,10 @@ namespace greville
 
   template class ShapeTables<2>;
   template class ShapeTables<3>;
-  template CellKernels
-  cell_kernels<2>(const unsigned int, const unsigned int);
-  template CellKernels
-  cell_kernels<3>(const unsigned int, const unsigned int);
+  template CellKernels cell_kernels<2>(const unsigned int, const unsigned int);
+  template CellKernels cell_kernels<3>(const unsigned int, const unsigned int);
   template ColumnKernel
-  column_kernel<2>(const unsigned int,
-                   const unsigned int,
-                   const unsigned int);
+  column_kernel<2>(const unsigned int, const unsigned int, const unsigned int);
   template ColumnKernel
-  column_kernel<3>(const unsigned int,
-                   const unsigned int,
-                   const unsigned int);
+  column_kernel<3>(const unsigned int, const unsigned int, const unsigned int);
 } // namespace greville

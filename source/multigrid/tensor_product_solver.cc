@@ -11,10 +11,10 @@ namespace greville
   using namespace dealii;
 
   Redistribution::Redistribution(
-    const std::vector<std::uint64_t> &                        positions,
-    const std::vector<unsigned int> &                         owners,
+    const std::vector<std::uint64_t>                       &positions,
+    const std::vector<unsigned int>                        &owners,
     const std::function<unsigned int(const std::uint64_t)> &place_of,
-    const MPI_Comm                                            comm)
+    const MPI_Comm                                          comm)
     : comm(comm)
   {
     const unsigned int me = Utilities::MPI::this_mpi_process(comm);
@@ -48,14 +48,13 @@ namespace greville
 
 
 
-  void
-  Redistribution::execute(const double *source, double *target) const
+  void Redistribution::execute(const double *source, double *target) const
   {
     std::vector<MPI_Request> requests(sends.size() + receives.size());
     const int                tag = 4711;
     for (unsigned int m = 0; m < receives.size(); ++m)
       {
-        auto &    buffer = buffers[sends.size() + m];
+        auto     &buffer = buffers[sends.size() + m];
         const int ierr   = MPI_Irecv(buffer.data(),
                                    buffer.size(),
                                    MPI_DOUBLE,
@@ -94,8 +93,7 @@ namespace greville
 
 
 
-  std::size_t
-  Redistribution::bytes_sent() const
+  std::size_t Redistribution::bytes_sent() const
   {
     std::size_t n = 0;
     for (const auto &message : sends)
@@ -112,7 +110,7 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       factors[d] = factorize(s.knots(d));
 
-    const MPI_Comm     comm = s.communicator();
+    const MPI_Comm     comm        = s.communicator();
     const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
     if (n_processes == 1)
       return;
@@ -135,8 +133,8 @@ namespace greville
     std::uint64_t              begin     = 0;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const std::uint64_t n = s.n_dofs() / extents[d];
-        const auto first_of   = [=](const unsigned int process) {
+        const std::uint64_t n        = s.n_dofs() / extents[d];
+        const auto          first_of = [=](const unsigned int process) {
           return n * process / n_processes;
         };
         std::vector<unsigned int> owners;
@@ -150,17 +148,16 @@ namespace greville
               ++owner;
             owners.push_back(owner);
           }
-        begin        = first_of(me);
-        n_pencils[d] = first_of(me + 1) - begin;
-        to_pencils[d] =
-          Redistribution(positions,
-                         owners,
-                         [&](const std::uint64_t position) {
-                           return multi_index<dim>(position, extents)[d] *
-                                    n_pencils[d] +
-                                  pencil_of(position, d) - begin;
-                         },
-                         comm);
+        begin         = first_of(me);
+        n_pencils[d]  = first_of(me + 1) - begin;
+        to_pencils[d] = Redistribution(
+          positions,
+          owners,
+          [&](const std::uint64_t position) {
+            return multi_index<dim>(position, extents)[d] * n_pencils[d] +
+                   pencil_of(position, d) - begin;
+          },
+          comm);
 
         positions.resize(std::size_t(extents[d]) * n_pencils[d]);
         for (unsigned int l = 0; l < n_pencils[d]; ++l)
@@ -183,8 +180,8 @@ namespace greville
       }
 
     // Back home: the places of positions are asked of the space.
-    const auto  numbers     = s.global_numbers(positions);
-    const auto &partitioner = *s.partitioner();
+    const auto                numbers     = s.global_numbers(positions);
+    const auto               &partitioner = *s.partitioner();
     std::vector<unsigned int> owners(numbers.size());
     {
       // Ownership is contiguous: the first number of each process tells the
@@ -192,20 +189,17 @@ namespace greville
       const auto firsts =
         Utilities::MPI::all_gather(comm, partitioner.local_range().first);
       for (std::size_t k = 0; k < numbers.size(); ++k)
-        owners[k] =
-          std::upper_bound(firsts.begin(), firsts.end(), numbers[k]) -
-          firsts.begin() - 1;
+        owners[k] = std::upper_bound(firsts.begin(), firsts.end(), numbers[k]) -
+                    firsts.begin() - 1;
     }
     const auto &own = s.owned_functions();
-    to_owners       = Redistribution(positions,
-                               owners,
-                               [&](const std::uint64_t position) {
-                                 return std::lower_bound(own.begin(),
-                                                         own.end(),
-                                                         position) -
-                                        own.begin();
-                               },
-                               comm);
+    to_owners       = Redistribution(
+      positions,
+      owners,
+      [&](const std::uint64_t position) {
+        return std::lower_bound(own.begin(), own.end(), position) - own.begin();
+      },
+      comm);
 
     std::size_t size = 0;
     for (unsigned int d = 0; d < dim; ++d)
@@ -247,11 +241,10 @@ namespace greville
 
 
   template <int dim>
-  void
-  TensorProductSolver<dim>::solve_lines(const Factor &     factor,
-                                        double *           x,
-                                        const std::size_t  stride,
-                                        const unsigned int n_lines)
+  void TensorProductSolver<dim>::solve_lines(const Factor      &factor,
+                                             double            *x,
+                                             const std::size_t  stride,
+                                             const unsigned int n_lines)
   {
     const unsigned int n = factor.n, p = factor.p;
 
@@ -259,7 +252,7 @@ namespace greville
     // recurrences of several lines hide their latency.
     const auto solve_some = [&](const unsigned int line, const auto n_simd) {
       constexpr unsigned int n_vectors = decltype(n_simd)::value;
-      double *               begin     = x + line;
+      double                *begin     = x + line;
       for (unsigned int i = 0; i < n; ++i)
         {
           const double *row = factor.rows.data() + i * (p + 1);
@@ -268,8 +261,8 @@ namespace greville
             values[v] = load(begin + i * stride + v * simd_width);
           for (unsigned int k = p - std::min(i, p); k < p; ++k)
             for (unsigned int v = 0; v < n_vectors; ++v)
-              values[v] -= row[k] * load(begin + (i + k - p) * stride +
-                                         v * simd_width);
+              values[v] -=
+                row[k] * load(begin + (i + k - p) * stride + v * simd_width);
           for (unsigned int v = 0; v < n_vectors; ++v)
             store(values[v] * row[p], begin + i * stride + v * simd_width);
         }
@@ -307,8 +300,8 @@ namespace greville
           {
             double value = x[i * stride + line];
             for (unsigned int j = i + 1; j <= std::min(i + p, n - 1); ++j)
-              value -= factor.rows[j * (p + 1) + i + p - j] *
-                       x[j * stride + line];
+              value -=
+                factor.rows[j * (p + 1) + i + p - j] * x[j * stride + line];
             x[i * stride + line] = value * factor.rows[i * (p + 1) + p];
           }
       }
@@ -317,10 +310,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  TensorProductSolver<dim>::solve_on_one_process(double *x) const
+  void TensorProductSolver<dim>::solve_on_one_process(double *x) const
   {
-    const auto &      extents = space->n_functions();
+    const auto       &extents = space->n_functions();
     const std::size_t n_x     = extents[0];
     const std::size_t n_rows  = space->n_dofs() / n_x;
 
@@ -349,8 +341,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  TensorProductSolver<dim>::solve(VectorType &x) const
+  void TensorProductSolver<dim>::solve(VectorType &x) const
   {
     if (Utilities::MPI::n_mpi_processes(space->communicator()) == 1)
       {
@@ -371,8 +362,7 @@ namespace greville
 
 
   template <int dim>
-  double
-  TensorProductSolver<dim>::diagonal(const unsigned int i) const
+  double TensorProductSolver<dim>::diagonal(const unsigned int i) const
   {
     const auto index =
       multi_index<dim>(space->owned_functions()[i], space->n_functions());
@@ -385,8 +375,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  TensorProductSolver<dim>::bytes_sent() const
+  std::size_t TensorProductSolver<dim>::bytes_sent() const
   {
     std::size_t n = to_owners.bytes_sent();
     for (const auto &redistribution : to_pencils)
@@ -397,8 +386,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  TensorProductSolver<dim>::memory_consumption() const
+  std::size_t TensorProductSolver<dim>::memory_consumption() const
   {
     std::size_t n = buffer.size() + other_buffer.size();
     for (const auto &factor : factors)
@@ -410,8 +398,7 @@ namespace greville
 
   template <int dim>
   TensorProductPreconditioner<dim>::TensorProductPreconditioner(
-    const TensorProductSolver<dim> &s,
-    const MassOperator<dim> &       m)
+    const TensorProductSolver<dim> &s, const MassOperator<dim> &m)
     : solver(&s)
     , mass(&m)
     , scaling(m.space().n_locally_owned_dofs())
@@ -426,9 +413,8 @@ namespace greville
 
 
   template <int dim>
-  void
-  TensorProductPreconditioner<dim>::vmult(VectorType &      dst,
-                                          const VectorType &src) const
+  void TensorProductPreconditioner<dim>::vmult(VectorType       &dst,
+                                               const VectorType &src) const
   {
     for (unsigned int i = 0; i < scaling.size(); ++i)
       dst.local_element(i) = scaling[i] * src.local_element(i);
@@ -443,8 +429,7 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  TensorProductPreconditioner<dim>::memory_consumption() const
+  std::size_t TensorProductPreconditioner<dim>::memory_consumption() const
   {
     return solver->memory_consumption() + scaling.size() * sizeof(double);
   }

@@ -7,8 +7,7 @@
 namespace greville
 {
   template <int dim>
-  unsigned int
-  CellBatches<dim>::width()
+  unsigned int CellBatches<dim>::width()
   {
     return simd_width;
   }
@@ -33,7 +32,8 @@ namespace greville
 
         for (unsigned int first = begin; first < end; first += simd_width)
           {
-            Batch batch{first, 0, std::min(simd_width, end - first), index, false};
+            Batch batch{
+              first, 0, std::min(simd_width, end - first), index, false};
             // A full batch is faster than a part of one: begin earlier.
             if (batch.end_lane < simd_width && end - begin >= simd_width)
               {

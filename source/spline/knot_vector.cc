@@ -8,11 +8,13 @@ namespace greville
 {
   using namespace dealii;
 
-  KnotVector::KnotVector(const unsigned int degree, const std::vector<double> &k)
+  KnotVector::KnotVector(const unsigned int         degree,
+                         const std::vector<double> &k)
     : p(degree)
     , t(k)
   {
-    AssertThrow(p >= 1, ExcMessage("A knot vector needs an order of 1 or more."));
+    AssertThrow(p >= 1,
+                ExcMessage("A knot vector needs an order of 1 or more."));
     AssertThrow(t.size() >= 2 * (p + 1) && std::is_sorted(t.begin(), t.end()),
                 ExcMessage("The knots of order " + std::to_string(p) +
                            " have to be at least " +
@@ -34,28 +36,25 @@ namespace greville
 
 
 
-  KnotVector
-  KnotVector::open_uniform(const unsigned int degree,
-                           const unsigned int n_elements,
-                           const double       lower,
-                           const double       upper)
+  KnotVector KnotVector::open_uniform(const unsigned int degree,
+                                      const unsigned int n_elements,
+                                      const double       lower,
+                                      const double       upper)
   {
     AssertThrow(n_elements > 0 && lower < upper,
                 ExcMessage("A knot vector needs at least one element, and a "
                            "lower end below its upper end."));
     std::vector<double> knots(degree, lower);
     for (unsigned int i = 0; i <= n_elements; ++i)
-      knots.push_back(i == n_elements ?
-                        upper :
-                        lower + (upper - lower) * i / n_elements);
+      knots.push_back(
+        i == n_elements ? upper : lower + (upper - lower) * i / n_elements);
     knots.insert(knots.end(), degree, upper);
     return KnotVector(degree, knots);
   }
 
 
 
-  unsigned int
-  KnotVector::find_element(const double x) const
+  unsigned int KnotVector::find_element(const double x) const
   {
     const auto next =
       std::upper_bound(spans.begin(),
@@ -69,8 +68,7 @@ namespace greville
 
 
 
-  double
-  KnotVector::greville_abscissa(const unsigned int i) const
+  double KnotVector::greville_abscissa(const unsigned int i) const
   {
     AssertIndexRange(i, n_functions());
     double sum = 0;
@@ -81,11 +79,10 @@ namespace greville
 
 
 
-  void
-  KnotVector::evaluate(const unsigned int       element,
-                       const double             x,
-                       const unsigned int       derivative,
-                       const ArrayView<double> &values) const
+  void KnotVector::evaluate(const unsigned int       element,
+                            const double             x,
+                            const unsigned int       derivative,
+                            const ArrayView<double> &values) const
   {
     AssertIndexRange(derivative, 3);
     AssertDimension(values.size(), p + 1);
@@ -110,8 +107,9 @@ namespace greville
           const double       left  = t[i + order] - t[i];
           const double       right = t[i + order + 1] - t[i + 1];
           if (order + derivative <= p)
-            values[a] = (left > 0 ? (x - t[i]) / left * own : 0.) +
-                        (right > 0 ? (t[i + order + 1] - x) / right * next : 0.);
+            values[a] =
+              (left > 0 ? (x - t[i]) / left * own : 0.) +
+              (right > 0 ? (t[i + order + 1] - x) / right * next : 0.);
           else
             values[a] = order * ((left > 0 ? own / left : 0.) -
                                  (right > 0 ? next / right : 0.));
@@ -120,10 +118,9 @@ namespace greville
 
 
 
-  void
-  KnotVector::blossom(const unsigned int             element,
-                      const ArrayView<const double> &arguments,
-                      const ArrayView<double> &      weights) const
+  void KnotVector::blossom(const unsigned int             element,
+                           const ArrayView<const double> &arguments,
+                           const ArrayView<double>       &weights) const
   {
     AssertDimension(arguments.size(), p);
     AssertDimension(weights.size(), p + 1);
@@ -169,8 +166,8 @@ namespace greville
 
 
 
-  double
-  BandedMatrix::operator()(const unsigned int i, const unsigned int j) const
+  double BandedMatrix::operator()(const unsigned int i,
+                                  const unsigned int j) const
   {
     const unsigned int k = j - first_column[i];
     return (j >= first_column[i] && k < width) ? values[i * width + k] : 0.;
@@ -178,11 +175,11 @@ namespace greville
 
 
 
-  BandedMatrix
-  cross_matrix(const KnotVector &rows, const KnotVector &columns)
+  BandedMatrix cross_matrix(const KnotVector &rows, const KnotVector &columns)
   {
     AssertDimension(rows.n_elements(), columns.n_elements());
-    const unsigned int n_rows = rows.degree() + 1, n_cols = columns.degree() + 1;
+    const unsigned int n_rows = rows.degree() + 1,
+                       n_cols = columns.degree() + 1;
 
     BandedMatrix matrix;
     matrix.n_rows    = rows.n_functions();

@@ -15,7 +15,7 @@ namespace greville
 
     // Smallest and largest corners and cell sizes, negated where the minimum
     // serves as maximum: one reduction.
-    const double                 infinity = std::numeric_limits<double>::max();
+    const double                infinity = std::numeric_limits<double>::max();
     std::array<double, 4 * dim> local;
     local.fill(infinity);
     for (const auto &cell : triangulation.active_cell_iterators())
@@ -41,8 +41,7 @@ namespace greville
         lower_corner[d]   = global[d];
         upper_corner[d]   = -global[dim + d];
         const double size = global[2 * dim + d];
-        AssertThrow(size > 0 &&
-                      -global[3 * dim + d] - size <= 1e-6 * size,
+        AssertThrow(size > 0 && -global[3 * dim + d] - size <= 1e-6 * size,
                     ExcMessage("A spline space needs a mesh whose cells are "
                                "all boxes of the same size."));
         cells[d] = std::lround((upper_corner[d] - lower_corner[d]) / size);
@@ -57,8 +56,7 @@ namespace greville
 
 
   template <int dim>
-  Point<dim>
-  Lattice<dim>::cell_corner(const MultiIndex<dim> &index) const
+  Point<dim> Lattice<dim>::cell_corner(const MultiIndex<dim> &index) const
   {
     Point<dim> corner;
     for (unsigned int d = 0; d < dim; ++d)
@@ -69,8 +67,7 @@ namespace greville
 
 
   template <int dim>
-  Point<dim>
-  Lattice<dim>::cell_center(const MultiIndex<dim> &index) const
+  Point<dim> Lattice<dim>::cell_center(const MultiIndex<dim> &index) const
   {
     Point<dim> center;
     for (unsigned int d = 0; d < dim; ++d)
@@ -81,8 +78,7 @@ namespace greville
 
 
   template <int dim>
-  MultiIndex<dim>
-  Lattice<dim>::find_cell(const Point<dim> &point) const
+  MultiIndex<dim> Lattice<dim>::find_cell(const Point<dim> &point) const
   {
     MultiIndex<dim> index;
     for (unsigned int d = 0; d < dim; ++d)
@@ -96,11 +92,10 @@ namespace greville
 
 
   template <int dim>
-  void
-  create_box_mesh(DistributedTriangulation<dim> &triangulation,
-                  const Point<dim> &             lower,
-                  const Point<dim> &             upper,
-                  const MultiIndex<dim> &        n_cells)
+  void create_box_mesh(DistributedTriangulation<dim> &triangulation,
+                       const Point<dim>              &lower,
+                       const Point<dim>              &upper,
+                       const MultiIndex<dim>         &n_cells)
   {
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -121,21 +116,18 @@ namespace greville
           n /= 2;
         ++n_refinements;
       }
-    GridGenerator::subdivided_hyper_rectangle(triangulation,
-                                              trees,
-                                              lower,
-                                              upper,
-                                              true);
+    GridGenerator::subdivided_hyper_rectangle(
+      triangulation, trees, lower, upper, true);
     triangulation.refine_global(n_refinements);
   }
 
 
 
-#define INSTANTIATE(dim)                                                   \
-  template class Lattice<dim>;                                             \
-  template void create_box_mesh<dim>(DistributedTriangulation<dim> &,      \
-                                     const Point<dim> &,                   \
-                                     const Point<dim> &,                   \
+#define INSTANTIATE(dim)                                              \
+  template class Lattice<dim>;                                        \
+  template void create_box_mesh<dim>(DistributedTriangulation<dim> &, \
+                                     const Point<dim> &,              \
+                                     const Point<dim> &,              \
                                      const MultiIndex<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);

@@ -13,8 +13,8 @@ namespace greville
   {
     AssertThrow(coarsening == "one by one" || coarsening == "by two" ||
                   coarsening == "direct",
-                ExcMessage("The coarsening <" + coarsening +
-                           "> is none of " + coarsenings() + "."));
+                ExcMessage("The coarsening <" + coarsening + "> is none of " +
+                           coarsenings() + "."));
     const unsigned int step =
       coarsening == "one by one" ? 1 : (coarsening == "by two" ? 2 : degree);
 
@@ -28,10 +28,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  OrderHierarchy<dim>::reinit(DistributedTriangulation<dim> &triangulation,
-                              const unsigned int             degree,
-                              const std::string &            coarsening)
+  void OrderHierarchy<dim>::reinit(DistributedTriangulation<dim> &triangulation,
+                                   const unsigned int             degree,
+                                   const std::string             &coarsening)
   {
     spaces.clear();
     for (const unsigned int order : orders(degree, coarsening))

@@ -1,6 +1,5 @@
 #include <deal.II/base/mpi.templates.h>
 #include <deal.II/base/mpi_consensus_algorithms.h>
-
 #include <deal.II/fe/fe_bernstein.h>
 #include <deal.II/fe/fe_system.h>
 
@@ -30,10 +29,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  SplineSpace<dim>::reinit(DistributedTriangulation<dim> &triangulation,
-                           const unsigned int             degree,
-                           const unsigned int             n_components)
+  void SplineSpace<dim>::reinit(DistributedTriangulation<dim> &triangulation,
+                                const unsigned int             degree,
+                                const unsigned int             n_components)
   {
     AssertThrow(degree >= 1 && degree <= max_degree,
                 ExcMessage("A spline space has an order from 1 to " +
@@ -83,8 +81,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  SplineSpace<dim>::find_owned_cells_and_functions()
+  void SplineSpace<dim>::find_owned_cells_and_functions()
   {
     cells.clear();
     std::vector<std::uint64_t> positions(tria->n_active_cells());
@@ -112,16 +109,15 @@ namespace greville
     owned.clear();
     for (const std::uint64_t position : cells)
       {
-        const auto cell =
-          multi_index<dim>(position, mesh_lattice.n_cells());
+        const auto cell = multi_index<dim>(position, mesh_lattice.n_cells());
         MultiIndex<dim> begin, length;
         for (unsigned int d = 0; d < dim; ++d)
           {
             const auto range = std::equal_range(anchor_cells[d].begin(),
                                                 anchor_cells[d].end(),
                                                 cell[d]);
-            begin[d]  = range.first - anchor_cells[d].begin();
-            length[d] = range.second - range.first;
+            begin[d]         = range.first - anchor_cells[d].begin();
+            length[d]        = range.second - range.first;
           }
         const std::uint64_t n =
           std::accumulate(length.begin(),
@@ -140,8 +136,8 @@ namespace greville
 
     const std::uint64_t n_owned = owned.size();
     std::uint64_t       offset  = 0;
-    const int           ierr    = MPI_Exscan(
-      &n_owned, &offset, 1, MPI_UINT64_T, MPI_SUM, comm);
+    const int           ierr =
+      MPI_Exscan(&n_owned, &offset, 1, MPI_UINT64_T, MPI_SUM, comm);
     AssertThrowMPI(ierr);
     first_owned = Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : offset;
   }
@@ -149,8 +145,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  SplineSpace<dim>::number_functions()
+  void SplineSpace<dim>::number_functions()
   {
     // A cell's functions are runs of p + 1 in x. Owned parts of a run are
     // contiguous in owned, so one search per run mostly suffices.
@@ -229,8 +224,7 @@ namespace greville
 
 
   template <int dim>
-  void
-  SplineSpace<dim>::make_partitioner()
+  void SplineSpace<dim>::make_partitioner()
   {
     const types::global_dof_index begin = components * first_owned;
     const types::global_dof_index end   = begin + n_locally_owned_dofs();
@@ -253,8 +247,7 @@ namespace greville
 
 
   template <int dim>
-  types::global_dof_index
-  SplineSpace<dim>::n_dofs() const
+  types::global_dof_index SplineSpace<dim>::n_dofs() const
   {
     types::global_dof_index n = components;
     for (unsigned int d = 0; d < dim; ++d)
@@ -265,8 +258,7 @@ namespace greville
 
 
   template <int dim>
-  std::vector<unsigned int>
-  SplineSpace<dim>::find_owners(
+  std::vector<unsigned int> SplineSpace<dim>::find_owners(
     const std::vector<std::uint64_t> &positions) const
   {
     const unsigned int me = Utilities::MPI::this_mpi_process(comm);
@@ -279,10 +271,10 @@ namespace greville
         MultiIndex<dim> cell = multi_index<dim>(positions[k], extents);
         for (unsigned int d = 0; d < dim; ++d)
           cell[d] = anchor_cells[d][cell[d]];
-        if (!std::binary_search(
-              cells.begin(),
-              cells.end(),
-              lexicographic<dim>(cell, mesh_lattice.n_cells())))
+        if (!std::binary_search(cells.begin(),
+                                cells.end(),
+                                lexicographic<dim>(cell,
+                                                   mesh_lattice.n_cells())))
           {
             points.push_back(mesh_lattice.cell_center(cell));
             places.push_back(k);
@@ -300,13 +292,11 @@ namespace greville
 
 
   template <int dim>
-  std::vector<types::global_dof_index>
-  SplineSpace<dim>::global_numbers(
+  std::vector<types::global_dof_index> SplineSpace<dim>::global_numbers(
     const std::vector<std::uint64_t> &positions) const
   {
     const auto number_of = [this](const std::uint64_t position) {
-      const auto place =
-        std::lower_bound(owned.begin(), owned.end(), position);
+      const auto place = std::lower_bound(owned.begin(), owned.end(), position);
       Assert(place != owned.end() && *place == position, ExcInternalError());
       return first_owned + types::global_dof_index(place - owned.begin());
     };
@@ -340,8 +330,7 @@ namespace greville
 
 
   template <int dim>
-  unsigned int
-  SplineSpace<dim>::cell_number(const CellIterator &cell) const
+  unsigned int SplineSpace<dim>::cell_number(const CellIterator &cell) const
   {
     Assert(cell->is_locally_owned(),
            ExcMessage("Only owned cells have a place here."));
@@ -351,9 +340,8 @@ namespace greville
 
 
   template <int dim>
-  void
-  SplineSpace<dim>::cell_dof_indices(
-    const CellIterator &                  cell,
+  void SplineSpace<dim>::cell_dof_indices(
+    const CellIterator                   &cell,
     std::vector<types::global_dof_index> &indices) const
   {
     indices.resize(n_dofs_per_cell());
@@ -361,8 +349,8 @@ namespace greville
     for (const unsigned int number : cell_functions(cell_number(cell)))
       {
         const types::global_dof_index function =
-          number < owned.size() ? first_owned + number :
-                                  ghost_numbers[number - owned.size()];
+          number < owned.size() ? first_owned + number
+                                : ghost_numbers[number - owned.size()];
         for (unsigned int c = 0; c < components; ++c)
           *out++ = components * function + c;
       }
@@ -398,10 +386,9 @@ namespace greville
 
 
   template <int dim>
-  void
-  SplineSpace<dim>::extract(const VectorType &     coefficients,
-                            const DoFHandler<dim> &dof_handler,
-                            VectorType &           bernstein) const
+  void SplineSpace<dim>::extract(const VectorType      &coefficients,
+                                 const DoFHandler<dim> &dof_handler,
+                                 VectorType            &bernstein) const
   {
     Assert(dof_handler.get_fe() == fe(),
            ExcMessage("The DoFHandler has to carry the space's fe()."));
@@ -417,8 +404,8 @@ namespace greville
     const unsigned int                   n = functions_per_cell;
     std::vector<types::global_dof_index> dofs(n_dofs_per_cell());
     std::vector<double>                  values(n_dofs_per_cell());
-    const auto own = dof_handler.locally_owned_dofs();
-    bernstein      = 0.;
+    const auto                           own = dof_handler.locally_owned_dofs();
+    bernstein                                = 0.;
 
     // The 1D matrices repeat from cell to cell; they are made once.
     std::array<std::vector<FullMatrix<double>>, dim> matrices;
@@ -459,8 +446,8 @@ namespace greville
             if (own.is_element(dofs[i]))
               {
                 const auto component_and_base =
-                  components == 1 ? std::make_pair(0u, i) :
-                                    element->system_to_component_index(i);
+                  components == 1 ? std::make_pair(0u, i)
+                                  : element->system_to_component_index(i);
                 bernstein(dofs[i]) =
                   values[component_and_base.first * n +
                          to_lexicographic[component_and_base.second]];

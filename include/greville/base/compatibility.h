@@ -2,7 +2,6 @@
 #define greville_base_compatibility_h
 
 #include <deal.II/base/config.h>
-
 #include <deal.II/base/mpi.h>
 #if DEAL_II_VERSION_GTE(9, 7, 0)
 #  include <deal.II/base/enable_observer_pointer.h>
@@ -11,7 +10,6 @@
 #endif
 
 #include <deal.II/distributed/tria.h>
-
 #include <deal.II/lac/la_parallel_vector.h>
 
 /**
@@ -41,8 +39,7 @@ namespace greville
 #endif
 
   template <int dim>
-  MPI_Comm
-  get_communicator(const DistributedTriangulation<dim> &triangulation)
+  MPI_Comm get_communicator(const DistributedTriangulation<dim> &triangulation)
   {
 #if DEAL_II_VERSION_GTE(9, 7, 0)
     return triangulation.get_mpi_communicator();

@@ -15,8 +15,7 @@ namespace greville
   /**
    * Throw dealii::LACExceptions::ExcPETScError where a PETSc call failed.
    */
-  inline void
-  check_petsc(const PetscErrorCode error)
+  inline void check_petsc(const PetscErrorCode error)
   {
     AssertThrow(error == 0, dealii::LACExceptions::ExcPETScError(error));
   }
@@ -28,8 +27,7 @@ namespace greville
     {
       using pointer = Handle;
 
-      void
-      operator()(Handle handle) const
+      void operator()(Handle handle) const
       {
         destroy(&handle);
       }
@@ -40,9 +38,8 @@ namespace greville
    * An owned PETSc object: PetscHandle<Mat, MatDestroy>.
    */
   template <typename Handle, PetscErrorCode (*destroy)(Handle *)>
-  using PetscHandle =
-    std::unique_ptr<std::remove_pointer_t<Handle>,
-                    internal::PetscDeleter<Handle, destroy>>;
+  using PetscHandle = std::unique_ptr<std::remove_pointer_t<Handle>,
+                                      internal::PetscDeleter<Handle, destroy>>;
 
   using PetscMatrix   = PetscHandle<Mat, MatDestroy>;
   using PetscVector   = PetscHandle<Vec, VecDestroy>;
@@ -69,8 +66,7 @@ namespace greville
      * Call @p function with a PETSc vector that has the entries at @p values.
      */
     template <typename Function>
-    void
-    with(const double *values, const Function &function) const
+    void with(const double *values, const Function &function) const
     {
       check_petsc(VecPlaceArray(vector.get(), const_cast<double *>(values)));
       function(vector.get());

@@ -64,43 +64,35 @@ namespace greville
      * parameters used, solves.csv, and where asked for comparison.csv and
      * operators.csv. Throws where the file is wrong.
      */
-    void
-    run(const std::string &file);
+    void run(const std::string &file);
 
   private:
     template <int dim>
-    void
-    run_dimension(const std::vector<unsigned int> &cells);
+    void run_dimension(const std::vector<unsigned int> &cells);
 
     template <int dim>
-    void
-    run_solvers(const OrderHierarchy<dim> &     orders,
-                const dealii::Function<dim> &density,
-                const dealii::Function<dim> &acceleration,
-                const unsigned int              n_cells);
+    void run_solvers(const OrderHierarchy<dim>   &orders,
+                     const dealii::Function<dim> &density,
+                     const dealii::Function<dim> &acceleration,
+                     const unsigned int           n_cells);
 
     template <int dim>
-    SolveRecord
-    run_solver(const std::string &             solver,
-               MassHierarchy<dim> &            mass,
-               const OrderHierarchy<dim> &     orders,
-               const dealii::Function<dim> &acceleration,
-               const unsigned int              n_cells);
+    SolveRecord run_solver(const std::string           &solver,
+                           MassHierarchy<dim>          &mass,
+                           const OrderHierarchy<dim>   &orders,
+                           const dealii::Function<dim> &acceleration,
+                           const unsigned int           n_cells);
 
-    void
-    check_parameters() const;
+    void check_parameters() const;
 
     /**
      * The cell numbers of each dimension.
      */
-    std::vector<std::vector<unsigned int>>
-    cells_of_dimensions() const;
+    std::vector<std::vector<unsigned int>> cells_of_dimensions() const;
 
-    void
-    print_header(const std::string &file) const;
+    void print_header(const std::string &file) const;
 
-    void
-    write_results() const;
+    void write_results() const;
 
     MassBenchmarkParameters    parameters;
     MassProblemParameters      problem;

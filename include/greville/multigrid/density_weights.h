@@ -25,24 +25,21 @@ namespace greville
      * owned cells of @p space. Throws dealii::ExcMessage where the density is
      * negative or not finite, with the point and the value.
      */
-    DensityWeights(const SplineSpace<dim> &     space,
+    DensityWeights(const SplineSpace<dim>      &space,
                    const unsigned int           n_points_1d,
                    const dealii::Function<dim> &density);
 
-    unsigned int
-    n_points_1d() const
+    unsigned int n_points_1d() const
     {
       return n_q;
     }
 
-    unsigned int
-    n_points() const
+    unsigned int n_points() const
     {
       return dealii::Utilities::fixed_power<dim>(n_q);
     }
 
-    const CellBatches<dim> &
-    batches() const
+    const CellBatches<dim> &batches() const
     {
       return cell_batches;
     }
@@ -52,8 +49,7 @@ namespace greville
      * lexicographic order. Weights of lanes without a cell of their own are
      * zero.
      */
-    const double *
-    operator[](const std::size_t batch) const
+    const double *operator[](const std::size_t batch) const
     {
       return values.data() + batch * n_points() * CellBatches<dim>::width();
     }
@@ -61,12 +57,12 @@ namespace greville
     /**
      * The points of a cell in the order of the weights.
      */
-    std::vector<dealii::Point<dim>>
-    points(const SplineSpace<dim> &space, const MultiIndex<dim> &cell) const;
+    std::vector<dealii::Point<dim>> points(const SplineSpace<dim> &space,
+                                           const MultiIndex<dim>  &cell) const;
 
   private:
-    unsigned int                   n_q = 0;
-    CellBatches<dim>               cell_batches;
+    unsigned int                  n_q = 0;
+    CellBatches<dim>              cell_batches;
     dealii::AlignedVector<double> values;
   };
 } // namespace greville

@@ -23,24 +23,21 @@ namespace greville
     /**
      * Factorize. Throws dealii::ExcMessage with the row where a pivot vanishes.
      */
-    ILUT(const Mat     matrix,
+    ILUT(const Mat    matrix,
          const double drop_tolerance,
          const double fill_factor);
 
     /**
      * x = (L U)^-1 x.
      */
-    void
-    solve(double *x) const;
+    void solve(double *x) const;
 
     /**
      * x = (L U)^-T x.
      */
-    void
-    solve_transpose(double *x) const;
+    void solve_transpose(double *x) const;
 
-    std::size_t
-    memory_consumption() const;
+    std::size_t memory_consumption() const;
 
   private:
     struct Triangle

@@ -18,50 +18,43 @@ namespace greville
      * Collective. Evaluates @p density at p + 1 Gauss points per direction; no
      * operator is made yet. The space is kept by reference.
      */
-    MassLevel(const SplineSpace<dim> &     space,
+    MassLevel(const SplineSpace<dim>      &space,
               const dealii::Function<dim> &density);
 
     /**
      * Collective. Make the operators. vmult() works on the assembled matrix if
      * @p apply_matrix, which implies @p with_matrix.
      */
-    void
-    assemble(const bool with_matrix, const bool apply_matrix);
+    void assemble(const bool with_matrix, const bool apply_matrix);
 
     /**
      * Free the operators.
      */
-    void
-    clear();
+    void clear();
 
-    const SplineSpace<dim> &
-    space() const
+    const SplineSpace<dim> &space() const
     {
       return *spline_space;
     }
 
-    const DensityWeights<dim> &
-    weights() const
+    const DensityWeights<dim> &weights() const
     {
       return density_weights;
     }
 
-    const MassOperator<dim> &
-    mass() const
+    const MassOperator<dim> &mass() const
     {
       Assert(mass_operator, dealii::ExcNotInitialized());
       return *mass_operator;
     }
 
-    const MassMatrix<dim> &
-    matrix() const
+    const MassMatrix<dim> &matrix() const
     {
       Assert(mass_matrix, dealii::ExcNotInitialized());
       return *mass_matrix;
     }
 
-    void
-    vmult(VectorType &dst, const VectorType &src) const
+    void vmult(VectorType &dst, const VectorType &src) const
     {
       if (apply_matrix)
         mass_matrix->vmult(dst, src);
@@ -69,17 +62,15 @@ namespace greville
         mass_operator->vmult(dst, src);
     }
 
-    void
-    Tvmult(VectorType &dst, const VectorType &src) const
+    void Tvmult(VectorType &dst, const VectorType &src) const
     {
       vmult(dst, src);
     }
 
-    std::size_t
-    memory_consumption() const;
+    std::size_t memory_consumption() const;
 
   private:
-    const SplineSpace<dim> *           spline_space;
+    const SplineSpace<dim>            *spline_space;
     DensityWeights<dim>                density_weights;
     std::unique_ptr<MassOperator<dim>> mass_operator;
     std::unique_ptr<MassMatrix<dim>>   mass_matrix;

@@ -17,17 +17,17 @@ namespace greville
   public:
     PMultigridParameters(const std::string &section = "p-multigrid");
 
-    std::string  coarsening              = "one by one";
-    std::string  cycle                   = "V";
-    std::string  prolongation            = "lumped-l2";
-    std::string  restriction             = "lumped-l2";
-    std::string  weighting               = "density";
-    unsigned int pre_smoothing           = 1;
-    unsigned int post_smoothing          = 1;
-    double       coarse_tolerance        = 1e-4;
-    unsigned int coarse_max_iterations   = 1000;
-    std::string  coarse_preconditioner   = "none";
-    std::string  smoother                = "ilut";
+    std::string  coarsening            = "one by one";
+    std::string  cycle                 = "V";
+    std::string  prolongation          = "lumped-l2";
+    std::string  restriction           = "lumped-l2";
+    std::string  weighting             = "density";
+    unsigned int pre_smoothing         = 1;
+    unsigned int post_smoothing        = 1;
+    double       coarse_tolerance      = 1e-4;
+    unsigned int coarse_max_iterations = 1000;
+    std::string  coarse_preconditioner = "none";
+    std::string  smoother              = "ilut";
   };
 
 
@@ -58,42 +58,34 @@ namespace greville
      * relative tolerance on level 0.
      */
     PMultigrid(const std::vector<MassLevel<dim> *> &levels,
-               const PMultigridParameters &         parameters,
-               const SmootherParameters &           smoother_parameters,
+               const PMultigridParameters          &parameters,
+               const SmootherParameters            &smoother_parameters,
                const double                         coarse_tolerance);
     ~PMultigrid() override;
 
     /**
      * One cycle with the initial guess zero.
      */
-    void
-    vmult(VectorType &dst, const VectorType &src) const override;
+    void vmult(VectorType &dst, const VectorType &src) const override;
 
     /**
      * As vmult(); for symmetric cycles only.
      */
-    void
-    Tvmult(VectorType &dst, const VectorType &src) const override;
+    void Tvmult(VectorType &dst, const VectorType &src) const override;
 
-    std::size_t
-    memory_consumption() const override;
+    std::size_t memory_consumption() const override;
 
     // The parts, in deal.II's interfaces.
 
-    const dealii::MGMatrixBase<VectorType> &
-    matrices() const;
+    const dealii::MGMatrixBase<VectorType> &matrices() const;
 
-    const dealii::MGSmootherBase<VectorType> &
-    pre_smoother() const;
+    const dealii::MGSmootherBase<VectorType> &pre_smoother() const;
 
-    const dealii::MGSmootherBase<VectorType> &
-    post_smoother() const;
+    const dealii::MGSmootherBase<VectorType> &post_smoother() const;
 
-    const dealii::MGCoarseGridBase<VectorType> &
-    coarse_solver() const;
+    const dealii::MGCoarseGridBase<VectorType> &coarse_solver() const;
 
-    const OrderTransfer<dim> &
-    transfer() const
+    const OrderTransfer<dim> &transfer() const
     {
       return order_transfer;
     }
@@ -114,10 +106,9 @@ namespace greville
      * Improve x[level] for the right-hand side b[level]; begin with zero where
      * @p from_zero.
      */
-    void
-    cycle(const unsigned int level,
-          const Cycle        type,
-          const bool         from_zero) const;
+    void cycle(const unsigned int level,
+               const Cycle        type,
+               const bool         from_zero) const;
 
     OrderTransfer<dim>                           order_transfer;
     Cycle                                        cycle_type;

@@ -17,14 +17,12 @@ namespace greville
     /**
      * dst = S src.
      */
-    virtual void
-    vmult(VectorType &dst, const VectorType &src) const = 0;
+    virtual void vmult(VectorType &dst, const VectorType &src) const = 0;
 
     /**
      * dst = S^T src. The default is for symmetric S.
      */
-    virtual void
-    Tvmult(VectorType &dst, const VectorType &src) const
+    virtual void Tvmult(VectorType &dst, const VectorType &src) const
     {
       vmult(dst, src);
     }
@@ -32,8 +30,7 @@ namespace greville
     /**
      * Bytes of this object on this process, as far as it knows them.
      */
-    virtual std::size_t
-    memory_consumption() const = 0;
+    virtual std::size_t memory_consumption() const = 0;
   };
 } // namespace greville
 

@@ -36,22 +36,20 @@ namespace greville
      * Collective. @p ordering is "lexicographic" or the name of an ordering of
      * PETSc ("rcm", "amd", "nd", ...).
      */
-    OverlappingDomain(const MassMatrix<dim> &    matrix,
-                      const unsigned int         overlap,
+    OverlappingDomain(const MassMatrix<dim>   &matrix,
+                      const unsigned int       overlap,
                       const SchwarzCombination combination,
-                      const std::string &        ordering);
+                      const std::string       &ordering);
 
     /**
      * The local matrix A_s, sequential, in the chosen ordering.
      */
-    Mat
-    matrix() const
+    Mat matrix() const
     {
       return local_matrix;
     }
 
-    unsigned int
-    size() const
+    unsigned int size() const
     {
       return order.size();
     }
@@ -59,8 +57,7 @@ namespace greville
     /**
      * Lexicographic positions of the functions of the domain in its ordering.
      */
-    const std::vector<std::uint64_t> &
-    positions() const
+    const std::vector<std::uint64_t> &positions() const
     {
       return function_positions;
     }
@@ -68,8 +65,7 @@ namespace greville
     /**
      * Whether this process owns the entry.
      */
-    bool
-    owns(const unsigned int i) const
+    bool owns(const unsigned int i) const
     {
       return order[i] < n_owned;
     }
@@ -78,31 +74,28 @@ namespace greville
      * local = R_s src, weighted for the symmetric combination. For the
      * transpose of a restricted combination call with @p transpose.
      */
-    void
-    restrict_to(std::vector<double> &local,
-                const VectorType &   src,
-                const bool           transpose) const;
+    void restrict_to(std::vector<double> &local,
+                     const VectorType    &src,
+                     const bool           transpose) const;
 
     /**
      * dst = sum_s R_s^T local, weighted or restricted.
      */
-    void
-    prolongate_from(const std::vector<double> &local,
-                    VectorType &               dst,
-                    const bool                 transpose) const;
+    void prolongate_from(const std::vector<double> &local,
+                         VectorType                &dst,
+                         const bool                 transpose) const;
 
-    std::size_t
-    memory_consumption() const;
+    std::size_t memory_consumption() const;
 
   private:
-    SchwarzCombination                 combination;
-    unsigned int                       n_owned;
-    Mat                                local_matrix = nullptr;
-    PetscMatrix                        local_copy;
-    std::vector<unsigned int>          order; // local number in overlapped
-    std::vector<std::uint64_t>         function_positions;
-    std::vector<double>                weights; // W_s^(1/2)
-    mutable VectorType                 overlapped;
+    SchwarzCombination         combination;
+    unsigned int               n_owned;
+    Mat                        local_matrix = nullptr;
+    PetscMatrix                local_copy;
+    std::vector<unsigned int>  order; // local number in overlapped
+    std::vector<std::uint64_t> function_positions;
+    std::vector<double>        weights; // W_s^(1/2)
+    mutable VectorType         overlapped;
   };
 
 
@@ -115,29 +108,24 @@ namespace greville
   public:
     virtual ~LocalSolver() = default;
 
-    virtual void
-    solve(double *x, const bool transpose) const = 0;
+    virtual void solve(double *x, const bool transpose) const = 0;
 
-    virtual std::size_t
-    memory_consumption() const = 0;
+    virtual std::size_t memory_consumption() const = 0;
   };
 
   /**
    * ILUT, see the class of that name.
    */
-  std::unique_ptr<LocalSolver>
-  make_ilut(const Mat     matrix,
-            const double drop_tolerance,
-            const double fill_factor);
+  std::unique_ptr<LocalSolver> make_ilut(const Mat    matrix,
+                                         const double drop_tolerance,
+                                         const double fill_factor);
 
   /**
    * PETSc's ILU(0) ("ilu") or IC(0) ("icc") of the matrix scaled to a unit
    * diagonal, with @p shift added to that diagonal.
    */
-  std::unique_ptr<LocalSolver>
-  make_incomplete_factorization(const Mat          matrix,
-                                const std::string &type,
-                                const double       shift);
+  std::unique_ptr<LocalSolver> make_incomplete_factorization(
+    const Mat matrix, const std::string &type, const double shift);
 
 
 
@@ -150,17 +138,14 @@ namespace greville
   {
   public:
     AdditiveSchwarz(
-      std::unique_ptr<const OverlappingDomain<dim>>                     domain,
+      std::unique_ptr<const OverlappingDomain<dim>>                 domain,
       const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make);
 
-    void
-    vmult(VectorType &dst, const VectorType &src) const override;
+    void vmult(VectorType &dst, const VectorType &src) const override;
 
-    void
-    Tvmult(VectorType &dst, const VectorType &src) const override;
+    void Tvmult(VectorType &dst, const VectorType &src) const override;
 
-    std::size_t
-    memory_consumption() const override;
+    std::size_t memory_consumption() const override;
 
   private:
     void
@@ -184,20 +169,17 @@ namespace greville
   {
   public:
     BoxSchwarz(std::unique_ptr<const OverlappingDomain<dim>> domain,
-               const MassMatrix<dim> &                        matrix,
-               const unsigned int                             box_size,
-               const unsigned int                             overlap,
-               const SchwarzCombination                     combination);
+               const MassMatrix<dim>                        &matrix,
+               const unsigned int                            box_size,
+               const unsigned int                            overlap,
+               const SchwarzCombination                      combination);
     ~BoxSchwarz() override;
 
-    void
-    vmult(VectorType &dst, const VectorType &src) const override;
+    void vmult(VectorType &dst, const VectorType &src) const override;
 
-    void
-    Tvmult(VectorType &dst, const VectorType &src) const override;
+    void Tvmult(VectorType &dst, const VectorType &src) const override;
 
-    std::size_t
-    memory_consumption() const override;
+    std::size_t memory_consumption() const override;
 
   private:
     struct Box;

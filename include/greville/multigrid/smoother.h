@@ -39,7 +39,8 @@ namespace greville
   /**
    * The names of smoothers, separated by '|':
    * - "ilut": ILUT on overlapping domains, one per process,
-   * - "ilu0", "ic0": ILU(0) and IC(0) of the diagonally scaled matrix, likewise,
+   * - "ilu0", "ic0": ILU(0) and IC(0) of the diagonally scaled matrix,
+   * likewise,
    * - "jacobi": omega D^-1, omega = damping / lambda_max(D^-1 M),
    * - "gauss-seidel": forward before and backward after the coarse correction
    *   of a symmetric cycle, "symmetric-gauss-seidel": forward and backward;
@@ -49,14 +50,12 @@ namespace greville
    * - "tensor-product": TensorProductPreconditioner,
    * - "petsc": the PETSc preconditioner that the options describe.
    */
-  std::string
-  smoother_names();
+  std::string smoother_names();
 
   /**
    * Whether a smoother needs the assembled matrix.
    */
-  bool
-  smoother_needs_matrix(const std::string &name);
+  bool smoother_needs_matrix(const std::string &name);
 
   /**
    * Make a smoother for @p level, which is kept by reference. Collective.
@@ -66,9 +65,9 @@ namespace greville
    */
   template <int dim>
   std::unique_ptr<Preconditioner>
-  make_smoother(const std::string &       name,
+  make_smoother(const std::string        &name,
                 const SmootherParameters &parameters,
-                const MassLevel<dim> &    level,
+                const MassLevel<dim>     &level,
                 const bool                symmetric);
 } // namespace greville
 

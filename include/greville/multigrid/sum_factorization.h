@@ -30,15 +30,13 @@ namespace greville
      * Replace each value by its square: integration then gives the diagonal of
      * a mass matrix.
      */
-    void
-    square();
+    void square();
 
     /**
      * The table [point][function] of x for the lanes of a batch that begins at
      * cell @p first, written to @p table.
      */
-    void
-    load_x(const unsigned int first, Simd *table) const
+    void load_x(const unsigned int first, Simd *table) const
     {
       for (unsigned int k = 0; k < table_size; ++k)
         table[k] = load(x.data() + k * x_stride + first);
@@ -47,8 +45,7 @@ namespace greville
     /**
      * The table [point][function] of direction @p d (y or z) for @p cell.
      */
-    const double *
-    values(const unsigned int d, const unsigned int cell) const
+    const double *values(const unsigned int d, const unsigned int cell) const
     {
       return y_and_z[d - 1].data() + std::size_t(cell) * table_size;
     }
@@ -60,9 +57,9 @@ namespace greville
       (SplineSpace<dim>::max_degree + 1) * (SplineSpace<dim>::max_degree + 1);
 
   private:
-    unsigned int                                           table_size = 0;
-    unsigned int                                           x_stride   = 0;
-    dealii::AlignedVector<double>                          x;
+    unsigned int                                       table_size = 0;
+    unsigned int                                       x_stride   = 0;
+    dealii::AlignedVector<double>                      x;
     std::array<dealii::AlignedVector<double>, dim - 1> y_and_z;
   };
 
@@ -78,11 +75,11 @@ namespace greville
      * interpolate: n^dim coefficients -> n_q^dim values at the points,
      * integrate, its transpose: n_q^dim values -> n^dim test functions.
      */
-    using Function = void (*)(const Simd *  in,
-                              const Simd *  table_x,
+    using Function = void (*)(const Simd   *in,
+                              const Simd   *table_x,
                               const double *table_y,
                               const double *table_z,
-                              Simd *        out);
+                              Simd         *out);
     Function interpolate;
     Function integrate;
 
@@ -90,10 +87,10 @@ namespace greville
      * The same for one layer of coefficients or points, without the last
      * direction. @p table_y is not used in 2D.
      */
-    using LayerFunction = void (*)(const Simd *  in,
-                                   const Simd *  table_x,
+    using LayerFunction = void (*)(const Simd   *in,
+                                   const Simd   *table_x,
                                    const double *table_y,
-                                   Simd *        out);
+                                   Simd         *out);
     LayerFunction interpolate_layer;
     LayerFunction integrate_layer;
 
@@ -104,11 +101,11 @@ namespace greville
      * cell.
      */
     void (*gather_layer)(const unsigned int *numbers,
-                         const double *      source,
-                         Simd *              values);
+                         const double       *source,
+                         Simd               *values);
     void (*scatter_add_layer)(const unsigned int *numbers,
-                              const Simd *        values,
-                              double *            target);
+                              const Simd         *values,
+                              double             *target);
   };
 
   /**
@@ -118,23 +115,22 @@ namespace greville
    * are pointers to them.
    */
   using ColumnKernel = void (*)(const Simd *const *in,
-                                const double *     table_in,
-                                const double *     weights,
-                                const double *     table_out,
-                                Simd *const *      out);
+                                const double      *table_in,
+                                const double      *weights,
+                                const double      *table_out,
+                                Simd *const       *out);
 
   /**
    * Kernels are compiled for 1 <= p < n_q <= 6.
    */
   template <int dim>
-  CellKernels
-  cell_kernels(const unsigned int degree, const unsigned int n_points_1d);
+  CellKernels cell_kernels(const unsigned int degree,
+                           const unsigned int n_points_1d);
 
   template <int dim>
-  ColumnKernel
-  column_kernel(const unsigned int degree_in,
-                const unsigned int n_points_1d,
-                const unsigned int degree_out);
+  ColumnKernel column_kernel(const unsigned int degree_in,
+                             const unsigned int n_points_1d,
+                             const unsigned int degree_out);
 } // namespace greville
 
 #endif

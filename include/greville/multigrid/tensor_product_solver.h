@@ -21,19 +21,17 @@ namespace greville
      * gives for its position.
      */
     Redistribution(
-      const std::vector<std::uint64_t> &                        positions,
-      const std::vector<unsigned int> &                         owners,
+      const std::vector<std::uint64_t>                       &positions,
+      const std::vector<unsigned int>                        &owners,
       const std::function<unsigned int(const std::uint64_t)> &place_of,
-      const MPI_Comm                                            comm);
+      const MPI_Comm                                          comm);
 
-    void
-    execute(const double *source, double *target) const;
+    void execute(const double *source, double *target) const;
 
     /**
      * Bytes that this process sends to others in one execute().
      */
-    std::size_t
-    bytes_sent() const;
+    std::size_t bytes_sent() const;
 
   private:
     struct Message
@@ -42,9 +40,9 @@ namespace greville
       std::vector<unsigned int> places;
     };
 
-    MPI_Comm                                  comm = MPI_COMM_NULL;
-    std::vector<Message>                      sends, receives;
-    std::vector<unsigned int>                 own_source, own_target;
+    MPI_Comm                                 comm = MPI_COMM_NULL;
+    std::vector<Message>                     sends, receives;
+    std::vector<unsigned int>                own_source, own_target;
     mutable std::vector<std::vector<double>> buffers;
   };
 
@@ -73,23 +71,19 @@ namespace greville
     /**
      * Overwrite the owned entries of @p x by those of the solution.
      */
-    void
-    solve(VectorType &x) const;
+    void solve(VectorType &x) const;
 
     /**
      * The diagonal of M_1 x ... x M_1 at the owned function number @p i.
      */
-    double
-    diagonal(const unsigned int i) const;
+    double diagonal(const unsigned int i) const;
 
     /**
      * Bytes that this process sends to others in one solve.
      */
-    std::size_t
-    bytes_sent() const;
+    std::size_t bytes_sent() const;
 
-    std::size_t
-    memory_consumption() const;
+    std::size_t memory_consumption() const;
 
   private:
     /**
@@ -103,27 +97,24 @@ namespace greville
       std::vector<double> diagonal; // of M_1
     };
 
-    static Factor
-    factorize(const KnotVector &knots);
+    static Factor factorize(const KnotVector &knots);
 
     /**
      * Solve for lines of unknowns: entry i of line l is x[i * stride + l].
      */
-    static void
-    solve_lines(const Factor &     factor,
-                double *           x,
-                const std::size_t  stride,
-                const unsigned int n_lines);
+    static void solve_lines(const Factor      &factor,
+                            double            *x,
+                            const std::size_t  stride,
+                            const unsigned int n_lines);
 
-    void
-    solve_on_one_process(double *x) const;
+    void solve_on_one_process(double *x) const;
 
-    const SplineSpace<dim> *         space = nullptr;
+    const SplineSpace<dim>         *space = nullptr;
     std::array<Factor, dim>         factors;
     std::array<Redistribution, dim> to_pencils;
-    Redistribution                   to_owners;
+    Redistribution                  to_owners;
     std::array<unsigned int, dim>   n_pencils{};
-    mutable std::vector<double>      buffer, other_buffer;
+    mutable std::vector<double>     buffer, other_buffer;
   };
 
 
@@ -145,17 +136,15 @@ namespace greville
      * Collective. @p solver and @p mass are kept by reference.
      */
     TensorProductPreconditioner(const TensorProductSolver<dim> &solver,
-                                const MassOperator<dim> &       mass);
+                                const MassOperator<dim>        &mass);
 
-    void
-    vmult(VectorType &dst, const VectorType &src) const override;
+    void vmult(VectorType &dst, const VectorType &src) const override;
 
-    std::size_t
-    memory_consumption() const override;
+    std::size_t memory_consumption() const override;
 
   private:
     const TensorProductSolver<dim> *solver = nullptr;
-    const MassOperator<dim> *       mass   = nullptr;
+    const MassOperator<dim>        *mass   = nullptr;
     std::vector<double>             scaling; // D^(1/2), 0 where inactive
   };
 } // namespace greville

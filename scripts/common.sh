@@ -1,0 +1,57 @@
+# What scripts/run and scripts/test share: to be sourced from the project's
+# root. Installs what is missing, configures and builds.
+
+packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
+test_packages="numdiff perl clang-format-14 doxygen"
+
+say() {
+  echo "== $*"
+}
+
+# Install the Debian packages that are missing.
+install_packages() {
+  missing=""
+  for package in "$@"; do
+    if ! dpkg-query -W -f='${Status}' "$package" 2>/dev/null |
+      grep -q "install ok installed"; then
+      missing="$missing $package"
+    fi
+  done
+  [ -z "$missing" ] && return 0
+  as_root=""
+  [ "$(id -u)" -eq 0 ] || as_root="sudo"
+  say "installing:$missing"
+  $as_root apt-get update
+  # shellcheck disable=SC2086
+  DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y \
+    --no-install-recommends $missing
+}
+
+# build_tree FOLDER TYPE TARGET...: configure once and build what is out of
+# date.
+build_tree() {
+  folder=$1
+  type=$2
+  shift 2
+  if [ ! -f "$folder/build.ninja" ]; then
+    say "configuring $folder ($type)"
+    cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE="$type" >"$folder.log" 2>&1 || {
+      cat "$folder.log"
+      return 1
+    }
+    mv "$folder.log" "$folder/configure.log"
+  fi
+  say "building $folder"
+  cmake --build "$folder" -j 2 --target "$@"
+}
+
+# Open MPI refuses to run as root unless it is told twice, and more processes
+# than cores unless told once.
+set_up_mpi() {
+  if [ "$(id -u)" -eq 0 ]; then
+    export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  fi
+  export OMPI_MCA_rmaps_base_oversubscribe=1
+  export OMPI_MCA_mpi_yield_when_idle=1
+  export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
+}
