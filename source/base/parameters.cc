@@ -7,13 +7,15 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <sstream>
 
 namespace greville
 {
   using namespace dealii;
 
-  void parse_parameter_file(const std::string &file)
+  void
+  parse_parameter_file(const std::string &file)
   {
     AssertThrow(std::filesystem::is_regular_file(file),
                 ExcMessage("There is no parameter file <" + file + ">."));
@@ -29,7 +31,8 @@ namespace greville
     /**
      * ParameterHandler writes "Box_20size" for "Box size".
      */
-    std::string demangle(const std::string &name)
+    std::string
+    demangle(const std::string &name)
     {
       std::string result;
       for (std::size_t i = 0; i < name.size(); ++i)
@@ -46,7 +49,8 @@ namespace greville
 
 
 
-    std::string escape_for_table(const std::string &text)
+    std::string
+    escape_for_table(const std::string &text)
     {
       std::string result;
       for (const char c : text)
@@ -56,9 +60,10 @@ namespace greville
 
 
 
-    void print_section(std::ostream                      &out,
-                       const boost::property_tree::ptree &tree,
-                       const std::string                 &title)
+    void
+    print_section(std::ostream                      &out,
+                  const boost::property_tree::ptree &tree,
+                  const std::string                 &title)
     {
       const auto value_of = [](const boost::property_tree::ptree &entry,
                                const char                        *key) {
@@ -92,7 +97,8 @@ namespace greville
 
 
 
-  void print_parameter_reference(std::ostream &out, const std::string &program)
+  void
+  print_parameter_reference(std::ostream &out, const std::string &program)
   {
     ParameterAcceptor::declare_all_parameters();
     std::stringstream json;
@@ -110,7 +116,8 @@ namespace greville
 
 
 
-  std::string message_of(const std::exception &exception)
+  std::string
+  message_of(const std::exception &exception)
   {
     const auto *dealii_exception =
       dynamic_cast<const ExceptionBase *>(&exception);
@@ -131,8 +138,8 @@ namespace greville
 
 
   template <int dim>
-  std::unique_ptr<Function<dim>> make_function(const std::string &expression,
-                                               const std::string &name)
+  std::unique_ptr<Function<dim>>
+  make_function(const std::string &expression, const std::string &name)
   {
     try
       {
@@ -145,6 +152,8 @@ namespace greville
       {}
 
     auto function = std::make_unique<FunctionParser<dim>>();
+    // deal.II prints what muParser says, besides throwing it.
+    std::streambuf *const cerr_buffer = std::cerr.rdbuf(nullptr);
     try
       {
         function->initialize(dim == 2 ? "x,y" : "x,y,z",
@@ -155,6 +164,8 @@ namespace greville
       }
     catch (const std::exception &error)
       {
+        std::cerr.clear();
+        std::cerr.rdbuf(cerr_buffer);
         AssertThrow(false,
                     ExcMessage("The expression <" + expression +
                                "> of the parameter '" + name +
@@ -162,12 +173,15 @@ namespace greville
                                (dim == 2 ? "x and y" : "x, y and z") + ": " +
                                message_of(error)));
       }
+    std::cerr.clear();
+    std::cerr.rdbuf(cerr_buffer);
     return function;
   }
 
 
 
-  void write_atomically(const std::string &file, const std::string &content)
+  void
+  write_atomically(const std::string &file, const std::string &content)
   {
     const std::string temporary = file + ".tmp";
     {
@@ -181,8 +195,8 @@ namespace greville
 
 
 
-  template std::unique_ptr<Function<2>> make_function<2>(const std::string &,
-                                                         const std::string &);
-  template std::unique_ptr<Function<3>> make_function<3>(const std::string &,
-                                                         const std::string &);
+  template std::unique_ptr<Function<2>>
+  make_function<2>(const std::string &, const std::string &);
+  template std::unique_ptr<Function<3>>
+  make_function<3>(const std::string &, const std::string &);
 } // namespace greville

@@ -66,6 +66,10 @@ namespace greville
                   "Measure unknowns per second of the matrix-free and the "
                   "assembled operator and of the tensor-product inverse, and "
                   "the memory bandwidth.");
+    add_parameter("Print times",
+                  print_times,
+                  "Print what differs from run to run and from machine to "
+                  "machine: the machine and the tables of times.");
     add_parameter("Output directory",
                   output_directory,
                   "Where results go. Empty: output/NAME for NAME.prm.");
@@ -112,13 +116,13 @@ namespace greville
 
 
 
-  void MassBenchmark::run(const std::string &file)
+  void
+  MassBenchmark::run(const std::string &file)
   {
     parse_parameter_file(file);
-    check_parameters();
-
     const std::filesystem::path path(file);
-    input_directory  = path.parent_path().string();
+    check_parameters(path.parent_path().string());
+
     output_directory = parameters.output_directory.empty()
                          ? "output/" + path.stem().string()
                          : parameters.output_directory;
@@ -151,17 +155,18 @@ namespace greville
     /**
      * The entries of a list, or the one value where the list is empty.
      */
-    std::vector<std::string> list_or(const std::vector<std::string> &list,
-                                     const std::string              &value)
+    std::vector<std::string>
+    list_or(const std::vector<std::string> &list, const std::string &value)
     {
       return list.empty() ? std::vector<std::string>{value} : list;
     }
 
 
 
-    void check_names(const std::vector<std::string> &names,
-                     const std::string              &parameter,
-                     const std::string              &allowed)
+    void
+    check_names(const std::vector<std::string> &names,
+                const std::string              &parameter,
+                const std::string              &allowed)
     {
       const auto list = Utilities::split_string_list(allowed, '|');
       for (const std::string &name : names)
@@ -207,7 +212,8 @@ namespace greville
 
 
 
-  void MassBenchmark::check_parameters() const
+  void
+  MassBenchmark::check_parameters(const std::string &directory)
   {
     AssertThrow(!parameters.solvers.empty(),
                 ExcMessage("The parameter 'Solvers' is empty. It takes some "
@@ -235,23 +241,43 @@ namespace greville
                                  "corner' in each direction."));
       }
     for (const std::string &entry : parameters.published)
-      AssertThrow(entry.find(':') != std::string::npos,
-                  ExcMessage("The value <" + entry +
-                             "> of the parameter 'Published iterations' has "
-                             "not the form solver:FILE."));
+      {
+        const std::size_t colon = entry.find(':');
+        AssertThrow(colon != std::string::npos,
+                    ExcMessage("The value <" + entry +
+                               "> of the parameter 'Published iterations' has "
+                               "not the form solver:FILE."));
+        const auto table = std::filesystem::path(directory) /
+                           Utilities::trim(entry.substr(colon + 1));
+        published.emplace_back(Utilities::trim(entry.substr(0, colon)),
+                               read_published_table(table.string()));
+      }
+    for (const unsigned int dim : parameters.dimensions)
+      for (const auto &expression :
+           {std::make_pair(problem.density, "Density"),
+            std::make_pair(problem.acceleration, "Acceleration")})
+        if (dim == 2)
+          make_function<2>(expression.first, expression.second);
+        else
+          make_function<3>(expression.first, expression.second);
     cells_of_dimensions();
   }
 
 
 
-  void MassBenchmark::print_header(const std::string &file) const
+  void
+  MassBenchmark::print_header(const std::string &file) const
   {
-    out << "Greville mass_benchmark: " << file << "\n  processes "
-        << Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) << ", " << simd_width
-        << " doubles per SIMD vector, deal.II " << DEAL_II_PACKAGE_VERSION
-        << "\n  density " << problem.density << ", acceleration "
-        << problem.acceleration << ", tolerance " << solver_parameters.tolerance
-        << "\n  results in " << output_directory << "\n\n";
+    out << "Greville mass_benchmark: "
+        << std::filesystem::path(file).filename().string() << "\n  density "
+        << problem.density << ", acceleration " << problem.acceleration
+        << ", tolerance " << solver_parameters.tolerance << "\n  processes "
+        << Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) << ", results in "
+        << output_directory << '\n';
+    if (parameters.print_times)
+      out << "  " << simd_width << " doubles per SIMD vector, deal.II "
+          << DEAL_II_PACKAGE_VERSION << '\n';
+    out << '\n';
 
     // The hierarchy of the largest order, with its sizes.
     const unsigned int p =
@@ -278,7 +304,8 @@ namespace greville
 
 
   template <int dim>
-  void MassBenchmark::run_dimension(const std::vector<unsigned int> &cells)
+  void
+  MassBenchmark::run_dimension(const std::vector<unsigned int> &cells)
   {
     const auto density = make_function<dim>(problem.density, "Density");
     const auto acceleration =
@@ -329,7 +356,8 @@ namespace greville
      * The throughput of the operators of a level, in unknowns per second.
      */
     template <int dim>
-    OperatorRecord measure_operators(MassLevel<dim> &level)
+    OperatorRecord
+    measure_operators(MassLevel<dim> &level)
     {
       const SplineSpace<dim> &space = level.space();
       level.assemble(true, false);
@@ -388,7 +416,8 @@ namespace greville
      * Set the high-water mark of the process's memory back to what it holds.
      * False where the system does not allow it.
      */
-    bool reset_peak_memory()
+    bool
+    reset_peak_memory()
     {
       std::ofstream file("/proc/self/clear_refs");
       file << "5";
@@ -398,7 +427,8 @@ namespace greville
 
 
 
-    double median(std::vector<double> values)
+    double
+    median(std::vector<double> values)
     {
       std::sort(values.begin(), values.end());
       const std::size_t n = values.size();
@@ -409,10 +439,11 @@ namespace greville
 
 
   template <int dim>
-  void MassBenchmark::run_solvers(const OrderHierarchy<dim> &orders,
-                                  const Function<dim>       &density,
-                                  const Function<dim>       &acceleration,
-                                  const unsigned int         n_cells)
+  void
+  MassBenchmark::run_solvers(const OrderHierarchy<dim> &orders,
+                             const Function<dim>       &density,
+                             const Function<dim>       &acceleration,
+                             const unsigned int         n_cells)
   {
     MassHierarchy<dim> mass(orders, density);
     for (const std::string &solver : parameters.solvers)
@@ -460,11 +491,12 @@ namespace greville
 
 
   template <int dim>
-  SolveRecord MassBenchmark::run_solver(const std::string         &solver_name,
-                                        MassHierarchy<dim>        &mass,
-                                        const OrderHierarchy<dim> &orders,
-                                        const Function<dim>       &acceleration,
-                                        const unsigned int         n_cells)
+  SolveRecord
+  MassBenchmark::run_solver(const std::string         &solver_name,
+                            MassHierarchy<dim>        &mass,
+                            const OrderHierarchy<dim> &orders,
+                            const Function<dim>       &acceleration,
+                            const unsigned int         n_cells)
   {
     const SplineSpace<dim> &space = orders.finest();
     const MPI_Comm          comm  = space.communicator();
@@ -546,28 +578,22 @@ namespace greville
 
 
 
-  void MassBenchmark::write_results() const
+  void
+  MassBenchmark::write_results() const
   {
     if (!out.is_active())
       return;
     std::ostream &stream = std::cout;
     print_iterations(stream, records);
-    print_times(stream, records);
+    if (parameters.print_times)
+      print_times(stream, records);
 
     if (!parameters.published.empty())
       {
         std::string csv = "variant,cells,p,measured,published,difference\n";
-        for (const std::string &entry : parameters.published)
-          {
-            const std::size_t colon = entry.find(':');
-            const auto        file  = std::filesystem::path(input_directory) /
-                              Utilities::trim(entry.substr(colon + 1));
-            csv +=
-              compare_with_published(stream,
-                                     records,
-                                     Utilities::trim(entry.substr(0, colon)),
-                                     read_published_table(file.string()));
-          }
+        for (const auto &table : published)
+          csv +=
+            compare_with_published(stream, records, table.first, table.second);
         write_atomically(output_directory + "/comparison.csv", csv);
       }
     if (parameters.throughput)

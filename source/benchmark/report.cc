@@ -16,7 +16,8 @@ namespace greville
 {
   using namespace dealii;
 
-  std::string SolveRecord::variant() const
+  std::string
+  SolveRecord::variant() const
   {
     std::string text = std::to_string(dim) + "D, " + solver;
     for (const std::string &part : {cycle, smoother, restriction})
@@ -27,7 +28,8 @@ namespace greville
 
 
 
-  PublishedTable read_published_table(const std::string &file)
+  PublishedTable
+  read_published_table(const std::string &file)
   {
     std::ifstream in(file);
     AssertThrow(in,
@@ -71,7 +73,8 @@ namespace greville
 
 
 
-  std::string solves_csv(const std::vector<SolveRecord> &records)
+  std::string
+  solves_csv(const std::vector<SolveRecord> &records)
   {
     std::ostringstream out;
     out << "solver,smoother,cycle,restriction,dim,cells,p,processes,unknowns,"
@@ -97,8 +100,9 @@ namespace greville
 
 
 
-  std::string operators_csv(const std::vector<OperatorRecord> &records,
-                            const double                       bandwidth)
+  std::string
+  operators_csv(const std::vector<OperatorRecord> &records,
+                const double                       bandwidth)
   {
     std::ostringstream out;
     out << "dim,cells,p,processes,unknowns,matrix_free_dofs_per_s,"
@@ -144,10 +148,11 @@ namespace greville
      * Rows of cells and columns of orders, with @p text for each record.
      */
     template <typename Text>
-    void print_table(std::ostream                           &out,
-                     const std::vector<const SolveRecord *> &records,
-                     const unsigned int                      width,
-                     const Text                             &text)
+    void
+    print_table(std::ostream                           &out,
+                const std::vector<const SolveRecord *> &records,
+                const unsigned int                      width,
+                const Text                             &text)
     {
       std::set<unsigned int> orders, cells;
       for (const SolveRecord *record : records)
@@ -176,7 +181,8 @@ namespace greville
 
 
 
-    std::string iterations_of(const SolveRecord &record)
+    std::string
+    iterations_of(const SolveRecord &record)
     {
       const std::string count = record.result.iterations
                                   ? std::to_string(*record.result.iterations)
@@ -186,7 +192,8 @@ namespace greville
 
 
 
-    std::string seconds(const double time)
+    std::string
+    seconds(const double time)
     {
       std::ostringstream text;
       text << std::scientific << std::setprecision(2) << time;
@@ -196,8 +203,8 @@ namespace greville
 
 
 
-  void print_iterations(std::ostream                   &out,
-                        const std::vector<SolveRecord> &records)
+  void
+  print_iterations(std::ostream &out, const std::vector<SolveRecord> &records)
   {
     for (const auto &group : by_variant(records))
       {
@@ -212,7 +219,8 @@ namespace greville
 
 
 
-  void print_times(std::ostream &out, const std::vector<SolveRecord> &records)
+  void
+  print_times(std::ostream &out, const std::vector<SolveRecord> &records)
   {
     for (const auto &group : by_variant(records))
       {
@@ -235,9 +243,10 @@ namespace greville
 
 
 
-  void print_operators(std::ostream                      &out,
-                       const std::vector<OperatorRecord> &records,
-                       const double                       bandwidth)
+  void
+  print_operators(std::ostream                      &out,
+                  const std::vector<OperatorRecord> &records,
+                  const double                       bandwidth)
   {
     out << std::fixed << std::setprecision(4)
         << "\nOperators in 10^9 unknowns per second; memory bandwidth (triad) "
@@ -256,10 +265,11 @@ namespace greville
 
 
 
-  std::string compare_with_published(std::ostream                   &out,
-                                     const std::vector<SolveRecord> &records,
-                                     const std::string              &solver,
-                                     const PublishedTable           &published)
+  std::string
+  compare_with_published(std::ostream                   &out,
+                         const std::vector<SolveRecord> &records,
+                         const std::string              &solver,
+                         const PublishedTable           &published)
   {
     std::ostringstream       csv;
     std::vector<SolveRecord> chosen;
@@ -293,7 +303,8 @@ namespace greville
 
 
 
-  double measure_bandwidth(const MPI_Comm comm)
+  double
+  measure_bandwidth(const MPI_Comm comm)
   {
     const std::size_t   n = 4000000;
     std::vector<double> a(n, 0.), b(n, 1.), c(n, 2.);
@@ -315,8 +326,8 @@ namespace greville
 
 
 
-  void ProgressLine::start(const unsigned int n_solves,
-                           const bool         is_first_process)
+  void
+  ProgressLine::start(const unsigned int n_solves, const bool is_first_process)
   {
     n          = n_solves;
     done       = 0;
@@ -326,7 +337,8 @@ namespace greville
 
 
 
-  void ProgressLine::show(const std::string &what)
+  void
+  ProgressLine::show(const std::string &what)
   {
     ++done;
     if (!is_visible)
@@ -342,7 +354,8 @@ namespace greville
 
 
 
-  void ProgressLine::finish()
+  void
+  ProgressLine::finish()
   {
     if (is_visible)
       std::cout << "\r\033[K" << std::flush;

@@ -118,9 +118,10 @@ namespace greville
 
 
   template <int dim>
-  void BoxSchwarz<dim>::apply(VectorType       &dst,
-                              const VectorType &src,
-                              const bool        transpose) const
+  void
+  BoxSchwarz<dim>::apply(VectorType       &dst,
+                         const VectorType &src,
+                         const bool        transpose) const
   {
     const bool is_symmetric = combination == SchwarzCombination::symmetric;
     domain->restrict_to(local, src, transpose);
@@ -152,7 +153,8 @@ namespace greville
 
 
   template <int dim>
-  void BoxSchwarz<dim>::vmult(VectorType &dst, const VectorType &src) const
+  void
+  BoxSchwarz<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     apply(dst, src, false);
   }
@@ -160,7 +162,8 @@ namespace greville
 
 
   template <int dim>
-  void BoxSchwarz<dim>::Tvmult(VectorType &dst, const VectorType &src) const
+  void
+  BoxSchwarz<dim>::Tvmult(VectorType &dst, const VectorType &src) const
   {
     apply(dst, src, true);
   }
@@ -168,7 +171,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t BoxSchwarz<dim>::memory_consumption() const
+  std::size_t
+  BoxSchwarz<dim>::memory_consumption() const
   {
     std::size_t n = domain->memory_consumption();
     for (const Box &box : boxes)

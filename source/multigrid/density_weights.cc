@@ -24,6 +24,7 @@ namespace greville
       cell_measure *= space.lattice().cell_size(d);
     const QGauss<dim>   quadrature(n_q);
     std::vector<double> densities(n_points());
+    double              largest = 0.;
 
     for (std::size_t b = 0; b < cell_batches.size(); ++b)
       {
@@ -45,11 +46,15 @@ namespace greville
                             << ").";
                     AssertThrow(false, ExcMessage(message.str()));
                   }
+                largest = std::max(largest, densities[q]);
                 values[(b * n_points() + q) * width + lane] =
                   densities[q] * cell_measure * quadrature.weight(q);
               }
           }
       }
+    AssertThrow(Utilities::MPI::max(largest, space.communicator()) > 0.,
+                ExcMessage("The density is zero at all points: there is no "
+                           "mass."));
   }
 
 

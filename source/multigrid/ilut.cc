@@ -129,7 +129,8 @@ namespace greville
 
 
 
-  void ILUT::solve(double *x) const
+  void
+  ILUT::solve(double *x) const
   {
     const unsigned int n = inverse_diagonal.size();
     for (unsigned int i = 0; i < n; ++i)
@@ -145,7 +146,8 @@ namespace greville
 
 
 
-  void ILUT::solve_transpose(double *x) const
+  void
+  ILUT::solve_transpose(double *x) const
   {
     const unsigned int n = inverse_diagonal.size();
     for (unsigned int i = 0; i < n; ++i)
@@ -161,7 +163,8 @@ namespace greville
 
 
 
-  std::size_t ILUT::memory_consumption() const
+  std::size_t
+  ILUT::memory_consumption() const
   {
     std::size_t n = inverse_diagonal.size() * sizeof(double);
     for (const auto *triangle : {&lower, &upper})

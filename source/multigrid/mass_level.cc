@@ -12,7 +12,8 @@ namespace greville
 
 
   template <int dim>
-  void MassLevel<dim>::assemble(const bool with_matrix, const bool apply)
+  void
+  MassLevel<dim>::assemble(const bool with_matrix, const bool apply)
   {
     clear();
     apply_matrix = apply;
@@ -26,7 +27,8 @@ namespace greville
 
 
   template <int dim>
-  void MassLevel<dim>::clear()
+  void
+  MassLevel<dim>::clear()
   {
     mass_operator.reset();
     mass_matrix.reset();
@@ -36,7 +38,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t MassLevel<dim>::memory_consumption() const
+  std::size_t
+  MassLevel<dim>::memory_consumption() const
   {
     return (mass_operator ? mass_operator->memory_consumption() : 0) +
            (mass_matrix ? mass_matrix->memory_consumption() : 0);

@@ -18,7 +18,8 @@ namespace greville
 
 
   template <int dim>
-  void MassMatrix<dim>::reinit(const SplineSpace<dim> &space)
+  void
+  MassMatrix<dim>::reinit(const SplineSpace<dim> &space)
   {
     Assert(space.n_components() == 1,
            ExcMessage("The mass matrix is the same for all components; use a "
@@ -57,7 +58,8 @@ namespace greville
 
 
   template <int dim>
-  void MassMatrix<dim>::find_row_boxes()
+  void
+  MassMatrix<dim>::find_row_boxes()
   {
     const SplineSpace<dim> &space   = *spline_space;
     const unsigned int      p       = space.degree();
@@ -93,7 +95,8 @@ namespace greville
 
 
   template <int dim>
-  void MassMatrix<dim>::make_parallel_pattern()
+  void
+  MassMatrix<dim>::make_parallel_pattern()
   {
     const SplineSpace<dim> &space   = *spline_space;
     const auto             &extents = space.n_functions();
@@ -217,7 +220,8 @@ namespace greville
 
 
   template <int dim>
-  void MassMatrix<dim>::assemble(const DensityWeights<dim> &weights)
+  void
+  MassMatrix<dim>::assemble(const DensityWeights<dim> &weights)
   {
     std::fill(box_values.begin(), box_values.end(), 0.);
     switch (spline_space->degree())
@@ -255,7 +259,8 @@ namespace greville
     class ProductTables
     {
     public:
-      void reinit(const KnotVector &knots, const QGauss<1> &quadrature)
+      void
+      reinit(const KnotVector &knots, const QGauss<1> &quadrature)
       {
         n_cells = knots.n_elements();
         size    = quadrature.size() * n * n;
@@ -278,13 +283,15 @@ namespace greville
               }
       }
 
-      const double *operator[](const unsigned int cell) const
+      const double *
+      operator[](const unsigned int cell) const
       {
         return values.data() + kind(cell) * size;
       }
 
     private:
-      unsigned int kind(const unsigned int cell) const
+      unsigned int
+      kind(const unsigned int cell) const
       {
         if (n_cells < 2 * n - 1 || cell < n)
           return cell;
@@ -301,7 +308,8 @@ namespace greville
 
   template <int dim>
   template <int n>
-  void MassMatrix<dim>::add_cells(const DensityWeights<dim> &weights)
+  void
+  MassMatrix<dim>::add_cells(const DensityWeights<dim> &weights)
   {
     constexpr unsigned int  nn    = n * n;
     constexpr unsigned int  n_z   = dim == 3 ? n : 1;
@@ -418,7 +426,8 @@ namespace greville
 
 
   template <int dim>
-  void MassMatrix<dim>::finish()
+  void
+  MassMatrix<dim>::finish()
   {
     Mat                     mat   = matrix.get();
     const SplineSpace<dim> &space = *spline_space;
@@ -464,7 +473,8 @@ namespace greville
 
 
   template <int dim>
-  void MassMatrix<dim>::vmult(VectorType &dst, const VectorType &src) const
+  void
+  MassMatrix<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     view_src.with(src.begin(), [&](Vec x) {
       view_dst.with(dst.begin(),
@@ -475,7 +485,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t MassMatrix<dim>::memory_consumption() const
+  std::size_t
+  MassMatrix<dim>::memory_consumption() const
   {
     return box_values.size() * sizeof(double) +
            (diagonal_values.size() + remote_values.size()) *

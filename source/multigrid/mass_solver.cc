@@ -49,7 +49,8 @@ namespace greville
 
 
   template <int dim>
-  std::vector<MassLevel<dim> *> MassHierarchy<dim>::all_levels()
+  std::vector<MassLevel<dim> *>
+  MassHierarchy<dim>::all_levels()
   {
     std::vector<MassLevel<dim> *> result;
     for (const auto &level : levels)
@@ -60,7 +61,8 @@ namespace greville
 
 
   template <int dim>
-  void MassHierarchy<dim>::clear()
+  void
+  MassHierarchy<dim>::clear()
   {
     for (const auto &level : levels)
       level->clear();
@@ -69,7 +71,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t MassHierarchy<dim>::memory_consumption() const
+  std::size_t
+  MassHierarchy<dim>::memory_consumption() const
   {
     std::size_t n = 0;
     for (const auto &level : levels)
@@ -93,7 +96,8 @@ namespace greville
     /**
      * K of "fmpm-K", 0 for other names.
      */
-    unsigned int order_of_fmpm(const std::string &name)
+    unsigned int
+    order_of_fmpm(const std::string &name)
     {
       const std::string prefix = "fmpm-";
       if (name.compare(0, prefix.size(), prefix) != 0)
@@ -109,7 +113,8 @@ namespace greville
 
 
   template <int dim>
-  std::string MassSolver<dim>::names()
+  std::string
+  MassSolver<dim>::names()
   {
     std::string result;
     for (const std::string &name : solver_names)
@@ -138,7 +143,8 @@ namespace greville
 
 
   template <int dim>
-  void MassSolver<dim>::check_name(const std::string &name)
+  void
+  MassSolver<dim>::check_name(const std::string &name)
   {
     AssertThrow(
       order_of_fmpm(name) > 0 ||
@@ -149,7 +155,8 @@ namespace greville
 
 
   template <int dim>
-  bool MassSolver<dim>::uses_multigrid(const std::string &name)
+  bool
+  MassSolver<dim>::uses_multigrid(const std::string &name)
   {
     return name.find("p-multigrid") != std::string::npos;
   }
@@ -157,7 +164,8 @@ namespace greville
 
 
   template <int dim>
-  void MassSolver<dim>::assemble()
+  void
+  MassSolver<dim>::assemble()
   {
     preconditioner.reset();
     hierarchy.clear();
@@ -177,7 +185,8 @@ namespace greville
 
 
   template <int dim>
-  void MassSolver<dim>::setup()
+  void
+  MassSolver<dim>::setup()
   {
     MassLevel<dim> &finest = hierarchy.finest();
     if (uses_multigrid(name))
@@ -208,7 +217,8 @@ namespace greville
 
 
   template <int dim>
-  SolveResult MassSolver<dim>::solve(VectorType &x, const VectorType &b) const
+  SolveResult
+  MassSolver<dim>::solve(VectorType &x, const VectorType &b) const
   {
     SolveResult result;
     x = 0.;
@@ -248,8 +258,8 @@ namespace greville
 
   namespace
   {
-    std::string reason_of_failure(const unsigned int iterations,
-                                  const double       reduction)
+    std::string
+    reason_of_failure(const unsigned int iterations, const double reduction)
     {
       std::ostringstream reason;
       if (!std::isfinite(reduction) || reduction > 1e3)
@@ -265,9 +275,10 @@ namespace greville
 
 
   template <int dim>
-  void MassSolver<dim>::iterate(VectorType       &x,
-                                const VectorType &b,
-                                SolveResult      &result) const
+  void
+  MassSolver<dim>::iterate(VectorType       &x,
+                           const VectorType &b,
+                           SolveResult      &result) const
   {
     VectorType   residual(b), correction(b);
     const double start     = b.l2_norm();
@@ -291,9 +302,10 @@ namespace greville
 
 
   template <int dim>
-  void MassSolver<dim>::run_krylov(VectorType       &x,
-                                   const VectorType &b,
-                                   SolveResult      &result) const
+  void
+  MassSolver<dim>::run_krylov(VectorType       &x,
+                              const VectorType &b,
+                              SolveResult      &result) const
   {
     const double                    start = b.l2_norm();
     SolverControl                   control(parameters.max_iterations,
@@ -329,7 +341,8 @@ namespace greville
 
 
   template <int dim>
-  void MassSolver<dim>::run_fmpm(VectorType &x, const VectorType &b) const
+  void
+  MassSolver<dim>::run_fmpm(VectorType &x, const VectorType &b) const
   {
     VectorType term(b), product(b);
     term.scale(inverse_lumped);
@@ -346,7 +359,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t MassSolver<dim>::memory_consumption() const
+  std::size_t
+  MassSolver<dim>::memory_consumption() const
   {
     return hierarchy.memory_consumption() +
            (preconditioner ? preconditioner->memory_consumption() : 0) +

@@ -9,7 +9,8 @@ namespace greville
     /**
      * 1 / x, and 0 for 0.
      */
-    void invert(VectorType &x)
+    void
+    invert(VectorType &x)
     {
       for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
         {
@@ -82,7 +83,8 @@ namespace greville
 
 
   template <int dim>
-  void OrderTransfer<dim>::Inverse::apply(VectorType &x) const
+  void
+  OrderTransfer<dim>::Inverse::apply(VectorType &x) const
   {
     // Zero before and after, which keeps the transpose the transpose.
     const auto clear_inactive = [&]() {
@@ -100,9 +102,10 @@ namespace greville
 
 
   template <int dim>
-  void OrderTransfer<dim>::prolongate(const unsigned int to_level,
-                                      VectorType        &dst,
-                                      const VectorType  &src) const
+  void
+  OrderTransfer<dim>::prolongate(const unsigned int to_level,
+                                 VectorType        &dst,
+                                 const VectorType  &src) const
   {
     const Step &step = steps[to_level - 1];
     step.cross.vmult(dst, src);
@@ -115,9 +118,10 @@ namespace greville
 
 
   template <int dim>
-  void OrderTransfer<dim>::prolongate_and_add(const unsigned int to_level,
-                                              VectorType        &dst,
-                                              const VectorType  &src) const
+  void
+  OrderTransfer<dim>::prolongate_and_add(const unsigned int to_level,
+                                         VectorType        &dst,
+                                         const VectorType  &src) const
   {
     VectorType &correction = steps[to_level - 1].fine;
     prolongate(to_level, correction, src);
@@ -127,9 +131,10 @@ namespace greville
 
 
   template <int dim>
-  void OrderTransfer<dim>::restrict_and_add(const unsigned int from_level,
-                                            VectorType        &dst,
-                                            const VectorType  &src) const
+  void
+  OrderTransfer<dim>::restrict_and_add(const unsigned int from_level,
+                                       VectorType        &dst,
+                                       const VectorType  &src) const
   {
     const Step &step = steps[from_level - 1];
     if (restriction == "transpose")
@@ -155,7 +160,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t OrderTransfer<dim>::memory_consumption() const
+  std::size_t
+  OrderTransfer<dim>::memory_consumption() const
   {
     std::size_t n = 0;
     for (const Step &step : steps)

@@ -85,42 +85,48 @@ namespace greville
       : levels(levels)
     {}
 
-    void vmult(const unsigned int level,
-               VectorType        &dst,
-               const VectorType  &src) const override
+    void
+    vmult(const unsigned int level,
+          VectorType        &dst,
+          const VectorType  &src) const override
     {
       levels[level]->vmult(dst, src);
     }
 
-    void vmult_add(const unsigned int level,
-                   VectorType        &dst,
-                   const VectorType  &src) const override
+    void
+    vmult_add(const unsigned int level,
+              VectorType        &dst,
+              const VectorType  &src) const override
     {
       VectorType product(dst);
       vmult(level, product, src);
       dst += product;
     }
 
-    void Tvmult(const unsigned int level,
-                VectorType        &dst,
-                const VectorType  &src) const override
+    void
+    Tvmult(const unsigned int level,
+           VectorType        &dst,
+           const VectorType  &src) const override
     {
       vmult(level, dst, src);
     }
 
-    void Tvmult_add(const unsigned int level,
-                    VectorType        &dst,
-                    const VectorType  &src) const override
+    void
+    Tvmult_add(const unsigned int level,
+               VectorType        &dst,
+               const VectorType  &src) const override
     {
       vmult_add(level, dst, src);
     }
 
-    unsigned int get_minlevel() const override
+    unsigned int
+    get_minlevel() const override
     {
       return 0;
     }
 
-    unsigned int get_maxlevel() const override
+    unsigned int
+    get_maxlevel() const override
     {
       return levels.size() - 1;
     }
@@ -148,20 +154,23 @@ namespace greville
       , transpose(transpose)
     {}
 
-    void clear() override
+    void
+    clear() override
     {}
 
-    void smooth(const unsigned int level,
-                VectorType        &u,
-                const VectorType  &rhs) const override
+    void
+    smooth(const unsigned int level,
+           VectorType        &u,
+           const VectorType  &rhs) const override
     {
       for (unsigned int step = 0; step < n_steps; ++step)
         add_correction(level, u, rhs);
     }
 
-    void apply(const unsigned int level,
-               VectorType        &u,
-               const VectorType  &rhs) const override
+    void
+    apply(const unsigned int level,
+          VectorType        &u,
+          const VectorType  &rhs) const override
     {
       if (n_steps == 0)
         u = 0.;
@@ -172,9 +181,10 @@ namespace greville
     }
 
   private:
-    void precondition(const unsigned int level,
-                      VectorType        &dst,
-                      const VectorType  &src) const
+    void
+    precondition(const unsigned int level,
+                 VectorType        &dst,
+                 const VectorType  &src) const
     {
       if (transpose)
         smoothers[level]->Tvmult(dst, src);
@@ -182,9 +192,10 @@ namespace greville
         smoothers[level]->vmult(dst, src);
     }
 
-    void add_correction(const unsigned int level,
-                        VectorType        &u,
-                        const VectorType  &rhs) const
+    void
+    add_correction(const unsigned int level,
+                   VectorType        &u,
+                   const VectorType  &rhs) const
     {
       VectorType &r = residual[level];
       matrices.vmult(level, r, u);
@@ -222,9 +233,10 @@ namespace greville
         make_smoother<dim>(preconditioner, parameters, level, true);
     }
 
-    void operator()(const unsigned int,
-                    VectorType       &dst,
-                    const VectorType &src) const override
+    void
+    operator()(const unsigned int,
+               VectorType       &dst,
+               const VectorType &src) const override
     {
       dst                = 0.;
       const double start = src.l2_norm();
@@ -239,7 +251,8 @@ namespace greville
         cg.solve(level, dst, src, PreconditionIdentity());
     }
 
-    std::size_t memory_consumption() const
+    std::size_t
+    memory_consumption() const
     {
       return preconditioner ? preconditioner->memory_consumption() : 0;
     }
@@ -305,7 +318,8 @@ namespace greville
 
 
   template <int dim>
-  void PMultigrid<dim>::vmult(VectorType &dst, const VectorType &src) const
+  void
+  PMultigrid<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     b.back() = src;
     cycle(x.size() - 1, cycle_type, true);
@@ -315,7 +329,8 @@ namespace greville
 
 
   template <int dim>
-  void PMultigrid<dim>::Tvmult(VectorType &dst, const VectorType &src) const
+  void
+  PMultigrid<dim>::Tvmult(VectorType &dst, const VectorType &src) const
   {
     vmult(dst, src);
   }
@@ -323,9 +338,10 @@ namespace greville
 
 
   template <int dim>
-  void PMultigrid<dim>::cycle(const unsigned int l,
-                              const Cycle        type,
-                              const bool         from_zero) const
+  void
+  PMultigrid<dim>::cycle(const unsigned int l,
+                         const Cycle        type,
+                         const bool         from_zero) const
   {
     if (l == 0)
       {
@@ -353,7 +369,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t PMultigrid<dim>::memory_consumption() const
+  std::size_t
+  PMultigrid<dim>::memory_consumption() const
   {
     std::size_t n =
       order_transfer.memory_consumption() + coarse->memory_consumption();
@@ -368,7 +385,8 @@ namespace greville
 
 
   template <int dim>
-  const MGMatrixBase<VectorType> &PMultigrid<dim>::matrices() const
+  const MGMatrixBase<VectorType> &
+  PMultigrid<dim>::matrices() const
   {
     return *level_matrices;
   }
@@ -376,7 +394,8 @@ namespace greville
 
 
   template <int dim>
-  const MGSmootherBase<VectorType> &PMultigrid<dim>::pre_smoother() const
+  const MGSmootherBase<VectorType> &
+  PMultigrid<dim>::pre_smoother() const
   {
     return *pre;
   }
@@ -384,7 +403,8 @@ namespace greville
 
 
   template <int dim>
-  const MGSmootherBase<VectorType> &PMultigrid<dim>::post_smoother() const
+  const MGSmootherBase<VectorType> &
+  PMultigrid<dim>::post_smoother() const
   {
     return *post;
   }
@@ -392,7 +412,8 @@ namespace greville
 
 
   template <int dim>
-  const MGCoarseGridBase<VectorType> &PMultigrid<dim>::coarse_solver() const
+  const MGCoarseGridBase<VectorType> &
+  PMultigrid<dim>::coarse_solver() const
   {
     return *coarse;
   }

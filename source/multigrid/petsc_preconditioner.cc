@@ -70,7 +70,8 @@ namespace greville
 
 
 
-  void PetscPreconditioner::vmult(VectorType &dst, const VectorType &src) const
+  void
+  PetscPreconditioner::vmult(VectorType &dst, const VectorType &src) const
   {
     view_src.with(src.begin(), [&](Vec x) {
       view_dst.with(dst.begin(),
@@ -80,7 +81,8 @@ namespace greville
 
 
 
-  void PetscPreconditioner::Tvmult(VectorType &dst, const VectorType &src) const
+  void
+  PetscPreconditioner::Tvmult(VectorType &dst, const VectorType &src) const
   {
     check_petsc(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
     PetscErrorCode error = 0;

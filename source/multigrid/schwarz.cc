@@ -134,9 +134,10 @@ namespace greville
 
 
   template <int dim>
-  void OverlappingDomain<dim>::restrict_to(std::vector<double> &local,
-                                           const VectorType    &src,
-                                           const bool           transpose) const
+  void
+  OverlappingDomain<dim>::restrict_to(std::vector<double> &local,
+                                      const VectorType    &src,
+                                      const bool           transpose) const
   {
     std::copy_n(src.begin(), n_owned, overlapped.begin());
     overlapped.update_ghost_values();
@@ -157,9 +158,10 @@ namespace greville
 
 
   template <int dim>
-  void OverlappingDomain<dim>::prolongate_from(const std::vector<double> &local,
-                                               VectorType                &dst,
-                                               const bool transpose) const
+  void
+  OverlappingDomain<dim>::prolongate_from(const std::vector<double> &local,
+                                          VectorType                &dst,
+                                          const bool transpose) const
   {
     if (combination == SchwarzCombination::restricted && !transpose)
       {
@@ -180,7 +182,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t OverlappingDomain<dim>::memory_consumption() const
+  std::size_t
+  OverlappingDomain<dim>::memory_consumption() const
   {
     std::size_t n = order.size() * (sizeof(unsigned int) + 8 + 8) +
                     overlapped.memory_consumption();
@@ -205,12 +208,14 @@ namespace greville
         : ilut(arguments...)
       {}
 
-      void solve(double *x, const bool transpose) const override
+      void
+      solve(double *x, const bool transpose) const override
       {
         transpose ? ilut.solve_transpose(x) : ilut.solve(x);
       }
 
-      std::size_t memory_consumption() const override
+      std::size_t
+      memory_consumption() const override
       {
         return ilut.memory_consumption();
       }
@@ -277,7 +282,8 @@ namespace greville
         bytes = info.nz_used * (sizeof(double) + sizeof(PetscInt));
       }
 
-      void solve(double *x, const bool transpose) const override
+      void
+      solve(double *x, const bool transpose) const override
       {
         for (std::size_t i = 0; i < scaling.size(); ++i)
           x[i] *= scaling[i];
@@ -291,7 +297,8 @@ namespace greville
           x[i] = scaling[i] * scratch[i];
       }
 
-      std::size_t memory_consumption() const override
+      std::size_t
+      memory_consumption() const override
       {
         return bytes + 2 * scaling.size() * sizeof(double);
       }
@@ -307,17 +314,20 @@ namespace greville
 
 
 
-  std::unique_ptr<LocalSolver> make_ilut(const Mat    matrix,
-                                         const double drop_tolerance,
-                                         const double fill_factor)
+  std::unique_ptr<LocalSolver>
+  make_ilut(const Mat    matrix,
+            const double drop_tolerance,
+            const double fill_factor)
   {
     return std::make_unique<IlutSolver>(matrix, drop_tolerance, fill_factor);
   }
 
 
 
-  std::unique_ptr<LocalSolver> make_incomplete_factorization(
-    const Mat matrix, const std::string &type, const double shift)
+  std::unique_ptr<LocalSolver>
+  make_incomplete_factorization(const Mat          matrix,
+                                const std::string &type,
+                                const double       shift)
   {
     return std::make_unique<PetscFactorization>(matrix, type, shift);
   }
@@ -335,9 +345,10 @@ namespace greville
 
 
   template <int dim>
-  void AdditiveSchwarz<dim>::apply(VectorType       &dst,
-                                   const VectorType &src,
-                                   const bool        transpose) const
+  void
+  AdditiveSchwarz<dim>::apply(VectorType       &dst,
+                              const VectorType &src,
+                              const bool        transpose) const
   {
     domain->restrict_to(local, src, transpose);
     if (solver)
@@ -348,7 +359,8 @@ namespace greville
 
 
   template <int dim>
-  void AdditiveSchwarz<dim>::vmult(VectorType &dst, const VectorType &src) const
+  void
+  AdditiveSchwarz<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     apply(dst, src, false);
   }
@@ -356,8 +368,8 @@ namespace greville
 
 
   template <int dim>
-  void AdditiveSchwarz<dim>::Tvmult(VectorType       &dst,
-                                    const VectorType &src) const
+  void
+  AdditiveSchwarz<dim>::Tvmult(VectorType &dst, const VectorType &src) const
   {
     apply(dst, src, true);
   }
@@ -365,7 +377,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t AdditiveSchwarz<dim>::memory_consumption() const
+  std::size_t
+  AdditiveSchwarz<dim>::memory_consumption() const
   {
     return domain->memory_consumption() +
            (solver ? solver->memory_consumption() : 0);

@@ -126,14 +126,16 @@ namespace greville
         inverse_diagonal *= damping / lambda;
       }
 
-      void vmult(VectorType &dst, const VectorType &src) const override
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
       {
         for (unsigned int i = 0; i < src.locally_owned_size(); ++i)
           dst.local_element(i) =
             inverse_diagonal.local_element(i) * src.local_element(i);
       }
 
-      std::size_t memory_consumption() const override
+      std::size_t
+      memory_consumption() const override
       {
         return inverse_diagonal.memory_consumption();
       }
@@ -166,12 +168,14 @@ namespace greville
         chebyshev.estimate_eigenvalues(vector);
       }
 
-      void vmult(VectorType &dst, const VectorType &src) const override
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
       {
         chebyshev.vmult(dst, src);
       }
 
-      std::size_t memory_consumption() const override
+      std::size_t
+      memory_consumption() const override
       {
         return 0;
       }
@@ -186,17 +190,20 @@ namespace greville
           : level(level)
         {}
 
-        void vmult(VectorType &dst, const VectorType &src) const
+        void
+        vmult(VectorType &dst, const VectorType &src) const
         {
           level.vmult(dst, src);
         }
 
-        types::global_dof_index m() const
+        types::global_dof_index
+        m() const
         {
           return level.space().n_dofs();
         }
 
-        double el(const unsigned int i, const unsigned int) const
+        double
+        el(const unsigned int i, const unsigned int) const
         {
           return level.mass().diagonal()(i);
         }
@@ -221,12 +228,14 @@ namespace greville
         , preconditioner(solver, level.mass())
       {}
 
-      void vmult(VectorType &dst, const VectorType &src) const override
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
       {
         preconditioner.vmult(dst, src);
       }
 
-      std::size_t memory_consumption() const override
+      std::size_t
+      memory_consumption() const override
       {
         return preconditioner.memory_consumption();
       }
@@ -249,17 +258,20 @@ namespace greville
         , backward(matrix, "-pc_type sor -pc_sor_local_backward")
       {}
 
-      void vmult(VectorType &dst, const VectorType &src) const override
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
       {
         forward.vmult(dst, src);
       }
 
-      void Tvmult(VectorType &dst, const VectorType &src) const override
+      void
+      Tvmult(VectorType &dst, const VectorType &src) const override
       {
         backward.vmult(dst, src);
       }
 
-      std::size_t memory_consumption() const override
+      std::size_t
+      memory_consumption() const override
       {
         return 0;
       }
@@ -276,8 +288,8 @@ namespace greville
                                                     const MassLevel<dim> &,
                                                     const bool symmetric)>;
 
-    SchwarzCombination combination_of(const SmootherParameters &parameters,
-                                      const bool                symmetric)
+    SchwarzCombination
+    combination_of(const SmootherParameters &parameters, const bool symmetric)
     {
       if (parameters.combination == "automatic")
         return symmetric ? SchwarzCombination::symmetric
@@ -290,7 +302,8 @@ namespace greville
 
 
     template <int dim>
-    std::unique_ptr<Preconditioner> make_schwarz(
+    std::unique_ptr<Preconditioner>
+    make_schwarz(
       const SmootherParameters                                     &p,
       const MassLevel<dim>                                         &level,
       const bool                                                    symmetric,
@@ -318,7 +331,8 @@ namespace greville
      * The list of smoothers. A new one is a line here.
      */
     template <int dim>
-    const std::vector<Entry<dim>> &smoothers()
+    const std::vector<Entry<dim>> &
+    smoothers()
     {
       using P                                   = const SmootherParameters &;
       using L                                   = const MassLevel<dim> &;
@@ -392,7 +406,8 @@ namespace greville
 
 
     template <int dim>
-    const Entry<dim> &find_smoother(const std::string &name)
+    const Entry<dim> &
+    find_smoother(const std::string &name)
     {
       const auto &list = smoothers<dim>();
       const auto  found =
@@ -408,7 +423,8 @@ namespace greville
 
 
 
-  std::string smoother_names()
+  std::string
+  smoother_names()
   {
     std::string names;
     for (const auto &entry : smoothers<2>())
@@ -418,7 +434,8 @@ namespace greville
 
 
 
-  bool smoother_needs_matrix(const std::string &name)
+  bool
+  smoother_needs_matrix(const std::string &name)
   {
     return find_smoother<2>(name).needs_matrix;
   }

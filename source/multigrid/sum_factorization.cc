@@ -48,7 +48,8 @@ namespace greville
 
 
   template <int dim>
-  void ShapeTables<dim>::square()
+  void
+  ShapeTables<dim>::square()
   {
     for (double &value : x)
       value *= value;
@@ -153,11 +154,12 @@ namespace greville
 
 
     template <int dim, int n, int q>
-    void interpolate(const Simd   *in,
-                     const Simd   *table_x,
-                     const double *table_y,
-                     const double *table_z,
-                     Simd         *out)
+    void
+    interpolate(const Simd   *in,
+                const Simd   *table_x,
+                const double *table_y,
+                const double *table_z,
+                Simd         *out)
     {
       (void)table_z;
       if constexpr (dim == 2)
@@ -178,11 +180,12 @@ namespace greville
 
 
     template <int dim, int n, int q>
-    void integrate(const Simd   *in,
-                   const Simd   *table_x,
-                   const double *table_y,
-                   const double *table_z,
-                   Simd         *out)
+    void
+    integrate(const Simd   *in,
+              const Simd   *table_x,
+              const double *table_y,
+              const double *table_z,
+              Simd         *out)
     {
       (void)table_z;
       if constexpr (dim == 2)
@@ -203,10 +206,11 @@ namespace greville
 
 
     template <int dim, int n, int q>
-    void interpolate_layer(const Simd   *in,
-                           const Simd   *table_x,
-                           const double *table_y,
-                           Simd         *out)
+    void
+    interpolate_layer(const Simd   *in,
+                      const Simd   *table_x,
+                      const double *table_y,
+                      Simd         *out)
     {
       (void)table_y;
       if constexpr (dim == 2)
@@ -222,10 +226,11 @@ namespace greville
 
 
     template <int dim, int n, int q>
-    void integrate_layer(const Simd   *in,
-                         const Simd   *table_x,
-                         const double *table_y,
-                         Simd         *out)
+    void
+    integrate_layer(const Simd   *in,
+                    const Simd   *table_x,
+                    const double *table_y,
+                    Simd         *out)
     {
       (void)table_y;
       if constexpr (dim == 2)
@@ -244,11 +249,12 @@ namespace greville
      * All of a point's column stays in registers.
      */
     template <int dim, int n_in, int q, int n_out>
-    void multiply_column(const Simd *const *in,
-                         const double      *table_in,
-                         const double      *weights,
-                         const double      *table_out,
-                         Simd *const       *out)
+    void
+    multiply_column(const Simd *const *in,
+                    const double      *table_in,
+                    const double      *weights,
+                    const double      *table_out,
+                    Simd *const       *out)
     {
       constexpr int n_layer = dim == 2 ? q : q * q;
       for (int k = 0; k < n_layer; ++k)
@@ -281,9 +287,10 @@ namespace greville
 
 
     template <int dim, int n>
-    void gather_layer(const unsigned int *numbers,
-                      const double       *source,
-                      Simd               *values)
+    void
+    gather_layer(const unsigned int *numbers,
+                 const double       *source,
+                 Simd               *values)
     {
       constexpr int n_rows = dim == 2 ? 1 : n;
       for (int row = 0; row < n_rows; ++row)
@@ -299,7 +306,8 @@ namespace greville
      * follow.
      */
     template <int shift>
-    inline __attribute__((always_inline)) Simd shift_lanes(const Simd &value)
+    inline __attribute__((always_inline)) Simd
+    shift_lanes(const Simd &value)
     {
       constexpr int width = simd_width;
       using Vector        = double __attribute__((vector_size(8 * width)));
@@ -340,9 +348,10 @@ namespace greville
 
 
     template <int dim, int n>
-    void scatter_add_layer(const unsigned int *numbers,
-                           const Simd         *values,
-                           double             *target)
+    void
+    scatter_add_layer(const unsigned int *numbers,
+                      const Simd         *values,
+                      double             *target)
     {
       constexpr int width     = simd_width;
       constexpr int n_rows    = dim == 2 ? 1 : n;
@@ -372,8 +381,8 @@ namespace greville
 
 
     template <int dim, int n, int q>
-    CellKernels select(const unsigned int degree,
-                       const unsigned int n_points_1d)
+    CellKernels
+    select(const unsigned int degree, const unsigned int n_points_1d)
     {
       if (degree + 1 == n && n_points_1d == q)
         return {&interpolate<dim, n, q>,
@@ -400,9 +409,10 @@ namespace greville
 
 
     template <int dim, int n_in, int q, int n_out>
-    ColumnKernel select_column(const unsigned int degree_in,
-                               const unsigned int n_points_1d,
-                               const unsigned int degree_out)
+    ColumnKernel
+    select_column(const unsigned int degree_in,
+                  const unsigned int n_points_1d,
+                  const unsigned int degree_out)
     {
       if (degree_in + 1 == n_in && n_points_1d == q && degree_out + 1 == n_out)
         return &multiply_column<dim, n_in, q, n_out>;
@@ -429,8 +439,8 @@ namespace greville
 
 
   template <int dim>
-  CellKernels cell_kernels(const unsigned int degree,
-                           const unsigned int n_points_1d)
+  CellKernels
+  cell_kernels(const unsigned int degree, const unsigned int n_points_1d)
   {
     return select<dim, 2, 2>(degree, n_points_1d);
   }
@@ -438,9 +448,10 @@ namespace greville
 
 
   template <int dim>
-  ColumnKernel column_kernel(const unsigned int degree_in,
-                             const unsigned int n_points_1d,
-                             const unsigned int degree_out)
+  ColumnKernel
+  column_kernel(const unsigned int degree_in,
+                const unsigned int n_points_1d,
+                const unsigned int degree_out)
   {
     return select_column<dim, 2, 2, 2>(degree_in, n_points_1d, degree_out);
   }
@@ -449,8 +460,10 @@ namespace greville
 
   template class ShapeTables<2>;
   template class ShapeTables<3>;
-  template CellKernels cell_kernels<2>(const unsigned int, const unsigned int);
-  template CellKernels cell_kernels<3>(const unsigned int, const unsigned int);
+  template CellKernels
+  cell_kernels<2>(const unsigned int, const unsigned int);
+  template CellKernels
+  cell_kernels<3>(const unsigned int, const unsigned int);
   template ColumnKernel
   column_kernel<2>(const unsigned int, const unsigned int, const unsigned int);
   template ColumnKernel

@@ -48,7 +48,8 @@ namespace greville
 
 
 
-  void Redistribution::execute(const double *source, double *target) const
+  void
+  Redistribution::execute(const double *source, double *target) const
   {
     std::vector<MPI_Request> requests(sends.size() + receives.size());
     const int                tag = 4711;
@@ -93,7 +94,8 @@ namespace greville
 
 
 
-  std::size_t Redistribution::bytes_sent() const
+  std::size_t
+  Redistribution::bytes_sent() const
   {
     std::size_t n = 0;
     for (const auto &message : sends)
@@ -241,10 +243,11 @@ namespace greville
 
 
   template <int dim>
-  void TensorProductSolver<dim>::solve_lines(const Factor      &factor,
-                                             double            *x,
-                                             const std::size_t  stride,
-                                             const unsigned int n_lines)
+  void
+  TensorProductSolver<dim>::solve_lines(const Factor      &factor,
+                                        double            *x,
+                                        const std::size_t  stride,
+                                        const unsigned int n_lines)
   {
     const unsigned int n = factor.n, p = factor.p;
 
@@ -310,7 +313,8 @@ namespace greville
 
 
   template <int dim>
-  void TensorProductSolver<dim>::solve_on_one_process(double *x) const
+  void
+  TensorProductSolver<dim>::solve_on_one_process(double *x) const
   {
     const auto       &extents = space->n_functions();
     const std::size_t n_x     = extents[0];
@@ -341,7 +345,8 @@ namespace greville
 
 
   template <int dim>
-  void TensorProductSolver<dim>::solve(VectorType &x) const
+  void
+  TensorProductSolver<dim>::solve(VectorType &x) const
   {
     if (Utilities::MPI::n_mpi_processes(space->communicator()) == 1)
       {
@@ -362,7 +367,8 @@ namespace greville
 
 
   template <int dim>
-  double TensorProductSolver<dim>::diagonal(const unsigned int i) const
+  double
+  TensorProductSolver<dim>::diagonal(const unsigned int i) const
   {
     const auto index =
       multi_index<dim>(space->owned_functions()[i], space->n_functions());
@@ -375,7 +381,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t TensorProductSolver<dim>::bytes_sent() const
+  std::size_t
+  TensorProductSolver<dim>::bytes_sent() const
   {
     std::size_t n = to_owners.bytes_sent();
     for (const auto &redistribution : to_pencils)
@@ -386,7 +393,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t TensorProductSolver<dim>::memory_consumption() const
+  std::size_t
+  TensorProductSolver<dim>::memory_consumption() const
   {
     std::size_t n = buffer.size() + other_buffer.size();
     for (const auto &factor : factors)
@@ -413,8 +421,9 @@ namespace greville
 
 
   template <int dim>
-  void TensorProductPreconditioner<dim>::vmult(VectorType       &dst,
-                                               const VectorType &src) const
+  void
+  TensorProductPreconditioner<dim>::vmult(VectorType       &dst,
+                                          const VectorType &src) const
   {
     for (unsigned int i = 0; i < scaling.size(); ++i)
       dst.local_element(i) = scaling[i] * src.local_element(i);
@@ -429,7 +438,8 @@ namespace greville
 
 
   template <int dim>
-  std::size_t TensorProductPreconditioner<dim>::memory_consumption() const
+  std::size_t
+  TensorProductPreconditioner<dim>::memory_consumption() const
   {
     return solver->memory_consumption() + scaling.size() * sizeof(double);
   }

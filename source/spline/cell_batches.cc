@@ -7,7 +7,8 @@
 namespace greville
 {
   template <int dim>
-  unsigned int CellBatches<dim>::width()
+  unsigned int
+  CellBatches<dim>::width()
   {
     return simd_width;
   }

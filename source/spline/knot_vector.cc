@@ -36,10 +36,11 @@ namespace greville
 
 
 
-  KnotVector KnotVector::open_uniform(const unsigned int degree,
-                                      const unsigned int n_elements,
-                                      const double       lower,
-                                      const double       upper)
+  KnotVector
+  KnotVector::open_uniform(const unsigned int degree,
+                           const unsigned int n_elements,
+                           const double       lower,
+                           const double       upper)
   {
     AssertThrow(n_elements > 0 && lower < upper,
                 ExcMessage("A knot vector needs at least one element, and a "
@@ -54,7 +55,8 @@ namespace greville
 
 
 
-  unsigned int KnotVector::find_element(const double x) const
+  unsigned int
+  KnotVector::find_element(const double x) const
   {
     const auto next =
       std::upper_bound(spans.begin(),
@@ -68,7 +70,8 @@ namespace greville
 
 
 
-  double KnotVector::greville_abscissa(const unsigned int i) const
+  double
+  KnotVector::greville_abscissa(const unsigned int i) const
   {
     AssertIndexRange(i, n_functions());
     double sum = 0;
@@ -79,10 +82,11 @@ namespace greville
 
 
 
-  void KnotVector::evaluate(const unsigned int       element,
-                            const double             x,
-                            const unsigned int       derivative,
-                            const ArrayView<double> &values) const
+  void
+  KnotVector::evaluate(const unsigned int       element,
+                       const double             x,
+                       const unsigned int       derivative,
+                       const ArrayView<double> &values) const
   {
     AssertIndexRange(derivative, 3);
     AssertDimension(values.size(), p + 1);
@@ -118,9 +122,10 @@ namespace greville
 
 
 
-  void KnotVector::blossom(const unsigned int             element,
-                           const ArrayView<const double> &arguments,
-                           const ArrayView<double>       &weights) const
+  void
+  KnotVector::blossom(const unsigned int             element,
+                      const ArrayView<const double> &arguments,
+                      const ArrayView<double>       &weights) const
   {
     AssertDimension(arguments.size(), p);
     AssertDimension(weights.size(), p + 1);
@@ -166,8 +171,8 @@ namespace greville
 
 
 
-  double BandedMatrix::operator()(const unsigned int i,
-                                  const unsigned int j) const
+  double
+  BandedMatrix::operator()(const unsigned int i, const unsigned int j) const
   {
     const unsigned int k = j - first_column[i];
     return (j >= first_column[i] && k < width) ? values[i * width + k] : 0.;
@@ -175,7 +180,8 @@ namespace greville
 
 
 
-  BandedMatrix cross_matrix(const KnotVector &rows, const KnotVector &columns)
+  BandedMatrix
+  cross_matrix(const KnotVector &rows, const KnotVector &columns)
   {
     AssertDimension(rows.n_elements(), columns.n_elements());
     const unsigned int n_rows = rows.degree() + 1,

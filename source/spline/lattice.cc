@@ -56,7 +56,8 @@ namespace greville
 
 
   template <int dim>
-  Point<dim> Lattice<dim>::cell_corner(const MultiIndex<dim> &index) const
+  Point<dim>
+  Lattice<dim>::cell_corner(const MultiIndex<dim> &index) const
   {
     Point<dim> corner;
     for (unsigned int d = 0; d < dim; ++d)
@@ -67,7 +68,8 @@ namespace greville
 
 
   template <int dim>
-  Point<dim> Lattice<dim>::cell_center(const MultiIndex<dim> &index) const
+  Point<dim>
+  Lattice<dim>::cell_center(const MultiIndex<dim> &index) const
   {
     Point<dim> center;
     for (unsigned int d = 0; d < dim; ++d)
@@ -78,7 +80,8 @@ namespace greville
 
 
   template <int dim>
-  MultiIndex<dim> Lattice<dim>::find_cell(const Point<dim> &point) const
+  MultiIndex<dim>
+  Lattice<dim>::find_cell(const Point<dim> &point) const
   {
     MultiIndex<dim> index;
     for (unsigned int d = 0; d < dim; ++d)
@@ -92,10 +95,11 @@ namespace greville
 
 
   template <int dim>
-  void create_box_mesh(DistributedTriangulation<dim> &triangulation,
-                       const Point<dim>              &lower,
-                       const Point<dim>              &upper,
-                       const MultiIndex<dim>         &n_cells)
+  void
+  create_box_mesh(DistributedTriangulation<dim> &triangulation,
+                  const Point<dim>              &lower,
+                  const Point<dim>              &upper,
+                  const MultiIndex<dim>         &n_cells)
   {
     for (unsigned int d = 0; d < dim; ++d)
       {

@@ -28,9 +28,10 @@ namespace greville
 
 
   template <int dim>
-  void OrderHierarchy<dim>::reinit(DistributedTriangulation<dim> &triangulation,
-                                   const unsigned int             degree,
-                                   const std::string             &coarsening)
+  void
+  OrderHierarchy<dim>::reinit(DistributedTriangulation<dim> &triangulation,
+                              const unsigned int             degree,
+                              const std::string             &coarsening)
   {
     spaces.clear();
     for (const unsigned int order : orders(degree, coarsening))

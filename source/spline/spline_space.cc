@@ -29,9 +29,10 @@ namespace greville
 
 
   template <int dim>
-  void SplineSpace<dim>::reinit(DistributedTriangulation<dim> &triangulation,
-                                const unsigned int             degree,
-                                const unsigned int             n_components)
+  void
+  SplineSpace<dim>::reinit(DistributedTriangulation<dim> &triangulation,
+                           const unsigned int             degree,
+                           const unsigned int             n_components)
   {
     AssertThrow(degree >= 1 && degree <= max_degree,
                 ExcMessage("A spline space has an order from 1 to " +
@@ -81,7 +82,8 @@ namespace greville
 
 
   template <int dim>
-  void SplineSpace<dim>::find_owned_cells_and_functions()
+  void
+  SplineSpace<dim>::find_owned_cells_and_functions()
   {
     cells.clear();
     std::vector<std::uint64_t> positions(tria->n_active_cells());
@@ -145,7 +147,8 @@ namespace greville
 
 
   template <int dim>
-  void SplineSpace<dim>::number_functions()
+  void
+  SplineSpace<dim>::number_functions()
   {
     // A cell's functions are runs of p + 1 in x. Owned parts of a run are
     // contiguous in owned, so one search per run mostly suffices.
@@ -224,7 +227,8 @@ namespace greville
 
 
   template <int dim>
-  void SplineSpace<dim>::make_partitioner()
+  void
+  SplineSpace<dim>::make_partitioner()
   {
     const types::global_dof_index begin = components * first_owned;
     const types::global_dof_index end   = begin + n_locally_owned_dofs();
@@ -247,7 +251,8 @@ namespace greville
 
 
   template <int dim>
-  types::global_dof_index SplineSpace<dim>::n_dofs() const
+  types::global_dof_index
+  SplineSpace<dim>::n_dofs() const
   {
     types::global_dof_index n = components;
     for (unsigned int d = 0; d < dim; ++d)
@@ -258,7 +263,8 @@ namespace greville
 
 
   template <int dim>
-  std::vector<unsigned int> SplineSpace<dim>::find_owners(
+  std::vector<unsigned int>
+  SplineSpace<dim>::find_owners(
     const std::vector<std::uint64_t> &positions) const
   {
     const unsigned int me = Utilities::MPI::this_mpi_process(comm);
@@ -292,7 +298,8 @@ namespace greville
 
 
   template <int dim>
-  std::vector<types::global_dof_index> SplineSpace<dim>::global_numbers(
+  std::vector<types::global_dof_index>
+  SplineSpace<dim>::global_numbers(
     const std::vector<std::uint64_t> &positions) const
   {
     const auto number_of = [this](const std::uint64_t position) {
@@ -330,7 +337,8 @@ namespace greville
 
 
   template <int dim>
-  unsigned int SplineSpace<dim>::cell_number(const CellIterator &cell) const
+  unsigned int
+  SplineSpace<dim>::cell_number(const CellIterator &cell) const
   {
     Assert(cell->is_locally_owned(),
            ExcMessage("Only owned cells have a place here."));
@@ -340,7 +348,8 @@ namespace greville
 
 
   template <int dim>
-  void SplineSpace<dim>::cell_dof_indices(
+  void
+  SplineSpace<dim>::cell_dof_indices(
     const CellIterator                   &cell,
     std::vector<types::global_dof_index> &indices) const
   {
@@ -386,9 +395,10 @@ namespace greville
 
 
   template <int dim>
-  void SplineSpace<dim>::extract(const VectorType      &coefficients,
-                                 const DoFHandler<dim> &dof_handler,
-                                 VectorType            &bernstein) const
+  void
+  SplineSpace<dim>::extract(const VectorType      &coefficients,
+                            const DoFHandler<dim> &dof_handler,
+                            VectorType            &bernstein) const
   {
     Assert(dof_handler.get_fe() == fe(),
            ExcMessage("The DoFHandler has to carry the space's fe()."));

@@ -39,7 +39,8 @@ namespace greville
 #endif
 
   template <int dim>
-  MPI_Comm get_communicator(const DistributedTriangulation<dim> &triangulation)
+  MPI_Comm
+  get_communicator(const DistributedTriangulation<dim> &triangulation)
   {
 #if DEAL_II_VERSION_GTE(9, 7, 0)
     return triangulation.get_mpi_communicator();

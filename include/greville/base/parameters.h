@@ -15,19 +15,22 @@ namespace greville
    * exist. Throws with the line, the name, the value and what is allowed where
    * the file is wrong.
    */
-  void parse_parameter_file(const std::string &file);
+  void
+  parse_parameter_file(const std::string &file);
 
   /**
    * Write all parameters of these objects as a page of Markdown: a table per
    * section with defaults, allowed values and meanings.
    */
-  void print_parameter_reference(std::ostream &out, const std::string &program);
+  void
+  print_parameter_reference(std::ostream &out, const std::string &program);
 
   /**
    * The message of an exception in one paragraph, without the decoration that
    * deal.II puts around it.
    */
-  std::string message_of(const std::exception &exception);
+  std::string
+  message_of(const std::exception &exception);
 
   /**
    * A function of x, y (and z) from its expression; a constant where the
@@ -42,7 +45,8 @@ namespace greville
    * Write a file under another name first and rename it at the end, so that no
    * half-written file is ever seen. The folder has to exist.
    */
-  void write_atomically(const std::string &file, const std::string &content);
+  void
+  write_atomically(const std::string &file, const std::string &content);
 } // namespace greville
 
 #endif

@@ -15,7 +15,8 @@ namespace greville
   /**
    * Throw dealii::LACExceptions::ExcPETScError where a PETSc call failed.
    */
-  inline void check_petsc(const PetscErrorCode error)
+  inline void
+  check_petsc(const PetscErrorCode error)
   {
     AssertThrow(error == 0, dealii::LACExceptions::ExcPETScError(error));
   }
@@ -27,7 +28,8 @@ namespace greville
     {
       using pointer = Handle;
 
-      void operator()(Handle handle) const
+      void
+      operator()(Handle handle) const
       {
         destroy(&handle);
       }
@@ -66,7 +68,8 @@ namespace greville
      * Call @p function with a PETSc vector that has the entries at @p values.
      */
     template <typename Function>
-    void with(const double *values, const Function &function) const
+    void
+    with(const double *values, const Function &function) const
     {
       check_petsc(VecPlaceArray(vector.get(), const_cast<double *>(values)));
       function(vector.get());

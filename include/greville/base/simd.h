@@ -14,12 +14,14 @@ namespace greville
 
   constexpr unsigned int simd_width = Simd::size();
 
-  inline Simd load(const double *address)
+  inline Simd
+  load(const double *address)
   {
     return Simd(address, std::experimental::element_aligned);
   }
 
-  inline void store(const Simd &value, double *address)
+  inline void
+  store(const Simd &value, double *address)
   {
     value.copy_to(address, std::experimental::element_aligned);
   }

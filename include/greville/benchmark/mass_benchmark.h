@@ -28,6 +28,7 @@ namespace greville
     std::vector<std::string>  published;
     unsigned int              repetitions = 1;
     bool                      throughput  = false;
+    bool                      print_times = true;
     std::string               output_directory;
   };
 
@@ -64,35 +65,47 @@ namespace greville
      * parameters used, solves.csv, and where asked for comparison.csv and
      * operators.csv. Throws where the file is wrong.
      */
-    void run(const std::string &file);
+    void
+    run(const std::string &file);
 
   private:
     template <int dim>
-    void run_dimension(const std::vector<unsigned int> &cells);
+    void
+    run_dimension(const std::vector<unsigned int> &cells);
 
     template <int dim>
-    void run_solvers(const OrderHierarchy<dim>   &orders,
-                     const dealii::Function<dim> &density,
-                     const dealii::Function<dim> &acceleration,
-                     const unsigned int           n_cells);
+    void
+    run_solvers(const OrderHierarchy<dim>   &orders,
+                const dealii::Function<dim> &density,
+                const dealii::Function<dim> &acceleration,
+                const unsigned int           n_cells);
 
     template <int dim>
-    SolveRecord run_solver(const std::string           &solver,
-                           MassHierarchy<dim>          &mass,
-                           const OrderHierarchy<dim>   &orders,
-                           const dealii::Function<dim> &acceleration,
-                           const unsigned int           n_cells);
+    SolveRecord
+    run_solver(const std::string           &solver,
+               MassHierarchy<dim>          &mass,
+               const OrderHierarchy<dim>   &orders,
+               const dealii::Function<dim> &acceleration,
+               const unsigned int           n_cells);
 
-    void check_parameters() const;
+    /**
+     * Check what the patterns of the parameters cannot, and read the published
+     * tables, whose names are relative to @p directory.
+     */
+    void
+    check_parameters(const std::string &directory);
 
     /**
      * The cell numbers of each dimension.
      */
-    std::vector<std::vector<unsigned int>> cells_of_dimensions() const;
+    std::vector<std::vector<unsigned int>>
+    cells_of_dimensions() const;
 
-    void print_header(const std::string &file) const;
+    void
+    print_header(const std::string &file) const;
 
-    void write_results() const;
+    void
+    write_results() const;
 
     MassBenchmarkParameters    parameters;
     MassProblemParameters      problem;
@@ -101,12 +114,12 @@ namespace greville
     SmootherParameters         smoother_parameters;
     dealii::ConditionalOStream out;
     std::string                output_directory;
-    std::string                input_directory;
 
-    std::vector<SolveRecord>    records;
-    std::vector<OperatorRecord> operator_records;
-    double                      bandwidth = 0.;
-    ProgressLine                progress;
+    std::vector<std::pair<std::string, PublishedTable>> published;
+    std::vector<SolveRecord>                            records;
+    std::vector<OperatorRecord>                         operator_records;
+    double                                              bandwidth = 0.;
+    ProgressLine                                        progress;
   };
 } // namespace greville
 

@@ -28,7 +28,8 @@ namespace greville
     /**
      * Solver with its variant, the key of a table.
      */
-    std::string variant() const;
+    std::string
+    variant() const;
   };
 
   /**
@@ -54,44 +55,51 @@ namespace greville
    * Read a file with lines "elements,p1,p2,..." and "cells,iterations,...";
    * lines with # are comments. Throws with the line where it cannot be read.
    */
-  PublishedTable read_published_table(const std::string &file);
+  PublishedTable
+  read_published_table(const std::string &file);
 
   /**
    * The content of solves.csv, operators.csv.
    */
-  std::string solves_csv(const std::vector<SolveRecord> &records);
+  std::string
+  solves_csv(const std::vector<SolveRecord> &records);
 
-  std::string operators_csv(const std::vector<OperatorRecord> &records,
-                            const double                       bandwidth);
+  std::string
+  operators_csv(const std::vector<OperatorRecord> &records,
+                const double                       bandwidth);
 
   /**
    * Tables of iterations (rows: cells, columns: p) and of times for each
    * variant. Solves that did not converge are marked and explained.
    */
-  void print_iterations(std::ostream                   &out,
-                        const std::vector<SolveRecord> &records);
+  void
+  print_iterations(std::ostream &out, const std::vector<SolveRecord> &records);
 
-  void print_times(std::ostream &out, const std::vector<SolveRecord> &records);
+  void
+  print_times(std::ostream &out, const std::vector<SolveRecord> &records);
 
-  void print_operators(std::ostream                      &out,
-                       const std::vector<OperatorRecord> &records,
-                       const double                       bandwidth);
+  void
+  print_operators(std::ostream                      &out,
+                  const std::vector<OperatorRecord> &records,
+                  const double                       bandwidth);
 
   /**
    * Measured beside published iterations for the records of @p solver, as text
    * to @p out, and as lines of comparison.csv.
    */
-  std::string compare_with_published(std::ostream                   &out,
-                                     const std::vector<SolveRecord> &records,
-                                     const std::string              &solver,
-                                     const PublishedTable           &published);
+  std::string
+  compare_with_published(std::ostream                   &out,
+                         const std::vector<SolveRecord> &records,
+                         const std::string              &solver,
+                         const PublishedTable           &published);
 
   /**
    * The memory bandwidth of all processes together in bytes per second: the
    * best of some sweeps a_i = b_i + s c_i over arrays that fit no cache, three
    * numbers counted for each i (J. McCalpin's STREAM triad).
    */
-  double measure_bandwidth(const MPI_Comm comm);
+  double
+  measure_bandwidth(const MPI_Comm comm);
 
   /**
    * One line that is rewritten on a terminal: what is being solved, how many of
@@ -101,11 +109,14 @@ namespace greville
   class ProgressLine
   {
   public:
-    void start(const unsigned int n_solves, const bool is_first_process);
+    void
+    start(const unsigned int n_solves, const bool is_first_process);
 
-    void show(const std::string &what);
+    void
+    show(const std::string &what);
 
-    void finish();
+    void
+    finish();
 
   private:
     unsigned int  n = 0, done = 0;

@@ -21,25 +21,29 @@ namespace greville
     DensityWeights() = default;
 
     /**
-     * Evaluate @p density at @p n_points_1d Gauss points per direction in the
-     * owned cells of @p space. Throws dealii::ExcMessage where the density is
-     * negative or not finite, with the point and the value.
+     * Collective. Evaluate @p density at @p n_points_1d Gauss points per
+     * direction in the owned cells of @p space. Throws dealii::ExcMessage where
+     * the density is negative or not finite, with the point and the value, and
+     * where it is zero everywhere.
      */
     DensityWeights(const SplineSpace<dim>      &space,
                    const unsigned int           n_points_1d,
                    const dealii::Function<dim> &density);
 
-    unsigned int n_points_1d() const
+    unsigned int
+    n_points_1d() const
     {
       return n_q;
     }
 
-    unsigned int n_points() const
+    unsigned int
+    n_points() const
     {
       return dealii::Utilities::fixed_power<dim>(n_q);
     }
 
-    const CellBatches<dim> &batches() const
+    const CellBatches<dim> &
+    batches() const
     {
       return cell_batches;
     }
@@ -49,7 +53,8 @@ namespace greville
      * lexicographic order. Weights of lanes without a cell of their own are
      * zero.
      */
-    const double *operator[](const std::size_t batch) const
+    const double *
+    operator[](const std::size_t batch) const
     {
       return values.data() + batch * n_points() * CellBatches<dim>::width();
     }
@@ -57,8 +62,8 @@ namespace greville
     /**
      * The points of a cell in the order of the weights.
      */
-    std::vector<dealii::Point<dim>> points(const SplineSpace<dim> &space,
-                                           const MultiIndex<dim>  &cell) const;
+    std::vector<dealii::Point<dim>>
+    points(const SplineSpace<dim> &space, const MultiIndex<dim> &cell) const;
 
   private:
     unsigned int                  n_q = 0;

@@ -30,14 +30,17 @@ namespace greville
     /**
      * x = (L U)^-1 x.
      */
-    void solve(double *x) const;
+    void
+    solve(double *x) const;
 
     /**
      * x = (L U)^-T x.
      */
-    void solve_transpose(double *x) const;
+    void
+    solve_transpose(double *x) const;
 
-    std::size_t memory_consumption() const;
+    std::size_t
+    memory_consumption() const;
 
   private:
     struct Triangle

@@ -25,36 +25,43 @@ namespace greville
      * Collective. Make the operators. vmult() works on the assembled matrix if
      * @p apply_matrix, which implies @p with_matrix.
      */
-    void assemble(const bool with_matrix, const bool apply_matrix);
+    void
+    assemble(const bool with_matrix, const bool apply_matrix);
 
     /**
      * Free the operators.
      */
-    void clear();
+    void
+    clear();
 
-    const SplineSpace<dim> &space() const
+    const SplineSpace<dim> &
+    space() const
     {
       return *spline_space;
     }
 
-    const DensityWeights<dim> &weights() const
+    const DensityWeights<dim> &
+    weights() const
     {
       return density_weights;
     }
 
-    const MassOperator<dim> &mass() const
+    const MassOperator<dim> &
+    mass() const
     {
       Assert(mass_operator, dealii::ExcNotInitialized());
       return *mass_operator;
     }
 
-    const MassMatrix<dim> &matrix() const
+    const MassMatrix<dim> &
+    matrix() const
     {
       Assert(mass_matrix, dealii::ExcNotInitialized());
       return *mass_matrix;
     }
 
-    void vmult(VectorType &dst, const VectorType &src) const
+    void
+    vmult(VectorType &dst, const VectorType &src) const
     {
       if (apply_matrix)
         mass_matrix->vmult(dst, src);
@@ -62,12 +69,14 @@ namespace greville
         mass_operator->vmult(dst, src);
     }
 
-    void Tvmult(VectorType &dst, const VectorType &src) const
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const
     {
       vmult(dst, src);
     }
 
-    std::size_t memory_consumption() const;
+    std::size_t
+    memory_consumption() const;
 
   private:
     const SplineSpace<dim>            *spline_space;

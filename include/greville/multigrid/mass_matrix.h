@@ -33,26 +33,32 @@ namespace greville
     /**
      * Collective. Make the sparsity pattern. The space is kept by reference.
      */
-    void reinit(const SplineSpace<dim> &space);
+    void
+    reinit(const SplineSpace<dim> &space);
 
     /**
      * Collective. Fill the matrix.
      */
-    void assemble(const DensityWeights<dim> &weights);
+    void
+    assemble(const DensityWeights<dim> &weights);
 
-    const SplineSpace<dim> &space() const
+    const SplineSpace<dim> &
+    space() const
     {
       return *spline_space;
     }
 
-    Mat petsc() const
+    Mat
+    petsc() const
     {
       return matrix.get();
     }
 
-    void vmult(VectorType &dst, const VectorType &src) const;
+    void
+    vmult(VectorType &dst, const VectorType &src) const;
 
-    void Tvmult(VectorType &dst, const VectorType &src) const
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const
     {
       vmult(dst, src);
     }
@@ -60,17 +66,22 @@ namespace greville
     /**
      * Bytes of the arrays on this process.
      */
-    std::size_t memory_consumption() const;
+    std::size_t
+    memory_consumption() const;
 
   private:
-    void find_row_boxes();
+    void
+    find_row_boxes();
 
-    void make_parallel_pattern();
+    void
+    make_parallel_pattern();
 
     template <int n>
-    void add_cells(const DensityWeights<dim> &weights);
+    void
+    add_cells(const DensityWeights<dim> &weights);
 
-    void finish();
+    void
+    finish();
 
     const SplineSpace<dim> *spline_space = nullptr;
 

@@ -21,7 +21,8 @@ namespace greville
     CrossMassOperator();
     ~CrossMassOperator();
     CrossMassOperator(CrossMassOperator &&) noexcept;
-    CrossMassOperator &operator=(CrossMassOperator &&) noexcept;
+    CrossMassOperator &
+    operator=(CrossMassOperator &&) noexcept;
 
     /**
      * The spaces and the weights are kept by reference.
@@ -33,47 +34,55 @@ namespace greville
     /**
      * dst = P src. Vectors are made by SplineSpace::initialize_vector().
      */
-    void vmult(VectorType &dst, const VectorType &src) const;
+    void
+    vmult(VectorType &dst, const VectorType &src) const;
 
     /**
      * dst = P^T src.
      */
-    void Tvmult(VectorType &dst, const VectorType &src) const;
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const;
 
     /**
      * dst_i = sum_q w_q N_i^rows(x_q): by the partition of unity, the row sums.
      */
-    void row_sums(VectorType &dst) const;
+    void
+    row_sums(VectorType &dst) const;
 
     /**
      * dst_i = sum_q w_q N_i^rows(x_q)^2: the diagonal, for equal spaces.
      */
-    void diagonal(VectorType &dst) const;
+    void
+    diagonal(VectorType &dst) const;
 
     /**
      * dst_i = sum_q w_q f(x_q) N_i^rows(x_q) for a function @p f.
      */
-    void integrate(VectorType &dst, const dealii::Function<dim> &f) const;
+    void
+    integrate(VectorType &dst, const dealii::Function<dim> &f) const;
 
     /**
      * The square roots of sum_q w_q (u(x_q) - f(x_q))^2 and sum_q w_q f(x_q)^2
      * for the spline u of the rows' space with @p coefficients.
      */
-    std::pair<double, double> difference(const VectorType &coefficients,
-                                         const dealii::Function<dim> &f) const;
+    std::pair<double, double>
+    difference(const VectorType            &coefficients,
+               const dealii::Function<dim> &f) const;
 
     /**
      * Bytes of this object on this process.
      */
-    std::size_t memory_consumption() const;
+    std::size_t
+    memory_consumption() const;
 
   private:
     struct Side;
 
-    void apply(const Side       &out,
-               const Side       &in,
-               VectorType       &dst,
-               const VectorType &src) const;
+    void
+    apply(const Side       &out,
+          const Side       &in,
+          VectorType       &dst,
+          const VectorType &src) const;
 
     const DensityWeights<dim> *weights = nullptr;
     std::unique_ptr<Side>      rows;
@@ -106,37 +115,44 @@ namespace greville
     /**
      * Collective. The arguments are kept by reference.
      */
-    void reinit(const SplineSpace<dim>    &space,
-                const DensityWeights<dim> &weights);
+    void
+    reinit(const SplineSpace<dim> &space, const DensityWeights<dim> &weights);
 
-    const SplineSpace<dim> &space() const
+    const SplineSpace<dim> &
+    space() const
     {
       return *spline_space;
     }
 
-    const CrossMassOperator<dim> &cross_mass() const
+    const CrossMassOperator<dim> &
+    cross_mass() const
     {
       return cross;
     }
 
-    size_type m() const
+    size_type
+    m() const
     {
       return spline_space->n_dofs();
     }
 
-    size_type n() const
+    size_type
+    n() const
     {
       return m();
     }
 
-    void initialize_dof_vector(VectorType &vector) const
+    void
+    initialize_dof_vector(VectorType &vector) const
     {
       spline_space->initialize_vector(vector);
     }
 
-    void vmult(VectorType &dst, const VectorType &src) const;
+    void
+    vmult(VectorType &dst, const VectorType &src) const;
 
-    void Tvmult(VectorType &dst, const VectorType &src) const
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const
     {
       vmult(dst, src);
     }
@@ -144,7 +160,8 @@ namespace greville
     /**
      * The diagonal, with that of inactive coefficients.
      */
-    const VectorType &diagonal() const
+    const VectorType &
+    diagonal() const
     {
       return matrix_diagonal;
     }
@@ -153,12 +170,14 @@ namespace greville
      * The row sums (the lumped mass), with the diagonal of inactive
      * coefficients.
      */
-    VectorType lumped() const;
+    VectorType
+    lumped() const;
 
     /**
      * Local numbers of the inactive coefficients of this process.
      */
-    const std::vector<unsigned int> &inactive() const
+    const std::vector<unsigned int> &
+    inactive() const
     {
       return inactive_functions;
     }
@@ -166,9 +185,11 @@ namespace greville
     /**
      * Number of active coefficients of all processes. Collective.
      */
-    dealii::types::global_dof_index n_active() const;
+    dealii::types::global_dof_index
+    n_active() const;
 
-    std::size_t memory_consumption() const
+    std::size_t
+    memory_consumption() const
     {
       return cross.memory_consumption() + matrix_diagonal.memory_consumption();
     }

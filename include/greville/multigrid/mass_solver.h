@@ -37,7 +37,8 @@ namespace greville
     MassHierarchy(const OrderHierarchy<dim>   &orders,
                   const dealii::Function<dim> &density);
 
-    MassLevel<dim> &finest()
+    MassLevel<dim> &
+    finest()
     {
       return *levels.back();
     }
@@ -45,14 +46,17 @@ namespace greville
     /**
      * From the coarsest to the finest.
      */
-    std::vector<MassLevel<dim> *> all_levels();
+    std::vector<MassLevel<dim> *>
+    all_levels();
 
     /**
      * Free the operators of all levels.
      */
-    void clear();
+    void
+    clear();
 
-    std::size_t memory_consumption() const;
+    std::size_t
+    memory_consumption() const;
 
   private:
     std::vector<std::unique_ptr<MassLevel<dim>>> levels;
@@ -98,12 +102,14 @@ namespace greville
     /**
      * The names, with fmpm-K for any K.
      */
-    static std::string names();
+    static std::string
+    names();
 
     /**
      * Throws dealii::ExcMessage for a name that is none of names().
      */
-    static void check_name(const std::string &name);
+    static void
+    check_name(const std::string &name);
 
     /**
      * Checks the name. All arguments are kept by reference.
@@ -118,35 +124,42 @@ namespace greville
      * Collective. Make the operators of the levels that the solver needs, and
      * the matrices that it or its smoother needs.
      */
-    void assemble();
+    void
+    assemble();
 
     /**
      * Collective. Make transfers, smoothers, factorizations.
      */
-    void setup();
+    void
+    setup();
 
     /**
      * Collective. The initial value of x does not matter.
      */
-    SolveResult solve(VectorType &x, const VectorType &b) const;
+    SolveResult
+    solve(VectorType &x, const VectorType &b) const;
 
     /**
      * Whether the solver has a p-multigrid cycle.
      */
-    static bool uses_multigrid(const std::string &name);
+    static bool
+    uses_multigrid(const std::string &name);
 
     /**
      * Bytes of operators and preconditioner on this process.
      */
-    std::size_t memory_consumption() const;
+    std::size_t
+    memory_consumption() const;
 
   private:
-    void iterate(VectorType &x, const VectorType &b, SolveResult &result) const;
+    void
+    iterate(VectorType &x, const VectorType &b, SolveResult &result) const;
 
     void
     run_krylov(VectorType &x, const VectorType &b, SolveResult &result) const;
 
-    void run_fmpm(VectorType &x, const VectorType &b) const;
+    void
+    run_fmpm(VectorType &x, const VectorType &b) const;
 
     const std::string           name;
     MassHierarchy<dim>         &hierarchy;

@@ -28,17 +28,20 @@ namespace greville
   class OrderTransfer : public dealii::MGTransferBase<VectorType>
   {
   public:
-    static std::string prolongations()
+    static std::string
+    prolongations()
     {
       return "lumped-l2|exact-l2";
     }
 
-    static std::string restrictions()
+    static std::string
+    restrictions()
     {
       return "lumped-l2|exact-l2|transpose";
     }
 
-    static std::string weightings()
+    static std::string
+    weightings()
     {
       return "density|unit";
     }
@@ -52,19 +55,23 @@ namespace greville
                   const std::string                   &restriction,
                   const std::string                   &weighting);
 
-    void prolongate(const unsigned int to_level,
-                    VectorType        &dst,
-                    const VectorType  &src) const override;
+    void
+    prolongate(const unsigned int to_level,
+               VectorType        &dst,
+               const VectorType  &src) const override;
 
-    void prolongate_and_add(const unsigned int to_level,
-                            VectorType        &dst,
-                            const VectorType  &src) const override;
+    void
+    prolongate_and_add(const unsigned int to_level,
+                       VectorType        &dst,
+                       const VectorType  &src) const override;
 
-    void restrict_and_add(const unsigned int from_level,
-                          VectorType        &dst,
-                          const VectorType  &src) const override;
+    void
+    restrict_and_add(const unsigned int from_level,
+                     VectorType        &dst,
+                     const VectorType  &src) const override;
 
-    std::size_t memory_consumption() const;
+    std::size_t
+    memory_consumption() const;
 
   private:
     /**
@@ -88,7 +95,8 @@ namespace greville
       std::unique_ptr<TensorProductPreconditioner<dim>> weighted;
       std::vector<unsigned int>                         inactive;
 
-      void apply(VectorType &x) const;
+      void
+      apply(VectorType &x) const;
     };
 
     std::vector<Step>                     steps; // [level - 1]

@@ -42,8 +42,8 @@ namespace greville
    *   x <- x + prolongation of e,
    *   x <- x + S (b - M x)                         nu2 times,
    * and conjugate gradients on level 0. With restriction = "transpose" the
-   * steps after the coarse correction use S^T, so that the cycle is symmetric
-   * (up to the tolerance of the coarse solver).
+   * steps after the coarse correction use S^T, so that V- and W-cycles are
+   * symmetric (up to the tolerance of the coarse solver).
    *
    * The cycle is not dealii::Multigrid's, whose W-cycle runs as a V-cycle up to
    * version 9.7. Its parts have deal.II's interfaces and can be given to it.
@@ -66,26 +66,34 @@ namespace greville
     /**
      * One cycle with the initial guess zero.
      */
-    void vmult(VectorType &dst, const VectorType &src) const override;
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
 
     /**
      * As vmult(); for symmetric cycles only.
      */
-    void Tvmult(VectorType &dst, const VectorType &src) const override;
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const override;
 
-    std::size_t memory_consumption() const override;
+    std::size_t
+    memory_consumption() const override;
 
     // The parts, in deal.II's interfaces.
 
-    const dealii::MGMatrixBase<VectorType> &matrices() const;
+    const dealii::MGMatrixBase<VectorType> &
+    matrices() const;
 
-    const dealii::MGSmootherBase<VectorType> &pre_smoother() const;
+    const dealii::MGSmootherBase<VectorType> &
+    pre_smoother() const;
 
-    const dealii::MGSmootherBase<VectorType> &post_smoother() const;
+    const dealii::MGSmootherBase<VectorType> &
+    post_smoother() const;
 
-    const dealii::MGCoarseGridBase<VectorType> &coarse_solver() const;
+    const dealii::MGCoarseGridBase<VectorType> &
+    coarse_solver() const;
 
-    const OrderTransfer<dim> &transfer() const
+    const OrderTransfer<dim> &
+    transfer() const
     {
       return order_transfer;
     }
@@ -106,9 +114,10 @@ namespace greville
      * Improve x[level] for the right-hand side b[level]; begin with zero where
      * @p from_zero.
      */
-    void cycle(const unsigned int level,
-               const Cycle        type,
-               const bool         from_zero) const;
+    void
+    cycle(const unsigned int level,
+          const Cycle        type,
+          const bool         from_zero) const;
 
     OrderTransfer<dim>                           order_transfer;
     Cycle                                        cycle_type;

@@ -23,14 +23,17 @@ namespace greville
      */
     PetscPreconditioner(const Mat matrix, const std::string &options);
 
-    void vmult(VectorType &dst, const VectorType &src) const override;
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
 
-    void Tvmult(VectorType &dst, const VectorType &src) const override;
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const override;
 
     /**
      * Zero: PETSc does not tell.
      */
-    std::size_t memory_consumption() const override
+    std::size_t
+    memory_consumption() const override
     {
       return 0;
     }

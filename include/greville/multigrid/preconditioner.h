@@ -17,12 +17,14 @@ namespace greville
     /**
      * dst = S src.
      */
-    virtual void vmult(VectorType &dst, const VectorType &src) const = 0;
+    virtual void
+    vmult(VectorType &dst, const VectorType &src) const = 0;
 
     /**
      * dst = S^T src. The default is for symmetric S.
      */
-    virtual void Tvmult(VectorType &dst, const VectorType &src) const
+    virtual void
+    Tvmult(VectorType &dst, const VectorType &src) const
     {
       vmult(dst, src);
     }
@@ -30,7 +32,8 @@ namespace greville
     /**
      * Bytes of this object on this process, as far as it knows them.
      */
-    virtual std::size_t memory_consumption() const = 0;
+    virtual std::size_t
+    memory_consumption() const = 0;
   };
 } // namespace greville
 

@@ -44,12 +44,14 @@ namespace greville
     /**
      * The local matrix A_s, sequential, in the chosen ordering.
      */
-    Mat matrix() const
+    Mat
+    matrix() const
     {
       return local_matrix;
     }
 
-    unsigned int size() const
+    unsigned int
+    size() const
     {
       return order.size();
     }
@@ -57,7 +59,8 @@ namespace greville
     /**
      * Lexicographic positions of the functions of the domain in its ordering.
      */
-    const std::vector<std::uint64_t> &positions() const
+    const std::vector<std::uint64_t> &
+    positions() const
     {
       return function_positions;
     }
@@ -65,7 +68,8 @@ namespace greville
     /**
      * Whether this process owns the entry.
      */
-    bool owns(const unsigned int i) const
+    bool
+    owns(const unsigned int i) const
     {
       return order[i] < n_owned;
     }
@@ -74,18 +78,21 @@ namespace greville
      * local = R_s src, weighted for the symmetric combination. For the
      * transpose of a restricted combination call with @p transpose.
      */
-    void restrict_to(std::vector<double> &local,
-                     const VectorType    &src,
-                     const bool           transpose) const;
+    void
+    restrict_to(std::vector<double> &local,
+                const VectorType    &src,
+                const bool           transpose) const;
 
     /**
      * dst = sum_s R_s^T local, weighted or restricted.
      */
-    void prolongate_from(const std::vector<double> &local,
-                         VectorType                &dst,
-                         const bool                 transpose) const;
+    void
+    prolongate_from(const std::vector<double> &local,
+                    VectorType                &dst,
+                    const bool                 transpose) const;
 
-    std::size_t memory_consumption() const;
+    std::size_t
+    memory_consumption() const;
 
   private:
     SchwarzCombination         combination;
@@ -108,24 +115,29 @@ namespace greville
   public:
     virtual ~LocalSolver() = default;
 
-    virtual void solve(double *x, const bool transpose) const = 0;
+    virtual void
+    solve(double *x, const bool transpose) const = 0;
 
-    virtual std::size_t memory_consumption() const = 0;
+    virtual std::size_t
+    memory_consumption() const = 0;
   };
 
   /**
    * ILUT, see the class of that name.
    */
-  std::unique_ptr<LocalSolver> make_ilut(const Mat    matrix,
-                                         const double drop_tolerance,
-                                         const double fill_factor);
+  std::unique_ptr<LocalSolver>
+  make_ilut(const Mat    matrix,
+            const double drop_tolerance,
+            const double fill_factor);
 
   /**
    * PETSc's ILU(0) ("ilu") or IC(0) ("icc") of the matrix scaled to a unit
    * diagonal, with @p shift added to that diagonal.
    */
-  std::unique_ptr<LocalSolver> make_incomplete_factorization(
-    const Mat matrix, const std::string &type, const double shift);
+  std::unique_ptr<LocalSolver>
+  make_incomplete_factorization(const Mat          matrix,
+                                const std::string &type,
+                                const double       shift);
 
 
 
@@ -141,11 +153,14 @@ namespace greville
       std::unique_ptr<const OverlappingDomain<dim>>                 domain,
       const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make);
 
-    void vmult(VectorType &dst, const VectorType &src) const override;
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
 
-    void Tvmult(VectorType &dst, const VectorType &src) const override;
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const override;
 
-    std::size_t memory_consumption() const override;
+    std::size_t
+    memory_consumption() const override;
 
   private:
     void
@@ -175,11 +190,14 @@ namespace greville
                const SchwarzCombination                      combination);
     ~BoxSchwarz() override;
 
-    void vmult(VectorType &dst, const VectorType &src) const override;
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
 
-    void Tvmult(VectorType &dst, const VectorType &src) const override;
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const override;
 
-    std::size_t memory_consumption() const override;
+    std::size_t
+    memory_consumption() const override;
 
   private:
     struct Box;

@@ -50,12 +50,14 @@ namespace greville
    * - "tensor-product": TensorProductPreconditioner,
    * - "petsc": the PETSc preconditioner that the options describe.
    */
-  std::string smoother_names();
+  std::string
+  smoother_names();
 
   /**
    * Whether a smoother needs the assembled matrix.
    */
-  bool smoother_needs_matrix(const std::string &name);
+  bool
+  smoother_needs_matrix(const std::string &name);
 
   /**
    * Make a smoother for @p level, which is kept by reference. Collective.

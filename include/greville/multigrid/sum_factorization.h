@@ -30,13 +30,15 @@ namespace greville
      * Replace each value by its square: integration then gives the diagonal of
      * a mass matrix.
      */
-    void square();
+    void
+    square();
 
     /**
      * The table [point][function] of x for the lanes of a batch that begins at
      * cell @p first, written to @p table.
      */
-    void load_x(const unsigned int first, Simd *table) const
+    void
+    load_x(const unsigned int first, Simd *table) const
     {
       for (unsigned int k = 0; k < table_size; ++k)
         table[k] = load(x.data() + k * x_stride + first);
@@ -45,7 +47,8 @@ namespace greville
     /**
      * The table [point][function] of direction @p d (y or z) for @p cell.
      */
-    const double *values(const unsigned int d, const unsigned int cell) const
+    const double *
+    values(const unsigned int d, const unsigned int cell) const
     {
       return y_and_z[d - 1].data() + std::size_t(cell) * table_size;
     }
@@ -124,13 +127,14 @@ namespace greville
    * Kernels are compiled for 1 <= p < n_q <= 6.
    */
   template <int dim>
-  CellKernels cell_kernels(const unsigned int degree,
-                           const unsigned int n_points_1d);
+  CellKernels
+  cell_kernels(const unsigned int degree, const unsigned int n_points_1d);
 
   template <int dim>
-  ColumnKernel column_kernel(const unsigned int degree_in,
-                             const unsigned int n_points_1d,
-                             const unsigned int degree_out);
+  ColumnKernel
+  column_kernel(const unsigned int degree_in,
+                const unsigned int n_points_1d,
+                const unsigned int degree_out);
 } // namespace greville
 
 #endif

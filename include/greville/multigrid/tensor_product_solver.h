@@ -26,12 +26,14 @@ namespace greville
       const std::function<unsigned int(const std::uint64_t)> &place_of,
       const MPI_Comm                                          comm);
 
-    void execute(const double *source, double *target) const;
+    void
+    execute(const double *source, double *target) const;
 
     /**
      * Bytes that this process sends to others in one execute().
      */
-    std::size_t bytes_sent() const;
+    std::size_t
+    bytes_sent() const;
 
   private:
     struct Message
@@ -71,19 +73,23 @@ namespace greville
     /**
      * Overwrite the owned entries of @p x by those of the solution.
      */
-    void solve(VectorType &x) const;
+    void
+    solve(VectorType &x) const;
 
     /**
      * The diagonal of M_1 x ... x M_1 at the owned function number @p i.
      */
-    double diagonal(const unsigned int i) const;
+    double
+    diagonal(const unsigned int i) const;
 
     /**
      * Bytes that this process sends to others in one solve.
      */
-    std::size_t bytes_sent() const;
+    std::size_t
+    bytes_sent() const;
 
-    std::size_t memory_consumption() const;
+    std::size_t
+    memory_consumption() const;
 
   private:
     /**
@@ -97,17 +103,20 @@ namespace greville
       std::vector<double> diagonal; // of M_1
     };
 
-    static Factor factorize(const KnotVector &knots);
+    static Factor
+    factorize(const KnotVector &knots);
 
     /**
      * Solve for lines of unknowns: entry i of line l is x[i * stride + l].
      */
-    static void solve_lines(const Factor      &factor,
-                            double            *x,
-                            const std::size_t  stride,
-                            const unsigned int n_lines);
+    static void
+    solve_lines(const Factor      &factor,
+                double            *x,
+                const std::size_t  stride,
+                const unsigned int n_lines);
 
-    void solve_on_one_process(double *x) const;
+    void
+    solve_on_one_process(double *x) const;
 
     const SplineSpace<dim>         *space = nullptr;
     std::array<Factor, dim>         factors;
@@ -138,9 +147,11 @@ namespace greville
     TensorProductPreconditioner(const TensorProductSolver<dim> &solver,
                                 const MassOperator<dim>        &mass);
 
-    void vmult(VectorType &dst, const VectorType &src) const override;
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
 
-    std::size_t memory_consumption() const override;
+    std::size_t
+    memory_consumption() const override;
 
   private:
     const TensorProductSolver<dim> *solver = nullptr;

@@ -34,28 +34,33 @@ namespace greville
      * Number of lanes: doubles in a native vector of the machine that the
      * library was compiled for.
      */
-    static unsigned int width();
+    static unsigned int
+    width();
 
     CellBatches() = default;
 
     CellBatches(const SplineSpace<dim> &space);
 
-    std::size_t size() const
+    std::size_t
+    size() const
     {
       return batches.size();
     }
 
-    const Batch &operator[](const std::size_t batch) const
+    const Batch &
+    operator[](const std::size_t batch) const
     {
       return batches[batch];
     }
 
-    typename std::vector<Batch>::const_iterator begin() const
+    typename std::vector<Batch>::const_iterator
+    begin() const
     {
       return batches.begin();
     }
 
-    typename std::vector<Batch>::const_iterator end() const
+    typename std::vector<Batch>::const_iterator
+    end() const
     {
       return batches.end();
     }

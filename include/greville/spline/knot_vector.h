@@ -37,27 +37,32 @@ namespace greville
      * The open uniform knot vector with @p n_elements elements of equal length
      * on [@p lower, @p upper].
      */
-    static KnotVector open_uniform(const unsigned int degree,
-                                   const unsigned int n_elements,
-                                   const double       lower = 0.,
-                                   const double       upper = 1.);
+    static KnotVector
+    open_uniform(const unsigned int degree,
+                 const unsigned int n_elements,
+                 const double       lower = 0.,
+                 const double       upper = 1.);
 
-    unsigned int degree() const
+    unsigned int
+    degree() const
     {
       return p;
     }
 
-    unsigned int n_functions() const
+    unsigned int
+    n_functions() const
     {
       return t.size() - p - 1;
     }
 
-    unsigned int n_elements() const
+    unsigned int
+    n_elements() const
     {
       return spans.size();
     }
 
-    const std::vector<double> &knots() const
+    const std::vector<double> &
+    knots() const
     {
       return t;
     }
@@ -65,12 +70,14 @@ namespace greville
     /**
      * The end points of an element.
      */
-    double element_lower(const unsigned int element) const
+    double
+    element_lower(const unsigned int element) const
     {
       return t[spans[element]];
     }
 
-    double element_upper(const unsigned int element) const
+    double
+    element_upper(const unsigned int element) const
     {
       return t[spans[element] + 1];
     }
@@ -79,12 +86,14 @@ namespace greville
      * The element that contains x; the last one for x = t_(n+p). Points outside
      * are counted to the nearest element.
      */
-    unsigned int find_element(const double x) const;
+    unsigned int
+    find_element(const double x) const;
 
     /**
      * The first of the p + 1 functions that do not vanish on @p element.
      */
-    unsigned int first_function(const unsigned int element) const
+    unsigned int
+    first_function(const unsigned int element) const
     {
       return spans[element] - p;
     }
@@ -92,17 +101,19 @@ namespace greville
     /**
      * The Greville abscissa (t_(i+1) + ... + t_(i+p)) / p of function @p i.
      */
-    double greville_abscissa(const unsigned int i) const;
+    double
+    greville_abscissa(const unsigned int i) const;
 
     /**
      * Derivative of order @p derivative (0, 1 or 2) of the p + 1 functions of
      * @p element, continued as polynomials outside of it, at @p x. @p values
      * has p + 1 entries.
      */
-    void evaluate(const unsigned int               element,
-                  const double                     x,
-                  const unsigned int               derivative,
-                  const dealii::ArrayView<double> &values) const;
+    void
+    evaluate(const unsigned int               element,
+             const double                     x,
+             const unsigned int               derivative,
+             const dealii::ArrayView<double> &values) const;
 
     /**
      * Weights of the blossom (polar form) of the polynomial that a spline with
@@ -112,9 +123,10 @@ namespace greville
      * t_(i+1), ..., t_(i+p) is the coefficient c_i, for any function i.
      * @p arguments has p entries, @p weights p + 1.
      */
-    void blossom(const unsigned int                     element,
-                 const dealii::ArrayView<const double> &arguments,
-                 const dealii::ArrayView<double>       &weights) const;
+    void
+    blossom(const unsigned int                     element,
+            const dealii::ArrayView<const double> &arguments,
+            const dealii::ArrayView<double>       &weights) const;
 
     /**
      * The (p+1) x (p+1) Bezier extraction matrix C of @p element, with
@@ -150,7 +162,8 @@ namespace greville
     /**
      * An entry, zero outside the run.
      */
-    double operator()(const unsigned int i, const unsigned int j) const;
+    double
+    operator()(const unsigned int i, const unsigned int j) const;
   };
 
   /**
@@ -158,7 +171,8 @@ namespace greville
    * same elements, exact by Gauss quadrature. With twice the same argument it
    * is the mass matrix.
    */
-  BandedMatrix cross_matrix(const KnotVector &rows, const KnotVector &columns);
+  BandedMatrix
+  cross_matrix(const KnotVector &rows, const KnotVector &columns);
 } // namespace greville
 
 #endif

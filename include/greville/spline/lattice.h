@@ -21,8 +21,8 @@ namespace greville
    * extents[0] x extents[1] (x extents[2]) ones.
    */
   template <int dim>
-  std::uint64_t lexicographic(const MultiIndex<dim> &index,
-                              const MultiIndex<dim> &extents)
+  std::uint64_t
+  lexicographic(const MultiIndex<dim> &index, const MultiIndex<dim> &extents)
   {
     std::uint64_t result = 0;
     for (int d = dim - 1; d >= 0; --d)
@@ -34,8 +34,8 @@ namespace greville
    * The inverse of lexicographic().
    */
   template <int dim>
-  MultiIndex<dim> multi_index(std::uint64_t          position,
-                              const MultiIndex<dim> &extents)
+  MultiIndex<dim>
+  multi_index(std::uint64_t position, const MultiIndex<dim> &extents)
   {
     MultiIndex<dim> result;
     for (unsigned int d = 0; d < dim; ++d)
@@ -64,22 +64,26 @@ namespace greville
      */
     Lattice(const DistributedTriangulation<dim> &triangulation);
 
-    const MultiIndex<dim> &n_cells() const
+    const MultiIndex<dim> &
+    n_cells() const
     {
       return cells;
     }
 
-    double lower(const unsigned int d) const
+    double
+    lower(const unsigned int d) const
     {
       return lower_corner[d];
     }
 
-    double upper(const unsigned int d) const
+    double
+    upper(const unsigned int d) const
     {
       return upper_corner[d];
     }
 
-    double cell_size(const unsigned int d) const
+    double
+    cell_size(const unsigned int d) const
     {
       return (upper_corner[d] - lower_corner[d]) / cells[d];
     }
@@ -87,14 +91,17 @@ namespace greville
     /**
      * The corner of the cell @p index with the smallest coordinates.
      */
-    dealii::Point<dim> cell_corner(const MultiIndex<dim> &index) const;
+    dealii::Point<dim>
+    cell_corner(const MultiIndex<dim> &index) const;
 
-    dealii::Point<dim> cell_center(const MultiIndex<dim> &index) const;
+    dealii::Point<dim>
+    cell_center(const MultiIndex<dim> &index) const;
 
     /**
      * The cell that contains @p point; the nearest one for points outside.
      */
-    MultiIndex<dim> find_cell(const dealii::Point<dim> &point) const;
+    MultiIndex<dim>
+    find_cell(const dealii::Point<dim> &point) const;
 
   private:
     dealii::Point<dim> lower_corner;
@@ -109,10 +116,11 @@ namespace greville
    * common power of two.
    */
   template <int dim>
-  void create_box_mesh(DistributedTriangulation<dim> &triangulation,
-                       const dealii::Point<dim>      &lower,
-                       const dealii::Point<dim>      &upper,
-                       const MultiIndex<dim>         &n_cells);
+  void
+  create_box_mesh(DistributedTriangulation<dim> &triangulation,
+                  const dealii::Point<dim>      &lower,
+                  const dealii::Point<dim>      &upper,
+                  const MultiIndex<dim>         &n_cells);
 
   /**
    * The settings that a triangulation needs for a SplineSpace, which asks

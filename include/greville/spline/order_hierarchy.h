@@ -29,16 +29,18 @@ namespace greville
     /**
      * Collective. @p coarsening is one of coarsenings().
      */
-    void reinit(DistributedTriangulation<dim> &triangulation,
-                const unsigned int             degree,
-                const std::string             &coarsening);
+    void
+    reinit(DistributedTriangulation<dim> &triangulation,
+           const unsigned int             degree,
+           const std::string             &coarsening);
 
     /**
      * "one by one": p, p-1, ..., 1; "by two": p, p-2, ..., 1 (the last step may
      * be one by one); "direct": p, 1. Separated by '|' as a
      * Patterns::Selection has it.
      */
-    static std::string coarsenings()
+    static std::string
+    coarsenings()
     {
       return "one by one|by two|direct";
     }
@@ -46,26 +48,30 @@ namespace greville
     /**
      * The orders from the coarsest to the finest.
      */
-    static std::vector<unsigned int> orders(const unsigned int degree,
-                                            const std::string &coarsening);
+    static std::vector<unsigned int>
+    orders(const unsigned int degree, const std::string &coarsening);
 
-    unsigned int n_levels() const
+    unsigned int
+    n_levels() const
     {
       return spaces.size();
     }
 
-    unsigned int max_level() const
+    unsigned int
+    max_level() const
     {
       return spaces.size() - 1;
     }
 
-    const SplineSpace<dim> &operator[](const unsigned int level) const
+    const SplineSpace<dim> &
+    operator[](const unsigned int level) const
     {
       AssertIndexRange(level, spaces.size());
       return spaces[level];
     }
 
-    const SplineSpace<dim> &finest() const
+    const SplineSpace<dim> &
+    finest() const
     {
       return spaces.back();
     }

@@ -58,9 +58,10 @@ namespace greville
      * Collective. Throws dealii::ExcMessage for an order outside 1...5, no
      * component or a mesh that is no Lattice.
      */
-    void reinit(DistributedTriangulation<dim> &triangulation,
-                const unsigned int             degree,
-                const unsigned int             n_components = 1);
+    void
+    reinit(DistributedTriangulation<dim> &triangulation,
+           const unsigned int             degree,
+           const unsigned int             n_components = 1);
 
     /**
      * The largest order that kernels are compiled for.
@@ -69,22 +70,26 @@ namespace greville
 
     // What the space is.
 
-    unsigned int degree() const
+    unsigned int
+    degree() const
     {
       return p;
     }
 
-    unsigned int n_components() const
+    unsigned int
+    n_components() const
     {
       return components;
     }
 
-    const Lattice<dim> &lattice() const
+    const Lattice<dim> &
+    lattice() const
     {
       return mesh_lattice;
     }
 
-    const KnotVector &knots(const unsigned int d) const
+    const KnotVector &
+    knots(const unsigned int d) const
     {
       return knot_vectors[d];
     }
@@ -92,12 +97,14 @@ namespace greville
     /**
      * Number of functions in each direction.
      */
-    const MultiIndex<dim> &n_functions() const
+    const MultiIndex<dim> &
+    n_functions() const
     {
       return extents;
     }
 
-    MPI_Comm communicator() const
+    MPI_Comm
+    communicator() const
     {
       return comm;
     }
@@ -106,21 +113,25 @@ namespace greville
      * The Bezier elements: FE_Bernstein of order p, or a FESystem of it where
      * there is more than one component.
      */
-    const dealii::FiniteElement<dim> &fe() const
+    const dealii::FiniteElement<dim> &
+    fe() const
     {
       return *element;
     }
 
     // Numbers, as of a DoFHandler.
 
-    dealii::types::global_dof_index n_dofs() const;
+    dealii::types::global_dof_index
+    n_dofs() const;
 
-    unsigned int n_locally_owned_dofs() const
+    unsigned int
+    n_locally_owned_dofs() const
     {
       return components * owned.size();
     }
 
-    const dealii::IndexSet &locally_owned_dofs() const
+    const dealii::IndexSet &
+    locally_owned_dofs() const
     {
       return partition->locally_owned_range();
     }
@@ -128,7 +139,8 @@ namespace greville
     /**
      * The dofs that do not vanish on the cells of this process.
      */
-    const dealii::IndexSet &locally_relevant_dofs() const
+    const dealii::IndexSet &
+    locally_relevant_dofs() const
     {
       return relevant;
     }
@@ -142,12 +154,14 @@ namespace greville
       return partition;
     }
 
-    void initialize_vector(VectorType &vector) const
+    void
+    initialize_vector(VectorType &vector) const
     {
       vector.reinit(partition);
     }
 
-    unsigned int n_dofs_per_cell() const
+    unsigned int
+    n_dofs_per_cell() const
     {
       return components * functions_per_cell;
     }
@@ -156,7 +170,8 @@ namespace greville
      * Global numbers of the dofs of a locally owned cell: function by function
      * in lexicographic order, the components of each together.
      */
-    void cell_dof_indices(
+    void
+    cell_dof_indices(
       const CellIterator                           &cell,
       std::vector<dealii::types::global_dof_index> &indices) const;
 
@@ -167,7 +182,8 @@ namespace greville
      * Bernstein polynomials in lexicographic order: the Kronecker product of
      * KnotVector::extraction_matrix() of the directions.
      */
-    dealii::FullMatrix<double> extraction(const CellIterator &cell) const;
+    dealii::FullMatrix<double>
+    extraction(const CellIterator &cell) const;
 
     /**
      * Write the spline with @p coefficients (ghost entries are not needed) as
@@ -175,9 +191,10 @@ namespace greville
      * vector with (at least) the locally owned dofs of @p dof_handler.
      * Collective.
      */
-    void extract(const VectorType              &coefficients,
-                 const dealii::DoFHandler<dim> &dof_handler,
-                 VectorType                    &bernstein) const;
+    void
+    extract(const VectorType              &coefficients,
+            const dealii::DoFHandler<dim> &dof_handler,
+            VectorType                    &bernstein) const;
 
     // The cells and functions of this process, for those who write loops over
     // arrays. Counted from 0; functions that are owned come first.
@@ -186,7 +203,8 @@ namespace greville
      * Lexicographic positions (in Lattice::n_cells()) of the owned cells,
      * ascending.
      */
-    const std::vector<std::uint64_t> &owned_cells() const
+    const std::vector<std::uint64_t> &
+    owned_cells() const
     {
       return cells;
     }
@@ -194,13 +212,15 @@ namespace greville
     /**
      * The place of a locally owned cell in owned_cells().
      */
-    unsigned int cell_number(const CellIterator &cell) const;
+    unsigned int
+    cell_number(const CellIterator &cell) const;
 
     /**
      * Lexicographic positions (in n_functions()) of the owned functions,
      * ascending; the local number of a function is its place here.
      */
-    const std::vector<std::uint64_t> &owned_functions() const
+    const std::vector<std::uint64_t> &
+    owned_functions() const
     {
       return owned;
     }
@@ -209,7 +229,8 @@ namespace greville
      * Lexicographic positions of the functions of owned cells that are owned
      * by others. Their local numbers follow those of the owned functions.
      */
-    const std::vector<std::uint64_t> &ghost_functions() const
+    const std::vector<std::uint64_t> &
+    ghost_functions() const
     {
       return ghosts;
     }
@@ -240,11 +261,14 @@ namespace greville
     std::vector<unsigned int>
     find_owners(const std::vector<std::uint64_t> &positions) const;
 
-    void find_owned_cells_and_functions();
+    void
+    find_owned_cells_and_functions();
 
-    void number_functions();
+    void
+    number_functions();
 
-    void make_partitioner();
+    void
+    make_partitioner();
 
     DistributedTriangulation<dim> *tria = nullptr;
     MPI_Comm                       comm = MPI_COMM_NULL;

@@ -1,0 +1,85 @@
+// Each kind of wrong input is answered by one clear message.
+
+#include <greville/benchmark/mass_benchmark.h>
+
+#include <fstream>
+#include <tests.h>
+
+namespace
+{
+  void test(const std::string &content)
+  {
+    const std::string file = "bad.prm";
+    {
+      std::ofstream out(file);
+      out << content << "\nsubsection Benchmark\n"
+          << "  set Output directory = bad_results\nend\n";
+    }
+    try
+      {
+        ParameterAcceptor::clear();
+        MassBenchmark benchmark;
+        benchmark.run(file);
+        print() << "accepted: " << content << std::endl;
+      }
+    catch (const std::exception &error)
+      {
+        print() << "-- " << content << '\n'
+                << message_of(error) << '\n'
+                << std::endl;
+      }
+  }
+
+  void in(const std::string &section, const std::string &line)
+  {
+    test("subsection " + section + "\n  set " + line + "\nend");
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  in("Benchmark", "Orders = 0");
+  in("Benchmark", "Orders = 1, 6");
+  in("Benchmark", "Orders = two");
+  in("Benchmark", "Cells = 0");
+  in("Benchmark", "Cells = 8, -4");
+  in("Benchmark", "Cells = 8; 4; 2");
+  in("Benchmark", "Dimensions = 1");
+  in("Benchmark", "Solvers = p-multgrid");
+  in("Benchmark", "Solvers = fmpm-0");
+  in("Benchmark", "Solvers =");
+  in("Benchmark", "Smoothers = ilut, ilu");
+  in("Benchmark", "Cycles = X");
+  in("Benchmark", "Restrictions = injection");
+  in("Benchmark", "Repetitions = 0");
+  in("Benchmark", "Published iterations = cg");
+  in("Benchmark", "Published iterations = cg:no_such_file.csv");
+  in("Benchmark", "Oders = 2");
+  in("Problem", "Density = x - 0.5");
+  in("Problem", "Density = 1 + ");
+  in("Problem", "Density = 1 + w");
+  in("Problem", "Density = 0");
+  in("Problem", "Upper corner = 1, 0, 1");
+  in("Problem", "Upper corner = 1");
+  in("Solver", "Tolerance = -1");
+  in("Solver", "Operator = sparse");
+  in("p-multigrid", "Smoother = ilutp");
+  in("p-multigrid", "Pre-smoothing steps = -1");
+  in("Smoother", "Ordering = random");
+  test("subsection No such section\nend");
+  test("nonsense");
+
+  try
+    {
+      ParameterAcceptor::clear();
+      MassBenchmark().run("no_such_file.prm");
+    }
+  catch (const std::exception &error)
+    {
+      print() << message_of(error) << std::endl;
+    }
+}

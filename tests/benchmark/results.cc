@@ -1,0 +1,183 @@
+// What a run leaves: the columns and rows of its CSV files, the parameters, no
+// temporary file; and each option of the benchmark has an effect on them.
+
+#include <greville/benchmark/mass_benchmark.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <tests.h>
+
+namespace
+{
+  using Rows = std::vector<std::vector<std::string>>;
+
+  Rows read_csv(const std::string &file)
+  {
+    Rows          rows;
+    std::ifstream in(file);
+    std::string   line;
+    while (std::getline(in, line))
+      {
+        line += ",";
+        rows.emplace_back();
+        std::istringstream words(line);
+        std::string        word;
+        while (std::getline(words, word, ','))
+          rows.back().push_back(word);
+      }
+    return rows;
+  }
+
+  // Run with some lines more than the base, and give solves.csv.
+  Rows run(const std::string &more, const std::string &folder = "run")
+  {
+    const std::string file = folder + ".prm";
+    if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      {
+        std::filesystem::remove_all(folder);
+        std::ofstream out(file);
+        out << "subsection Benchmark\n"
+            << "  set Orders = 2\n  set Cells = 8\n"
+            << "  set Output directory = " << folder << "\nend\n"
+            << more;
+      }
+    MPI_Barrier(MPI_COMM_WORLD);
+    // The tables go to the console; this test is about files.
+    std::ostringstream console;
+    std::streambuf    *buffer = std::cout.rdbuf(console.rdbuf());
+    ParameterAcceptor::clear();
+    MassBenchmark benchmark;
+    benchmark.run(file);
+    std::cout.rdbuf(buffer);
+    MPI_Barrier(MPI_COMM_WORLD);
+    return read_csv(folder + "/solves.csv");
+  }
+
+  std::string in(const std::string &section, const std::string &line)
+  {
+    return "subsection " + section + "\n  set " + line + "\nend\n";
+  }
+
+  std::string
+  column(const Rows &rows, const std::string &name, const unsigned int row = 1)
+  {
+    for (unsigned int k = 0; k < rows[0].size(); ++k)
+      if (rows[0][k] == name)
+        return rows[row][k];
+    return "no such column";
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+
+  Rows rows = run(in("Benchmark",
+                     "Solvers = p-multigrid, fgmres-p-multigrid, "
+                     "cg-p-multigrid, cg, cg-jacobi, cg-tensor-product, "
+                     "tensor-product, lumped, fmpm-3") +
+                  in("Benchmark", "Operator throughput = true"));
+  for (const std::string &name : rows[0])
+    print() << name << ' ';
+  print() << std::endl;
+  for (unsigned int row = 1; row < rows.size(); ++row)
+    print() << column(rows, "solver", row) << ": smoother <"
+            << column(rows, "smoother", row) << ">, cycle <"
+            << column(rows, "cycle", row) << ">, restriction <"
+            << column(rows, "restriction", row) << ">, unknowns "
+            << column(rows, "unknowns", row) << ", iterations "
+            << (column(rows, "iterations", row).empty() ? "empty" : "given")
+            << ", converged " << column(rows, "converged", row) << std::endl;
+  check("times are positive",
+        std::stod(column(rows, "assembly_s")) > 0 &&
+          std::stod(column(rows, "solve_s")) > 0);
+  check("memory",
+        column(rows, "peak_bytes").empty() ||
+          std::stod(column(rows, "peak_bytes")) > 1e6);
+  const Rows operators = read_csv("run/operators.csv");
+  check("operators.csv",
+        operators.size() == 2 &&
+          std::stod(column(operators, "matrix_free_dofs_per_s")) > 0 &&
+          std::stod(column(operators, "assembled_dofs_per_s")) > 0 &&
+          std::stod(column(operators, "tensor_product_dofs_per_s")) > 0 &&
+          std::stod(column(operators, "bandwidth_bytes_per_s")) > 0);
+  unsigned int n_files = 0;
+  for (const auto &entry : std::filesystem::directory_iterator("run"))
+    {
+      check("no temporary file", entry.path().extension() != ".tmp");
+      ++n_files;
+    }
+  check("three files", n_files == 3);
+
+  // Effects.
+  rows = run("");
+  check("base", rows.size() == 2 && column(rows, "unknowns") == "100");
+  check("Dimensions",
+        column(run(in("Benchmark", "Dimensions = 3")), "unknowns") == "1000");
+  check("Orders",
+        column(run(in("Benchmark", "Orders = 3")), "unknowns") == "121");
+  check("Cells", column(run(in("Benchmark", "Cells = 9")), "cells") == "9");
+  check("Cell ratio",
+        column(run(in("Problem", "Cell ratio = 1, 2")), "unknowns") == "180");
+  check("Smoothers",
+        column(run(in("Benchmark", "Smoothers = ic0, jacobi")),
+               "smoother",
+               2) == "jacobi");
+  check("Cycles",
+        column(run(in("Benchmark", "Cycles = V, W, F")), "cycle", 3) == "F");
+  check("Restrictions",
+        column(run(in("Benchmark", "Restrictions = transpose")),
+               "restriction") == "transpose");
+  check("smoother, cycle and restriction of p-multigrid",
+        column(run(in("p-multigrid", "Smoother = ic0") +
+                   in("p-multigrid", "Cycle = W") +
+                   in("p-multigrid", "Restriction = exact-l2")),
+               "cycle") == "W");
+  const auto error = [](const std::string &more) {
+    return std::stod(column(run(more), "error"));
+  };
+  const std::string f    = in("Problem", "Acceleration = sin(3*x)*exp(y)");
+  const double      base = error(f);
+  check("Acceleration", base > 1e-5 && error("") < 1e-7);
+  check("Density",
+        std::abs(error(f + in("Problem", "Density = 1+9*x")) - base) >
+          1e-3 * base);
+  check("Upper corner",
+        error(f + in("Problem", "Upper corner = 2, 2")) > 2 * base);
+  check("Lower corner",
+        error(f + in("Problem", "Lower corner = -1, 0")) > 1.5 * base);
+  check("Output directory",
+        run("", "elsewhere").size() == 2 &&
+          std::filesystem::exists("elsewhere/parameters.prm"));
+
+  // An odd number of repetitions gives one row as well; the time of the solve
+  // is a median of that many.
+  check("Repetitions", run(in("Benchmark", "Repetitions = 3")).size() == 2);
+
+  // What cannot be set up leaves the others their turn.
+  rows = run(in("Benchmark", "Smoothers = petsc, ic0") +
+             in("Smoother", "PETSc options = -pc_type no_such"));
+  check("failed solve",
+        rows.size() == 3 && column(rows, "converged") == "0" &&
+          column(rows, "converged", 2) == "1");
+
+  // Coarsening and coarse tolerance change the iterations of a weak smoother.
+  const std::string weak =
+    in("Benchmark", "Smoothers = jacobi") + in("Benchmark", "Orders = 4") +
+    in("Benchmark", "Cells = 16") + in("Solver", "Tolerance = 1e-10");
+  const auto reduction = [&](const std::string &more) {
+    return column(run(weak + more), "reduction");
+  };
+  const std::string before = reduction("");
+  check("Coarsening",
+        reduction(in("p-multigrid", "Coarsening = direct")) != before &&
+          reduction(in("p-multigrid", "Coarsening = by two")) != before);
+  check("Coarse tolerance",
+        reduction(in("p-multigrid", "Coarse tolerance = 0.5")) != before);
+  check("Prolongation",
+        reduction(in("p-multigrid", "Prolongation = exact-l2")) != before);
+}

@@ -1,0 +1,48 @@
+// Every shipped parameter file parses, and doc/parameters.md is what the
+// program says.
+
+#include <greville/benchmark/mass_benchmark.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <tests.h>
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const std::filesystem::path      root =
+    std::filesystem::path(SOURCE_DIR).parent_path().parent_path();
+
+  std::vector<std::filesystem::path> files;
+  for (const auto &entry :
+       std::filesystem::recursive_directory_iterator(root / "prm"))
+    if (entry.path().extension() == ".prm")
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  for (const auto &file : files)
+    {
+      ParameterAcceptor::clear();
+      MassBenchmark benchmark;
+      try
+        {
+          parse_parameter_file(file.string());
+          check(file.filename().string(), true);
+        }
+      catch (const std::exception &error)
+        {
+          print() << message_of(error) << std::endl;
+        }
+    }
+
+  ParameterAcceptor::clear();
+  MassBenchmark      benchmark;
+  std::ostringstream generated;
+  print_parameter_reference(generated, "mass_benchmark");
+  std::ifstream      page(root / "doc" / "parameters.md");
+  std::ostringstream content;
+  content << page.rdbuf();
+  check("doc/parameters.md is up to date", content.str() == generated.str());
+}

@@ -1,0 +1,51 @@
+// ILUT is exact without dropping, its transpose is the transpose, and both
+// thresholds bound its memory.
+
+#include <greville/multigrid/ilut.h>
+#include <greville/multigrid/mass_matrix.h>
+
+#include "density.h"
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  Box<2>                           box(MultiIndex<2>{{10, 8}});
+  const SplineSpace<2>             space(box.mesh, 3);
+  const DensityWeights<2>          weights(space, 4, *density<2>("smooth"));
+  const MassMatrix<2>              matrix(space, weights);
+  Mat                              local;
+  check_petsc(MatMPIAIJGetSeqAIJ(matrix.petsc(), &local, nullptr, nullptr));
+
+  const VectorType x = pseudo_random_vector(space);
+  VectorType       b(x);
+  matrix.vmult(b, x);
+  std::size_t bytes = 0;
+  for (const auto &setting : std::vector<std::pair<double, double>>{
+         {0., 100.}, {1e-12, 100.}, {1e-3, 100.}, {1e-2, 100.}, {0., 1.}})
+    {
+      const ILUT ilut(local, setting.first, setting.second);
+      VectorType y(b);
+      ilut.solve(y.begin());
+      print() << "tolerance " << setting.first << ", fill " << setting.second
+              << std::endl;
+      if (setting.second > 1. && setting.first < 1e-6)
+        check("  exact", difference(y, x), 1e-9);
+      else
+        check("  approximate", difference(y, x), 0.5);
+      check("  less memory than before",
+            bytes == 0 || ilut.memory_consumption() <= bytes ||
+              setting.second == 1.);
+      bytes = ilut.memory_consumption();
+
+      VectorType z(x), w(x);
+      for (unsigned int i = 0; i < w.locally_owned_size(); ++i)
+        w.local_element(i) = std::cos(i);
+      const VectorType u(w);
+      ilut.solve(z.begin());
+      ilut.solve_transpose(w.begin());
+      check("  transpose",
+            std::abs(z * u - x * w) / (z.l2_norm() * u.l2_norm()),
+            1e-13);
+    }
+}

@@ -1,0 +1,30 @@
+// The orders of the levels.
+
+#include <greville/spline/order_hierarchy.h>
+
+#include <tests.h>
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  Box<2>                           box(MultiIndex<2>{{4, 8}});
+  for (const std::string coarsening : {"one by one", "by two", "direct"})
+    for (unsigned int p = 1; p <= 5; ++p)
+      {
+        const OrderHierarchy<2> orders(box.mesh, p, coarsening);
+        print() << coarsening << ", p = " << p << ":";
+        for (unsigned int l = 0; l <= orders.max_level(); ++l)
+          print() << " " << orders[l].degree() << " (" << orders[l].n_dofs()
+                  << ")";
+        print() << std::endl;
+      }
+  try
+    {
+      OrderHierarchy<2>::orders(3, "by three");
+    }
+  catch (const std::exception &error)
+    {
+      print() << message_of(error) << std::endl;
+    }
+}

@@ -1,0 +1,168 @@
+// Numbering and ownership on meshes and partitions of all kinds: each dof is
+// owned once, all processes agree on its number, and the coefficients of the
+// Greville points reproduce x on each cell.
+
+#include <map>
+#include <tests.h>
+
+template <int dim>
+void
+test(DistributedTriangulation<dim> &mesh,
+     const unsigned int             p,
+     const unsigned int             components)
+{
+  const SplineSpace<dim> space(mesh, p, components);
+  const MPI_Comm         comm = MPI_COMM_WORLD;
+
+  print() << dim << "D, p = " << p << ", components " << components
+          << ", cells " << mesh.n_global_active_cells() << ", dofs "
+          << space.n_dofs() << std::endl;
+  bool ok =
+    Utilities::MPI::sum(space.n_locally_owned_dofs(), comm) == space.n_dofs();
+
+  // Number = some function of the position, asked of the owner, has to be the
+  // same on all cells and processes.
+  const auto &positions = space.owned_functions();
+  ok &= std::is_sorted(positions.begin(), positions.end());
+  const auto numbers = space.global_numbers(positions);
+  for (unsigned int k = 0; k < positions.size(); ++k)
+    ok &= numbers[k] * components ==
+          space.locally_owned_dofs().nth_index_in_set(k * components);
+
+  std::vector<types::global_dof_index> dofs;
+  std::vector<std::uint64_t>           cell_positions;
+  std::vector<types::global_dof_index> cell_numbers;
+  double                               linear = 0;
+  VectorType                           x;
+  space.initialize_vector(x);
+  for (unsigned int k = 0; k < positions.size(); ++k)
+    {
+      const auto index = multi_index<dim>(positions[k], space.n_functions());
+      for (unsigned int c = 0; c < components; ++c)
+        x.local_element(k * components + c) =
+          space.knots(c % dim).greville_abscissa(index[c % dim]);
+    }
+  x.update_ghost_values();
+  for (const auto &cell : mesh.active_cell_iterators())
+    if (cell->is_locally_owned())
+      {
+        space.cell_dof_indices(cell, dofs);
+        const auto      corner = space.lattice().find_cell(cell->center());
+        MultiIndex<dim> local;
+        local.fill(p + 1);
+        for (unsigned int a = 0; a < dofs.size() / components; ++a)
+          {
+            auto function = multi_index<dim>(a, local);
+            for (unsigned int d = 0; d < dim; ++d)
+              function[d] += corner[d];
+            cell_positions.push_back(
+              lexicographic<dim>(function, space.n_functions()));
+            cell_numbers.push_back(dofs[a * components] / components);
+            for (unsigned int c = 0; c < components; ++c)
+              ok &= space.locally_relevant_dofs().is_element(
+                dofs[a * components + c]);
+          }
+        // At the cell's centre.
+        for (unsigned int c = 0; c < components; ++c)
+          {
+            std::array<std::vector<double>, dim> values;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                values[d].resize(p + 1);
+                space.knots(d).evaluate(corner[d],
+                                        cell->center()[d],
+                                        0,
+                                        make_array_view(values[d]));
+              }
+            double sum = -cell->center()[c % dim];
+            for (unsigned int a = 0; a < dofs.size() / components; ++a)
+              {
+                const auto index   = multi_index<dim>(a, local);
+                double     product = x(dofs[a * components + c]);
+                for (unsigned int d = 0; d < dim; ++d)
+                  product *= values[d][index[d]];
+                sum += product;
+              }
+            linear = std::max(linear, std::abs(sum));
+          }
+      }
+  const auto asked = space.global_numbers(cell_positions);
+  ok &= asked == cell_numbers;
+  check("  numbers", Utilities::MPI::min(int(ok), comm) == 1);
+  check("  reproduces x", max_all(linear), 1e-13);
+}
+
+
+
+template <int dim>
+void
+test_box(const MultiIndex<dim> &cells,
+         const unsigned int     p,
+         const unsigned int     components)
+{
+  Box<dim> box(cells);
+  test<dim>(box.mesh, p, components);
+}
+
+
+
+template <int dim>
+unsigned int
+weight(
+  const typename parallel::distributed::Triangulation<dim>::cell_iterator &cell)
+{
+  // Nearly all of the weight in one corner.
+  return cell->center().norm() < 0.4 ? 1000000 : 1;
+}
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  for (unsigned int p = 1; p <= 5; ++p)
+    {
+      test_box<2>({{6, 5}}, p, 1);
+      test_box<2>({{8, 16}}, p, 2);
+      test_box<2>({{1, 1}}, p, 1);
+      test_box<2>({{3, 1}}, p, 1);
+    }
+  for (unsigned int p = 1; p <= 4; ++p)
+    test_box<3>({{4, 2, 6}}, p, p == 2 ? 3 : 1);
+
+  print() << "weighted" << std::endl;
+  Box<2> box(MultiIndex<2>{{16, 16}});
+#if DEAL_II_VERSION_GTE(9, 6, 0)
+  box.mesh.signals.weight.connect(
+    [](const auto &cell, const auto) { return weight<2>(cell); });
+#else
+  box.mesh.signals.cell_weight.connect(
+    [](const auto &cell, const auto) { return weight<2>(cell); });
+#endif
+  box.mesh.repartition();
+  for (unsigned int p = 1; p <= 5; ++p)
+    test<2>(box.mesh, p, 1);
+
+  for (const unsigned int degree : {0, 6})
+    try
+      {
+        SplineSpace<2>(box.mesh, degree);
+        print() << "accepted" << std::endl;
+      }
+    catch (const std::exception &error)
+      {
+        print() << message_of(error) << std::endl;
+      }
+  try
+    {
+      box.mesh.begin_active()->set_refine_flag();
+      box.mesh.execute_coarsening_and_refinement();
+      SplineSpace<2>(box.mesh, 2);
+      print() << "accepted" << std::endl;
+    }
+  catch (const std::exception &error)
+    {
+      print() << message_of(error) << std::endl;
+    }
+}

@@ -1,0 +1,136 @@
+#ifndef greville_tests_h
+#define greville_tests_h
+
+// What the tests share. Results are printed by the first process; residuals of
+// the size of round-off are not printed (numdiff takes what is below 1e-6 for
+// zero) but compared with a bound.
+
+#include <deal.II/base/function.h>
+#include <deal.II/base/mpi.h>
+
+#include <greville/base/parameters.h>
+#include <greville/spline/spline_space.h>
+
+#include <iomanip>
+#include <iostream>
+#include <string>
+
+using namespace dealii;
+using namespace greville;
+
+inline std::ostream &
+print(const MPI_Comm comm = MPI_COMM_WORLD)
+{
+  static std::ostream nowhere(nullptr);
+  return Utilities::MPI::this_mpi_process(comm) == 0 ? std::cout : nowhere;
+}
+
+
+
+// Print ok, or by how much the bound is missed.
+inline void
+check(const std::string &what, const double value, const double bound)
+{
+  if (value <= bound)
+    print() << what << ": ok" << std::endl;
+  else
+    print() << what << ": FAILED, " << value << " > " << bound << std::endl;
+}
+
+
+
+inline void
+check(const std::string &what, const bool condition)
+{
+  print() << what << (condition ? ": ok" : ": FAILED") << std::endl;
+}
+
+
+
+// A count in a range.
+inline void
+check_range(const std::string &what,
+            const unsigned int value,
+            const unsigned int smallest,
+            const unsigned int largest)
+{
+  if (value >= smallest && value <= largest)
+    print() << what << ": between " << smallest << " and " << largest
+            << std::endl;
+  else
+    print() << what << ": FAILED, " << value << " is not between " << smallest
+            << " and " << largest << std::endl;
+}
+
+
+
+// A box mesh that lives as long as its spaces need it.
+template <int dim>
+struct Box
+{
+  Box(const MultiIndex<dim> &cells, const MPI_Comm comm = MPI_COMM_WORLD)
+    : mesh(comm, Triangulation<dim>::none, mesh_settings<dim>)
+  {
+    Point<dim> upper;
+    for (unsigned int d = 0; d < dim; ++d)
+      upper[d] = 1. + 0.5 * d;
+    create_box_mesh<dim>(mesh, Point<dim>(), upper, cells);
+  }
+
+  DistributedTriangulation<dim> mesh;
+};
+
+
+
+template <int dim>
+MultiIndex<dim>
+cube(const unsigned int n)
+{
+  MultiIndex<dim> cells;
+  cells.fill(n);
+  return cells;
+}
+
+
+
+// A number between -1 and 1 that depends on the position of a function only.
+inline double
+pseudo_random(const std::uint64_t position)
+{
+  const double x = std::sin(12.9898 * (position % 100003) + 0.7) * 43758.5453;
+  return 2. * (x - std::floor(x)) - 1.;
+}
+
+
+
+template <int dim>
+VectorType
+pseudo_random_vector(const SplineSpace<dim> &space)
+{
+  VectorType vector;
+  space.initialize_vector(vector);
+  for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
+    vector.local_element(i) = pseudo_random(space.owned_functions()[i]);
+  return vector;
+}
+
+
+
+// Relative difference of two vectors.
+inline double
+difference(const VectorType &a, const VectorType &b)
+{
+  VectorType d(a);
+  d -= b;
+  return d.l2_norm() / std::max(b.l2_norm(), 1e-300);
+}
+
+
+
+inline double
+max_all(const double value)
+{
+  return Utilities::MPI::max(value, MPI_COMM_WORLD);
+}
+
+#endif
