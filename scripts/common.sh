@@ -53,5 +53,7 @@ set_up_mpi() {
   fi
   export OMPI_MCA_rmaps_base_oversubscribe=1
   export OMPI_MCA_mpi_yield_when_idle=1
+  # Several runs at a time must not be bound to the same core.
+  export OMPI_MCA_hwloc_base_binding_policy=none
   export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
 }

@@ -1,5 +1,6 @@
 #include <deal.II/base/mpi.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/benchmark/mass_benchmark.h>
 

@@ -8,6 +8,7 @@
 #include <deal.II/base/function.h>
 #include <deal.II/base/mpi.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/spline/spline_space.h>
 

@@ -1,6 +1,7 @@
 #include <deal.II/base/function_parser.h>
 #include <deal.II/base/parameter_acceptor.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 
 #include <boost/property_tree/json_parser.hpp>
@@ -112,27 +113,6 @@ namespace greville
         << "A file has the form `subsection SECTION`, `set PARAMETER = VALUE`, "
         << "`end`.\n\n";
     print_section(out, tree, "General");
-  }
-
-
-
-  std::string
-  message_of(const std::exception &exception)
-  {
-    const auto *dealii_exception =
-      dynamic_cast<const ExceptionBase *>(&exception);
-    std::ostringstream text;
-    if (dealii_exception != nullptr)
-      dealii_exception->print_info(text);
-    else
-      text << exception.what();
-
-    // deal.II breaks lines and indents them.
-    std::istringstream words(text.str());
-    std::string        word, result;
-    while (words >> word)
-      result += (result.empty() ? "" : " ") + word;
-    return result;
   }
 
 

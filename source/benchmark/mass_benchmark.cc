@@ -1,6 +1,7 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/base/simd.h>
 #include <greville/benchmark/mass_benchmark.h>
@@ -551,10 +552,7 @@ namespace greville
       catch (const std::exception &error)
         {
           // A solver that cannot be set up says why and leaves the others
-          // their turn; all processes have to agree, or it is an error.
-          const int n_failed = Utilities::MPI::sum(1, comm);
-          if (n_failed != int(record.processes))
-            throw;
+          // their turn. All processes throw what one throws.
           record.result           = SolveResult();
           record.result.reason    = message_of(error);
           record.result.reduction = 1.;

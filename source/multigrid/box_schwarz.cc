@@ -1,5 +1,6 @@
 #include <deal.II/lac/lapack_full_matrix.h>
 
+#include <greville/base/errors.h>
 #include <greville/multigrid/schwarz.h>
 
 #include <map>
@@ -88,31 +89,41 @@ namespace greville
     for (double &weight : weights)
       weight = weight > 0 ? 1. / std::sqrt(weight) : 0.;
 
-    std::vector<int> place(domain->size(), -1);
-    for (Box &box : boxes)
-      {
-        const unsigned int n = box.entries.size();
-        for (unsigned int k = 0; k < n; ++k)
-          place[box.entries[k]] = k;
-        box.inverse.reinit(n);
-        for (unsigned int k = 0; k < n; ++k)
+    run_on_all(
+      [&]() {
+        std::vector<int> place(domain->size(), -1);
+        for (Box &box : boxes)
           {
-            PetscInt           n_columns;
-            const PetscInt    *columns;
-            const PetscScalar *values;
-            check_petsc(MatGetRow(
-              domain->matrix(), box.entries[k], &n_columns, &columns, &values));
-            for (PetscInt j = 0; j < n_columns; ++j)
-              if (place[columns[j]] >= 0)
-                box.inverse(k, place[columns[j]]) = values[j];
-            check_petsc(MatRestoreRow(
-              domain->matrix(), box.entries[k], &n_columns, &columns, &values));
+            const unsigned int n = box.entries.size();
+            for (unsigned int k = 0; k < n; ++k)
+              place[box.entries[k]] = k;
+            box.inverse.reinit(n);
+            for (unsigned int k = 0; k < n; ++k)
+              {
+                PetscInt           n_columns;
+                const PetscInt    *columns;
+                const PetscScalar *values;
+                check_petsc(MatGetRow(domain->matrix(),
+                                      box.entries[k],
+                                      &n_columns,
+                                      &columns,
+                                      &values));
+                for (PetscInt j = 0; j < n_columns; ++j)
+                  if (place[columns[j]] >= 0)
+                    box.inverse(k, place[columns[j]]) = values[j];
+                check_petsc(MatRestoreRow(domain->matrix(),
+                                          box.entries[k],
+                                          &n_columns,
+                                          &columns,
+                                          &values));
+              }
+            for (unsigned int k = 0; k < n; ++k)
+              place[box.entries[k]] = -1;
+            box.inverse.set_property(LAPACKSupport::symmetric);
+            box.inverse.compute_cholesky_factorization();
           }
-        for (unsigned int k = 0; k < n; ++k)
-          place[box.entries[k]] = -1;
-        box.inverse.set_property(LAPACKSupport::symmetric);
-        box.inverse.compute_cholesky_factorization();
-      }
+      },
+      domain->communicator());
   }
 
 

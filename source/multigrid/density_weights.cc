@@ -1,5 +1,6 @@
 #include <deal.II/base/quadrature_lib.h>
 
+#include <greville/base/errors.h>
 #include <greville/multigrid/density_weights.h>
 
 #include <cmath>
@@ -25,6 +26,7 @@ namespace greville
     const QGauss<dim>   quadrature(n_q);
     std::vector<double> densities(n_points());
     double              largest = 0.;
+    std::string         message;
 
     for (std::size_t b = 0; b < cell_batches.size(); ++b)
       {
@@ -40,11 +42,11 @@ namespace greville
               {
                 if (!(densities[q] >= 0 && std::isfinite(densities[q])))
                   {
-                    std::ostringstream message;
-                    message << "The density has to be a number >= 0, but is "
-                            << densities[q] << " at (" << cell_points[q]
-                            << ").";
-                    AssertThrow(false, ExcMessage(message.str()));
+                    std::ostringstream text;
+                    text << "The density has to be a number >= 0, but is "
+                         << densities[q] << " at (" << cell_points[q] << ").";
+                    if (message.empty())
+                      message = text.str();
                   }
                 largest = std::max(largest, densities[q]);
                 values[(b * n_points() + q) * width + lane] =
@@ -52,6 +54,7 @@ namespace greville
               }
           }
       }
+    throw_on_all(message, space.communicator());
     AssertThrow(Utilities::MPI::max(largest, space.communicator()) > 0.,
                 ExcMessage("The density is zero at all points: there is no "
                            "mass."));

@@ -1,3 +1,4 @@
+#include <greville/base/errors.h>
 #include <greville/multigrid/petsc_preconditioner.h>
 
 #include <sstream>
@@ -45,9 +46,10 @@ namespace greville
     PCFailedReason reason = PC_NOERROR;
     if (error == 0)
       check_petsc(PCGetFailedReason(handle, &reason));
-    AssertThrow(error == 0 && reason == PC_NOERROR,
-                ExcMessage("PETSc cannot make the preconditioner <" + options +
-                           ">."));
+    throw_on_all(error == 0 && reason == PC_NOERROR
+                   ? ""
+                   : "PETSc cannot make the preconditioner <" + options + ">.",
+                 comm);
 
     std::string unused;
     for (const std::string &name : names)
@@ -58,9 +60,10 @@ namespace greville
           unused += " -" + name.substr(1 + prefix.size());
         check_petsc(PetscOptionsClearValue(nullptr, name.c_str()));
       }
-    AssertThrow(unused.empty(),
-                ExcMessage("PETSc has no use for" + unused +
-                           " in the options <" + options + ">."));
+    throw_on_all(unused.empty() ? ""
+                                : "PETSc has no use for" + unused +
+                                    " in the options <" + options + ">.",
+                 comm);
 
     PetscInt n;
     check_petsc(MatGetLocalSize(matrix, &n, nullptr));

@@ -1,3 +1,4 @@
+#include <greville/base/errors.h>
 #include <greville/multigrid/ilut.h>
 #include <greville/multigrid/schwarz.h>
 
@@ -16,10 +17,10 @@ namespace greville
                                             const SchwarzCombination c,
                                             const std::string       &ordering)
     : combination(c)
+    , comm(mass.space().communicator())
     , n_owned(mass.space().n_locally_owned_dofs())
   {
     const SplineSpace<dim> &space = mass.space();
-    const MPI_Comm          comm  = space.communicator();
     const auto              range = space.partitioner()->local_range();
 
     // The numbers in the domain, ascending.
@@ -339,8 +340,14 @@ namespace greville
     std::unique_ptr<const OverlappingDomain<dim>>                 d,
     const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make)
     : domain(std::move(d))
-    , solver(domain->size() > 0 ? make(domain->matrix()) : nullptr)
-  {}
+  {
+    run_on_all(
+      [&]() {
+        if (domain->size() > 0)
+          solver = make(domain->matrix());
+      },
+      domain->communicator());
+  }
 
 
 

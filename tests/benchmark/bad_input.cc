@@ -7,7 +7,8 @@
 
 namespace
 {
-  void test(const std::string &content)
+  void
+  test(const std::string &content)
   {
     const std::string file = "bad.prm";
     {
@@ -30,7 +31,8 @@ namespace
       }
   }
 
-  void in(const std::string &section, const std::string &line)
+  void
+  in(const std::string &section, const std::string &line)
   {
     test("subsection " + section + "\n  set " + line + "\nend");
   }

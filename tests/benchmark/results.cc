@@ -12,7 +12,8 @@ namespace
 {
   using Rows = std::vector<std::vector<std::string>>;
 
-  Rows read_csv(const std::string &file)
+  Rows
+  read_csv(const std::string &file)
   {
     Rows          rows;
     std::ifstream in(file);
@@ -30,7 +31,8 @@ namespace
   }
 
   // Run with some lines more than the base, and give solves.csv.
-  Rows run(const std::string &more, const std::string &folder = "run")
+  Rows
+  run(const std::string &more, const std::string &folder = "run")
   {
     const std::string file = folder + ".prm";
     if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
@@ -51,10 +53,13 @@ namespace
     benchmark.run(file);
     std::cout.rdbuf(buffer);
     MPI_Barrier(MPI_COMM_WORLD);
-    return read_csv(folder + "/solves.csv");
+    const Rows rows = read_csv(folder + "/solves.csv");
+    MPI_Barrier(MPI_COMM_WORLD);
+    return rows;
   }
 
-  std::string in(const std::string &section, const std::string &line)
+  std::string
+  in(const std::string &section, const std::string &line)
   {
     return "subsection " + section + "\n  set " + line + "\nend\n";
   }

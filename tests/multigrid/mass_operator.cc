@@ -143,7 +143,7 @@ main(int argc, char **argv)
       }
     catch (const std::exception &error)
       {
-        // The first point differs between processes.
+        // The first point depends on the partition.
         print() << message_of(error).substr(0, 48) << std::endl;
       }
 }

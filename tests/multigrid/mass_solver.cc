@@ -19,7 +19,8 @@ struct Problem
     , mass(orders, *density<dim>(rho))
   {}
 
-  SolveResult run(const std::string &name, VectorType &x)
+  SolveResult
+  run(const std::string &name, VectorType &x)
   {
     MassSolver<dim> solver(name, mass, solver_parameters, multigrid, smoother);
     solver.assemble();

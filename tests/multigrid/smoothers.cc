@@ -10,8 +10,8 @@
 
 namespace
 {
-  unsigned int count_cg(const MassLevel<2>   &level,
-                        const Preconditioner &preconditioner)
+  unsigned int
+  count_cg(const MassLevel<2> &level, const Preconditioner &preconditioner)
   {
     const VectorType     x = pseudo_random_vector(level.space());
     VectorType           b(x), solution(x);
@@ -28,8 +28,8 @@ namespace
   }
 
   // A number that changes with the preconditioner.
-  double signature(const MassLevel<2>   &level,
-                   const Preconditioner &preconditioner)
+  double
+  signature(const MassLevel<2> &level, const Preconditioner &preconditioner)
   {
     const VectorType x = pseudo_random_vector(level.space());
     VectorType       y(x), My(x);
@@ -52,13 +52,13 @@ main(int argc, char **argv)
   level.assemble(true, false);
 
   const std::vector<std::tuple<std::string, unsigned int, unsigned int>> names =
-    {{"ilut", 1, 8},
-     {"ilu0", 1, 8},
-     {"ic0", 1, 8},
+    {{"ilut", 1, 14},
+     {"ilu0", 1, 14},
+     {"ic0", 1, 14},
      {"jacobi", 100, 260},
      {"symmetric-gauss-seidel", 25, 80},
      {"chebyshev", 30, 90},
-     {"schwarz", 3, 15},
+     {"schwarz", 3, 25},
      {"tensor-product", 5, 25},
      {"petsc", 2, 60}};
   std::string all;

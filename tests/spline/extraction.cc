@@ -22,7 +22,8 @@ public:
     , p(p)
   {}
 
-  double value(const Point<dim> &x, const unsigned int c) const override
+  double
+  value(const Point<dim> &x, const unsigned int c) const override
   {
     double product = c + 1.;
     for (unsigned int d = 0; d < dim; ++d)
@@ -30,8 +31,8 @@ public:
     return product;
   }
 
-  Tensor<1, dim> gradient(const Point<dim>  &x,
-                          const unsigned int c) const override
+  Tensor<1, dim>
+  gradient(const Point<dim> &x, const unsigned int c) const override
   {
     Tensor<1, dim> result;
     for (unsigned int d = 0; d < dim; ++d)

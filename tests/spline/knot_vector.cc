@@ -8,7 +8,8 @@
 
 namespace
 {
-  double value(const KnotVector &knots, const unsigned int i, const double x)
+  double
+  value(const KnotVector &knots, const unsigned int i, const double x)
   {
     const unsigned int  e = knots.find_element(x);
     std::vector<double> values(knots.degree() + 1);
@@ -18,10 +19,11 @@ namespace
   }
 
   // The definition, by recursion.
-  double cox_de_boor(const std::vector<double> &t,
-                     const unsigned int         i,
-                     const unsigned int         p,
-                     const double               x)
+  double
+  cox_de_boor(const std::vector<double> &t,
+              const unsigned int         i,
+              const unsigned int         p,
+              const double               x)
   {
     if (p == 0)
       return t[i] <= x && x < t[i + 1];
@@ -34,7 +36,8 @@ namespace
     return sum;
   }
 
-  void test(const std::string &name, const KnotVector &knots)
+  void
+  test(const std::string &name, const KnotVector &knots)
   {
     const unsigned int  p = knots.degree(), n = knots.n_functions();
     std::vector<double> v(p + 1), v1(p + 1), v2(p + 1), low(p + 1), high(p + 1);

@@ -156,7 +156,9 @@ main(int argc, char **argv)
       }
   try
     {
-      box.mesh.begin_active()->set_refine_flag();
+      for (const auto &cell : box.mesh.active_cell_iterators())
+        if (cell->is_locally_owned() && cell->center()[0] < 0.1)
+          cell->set_refine_flag();
       box.mesh.execute_coarsening_and_refinement();
       SplineSpace<2>(box.mesh, 2);
       print() << "accepted" << std::endl;

@@ -3,7 +3,6 @@
 
 #include <deal.II/base/function.h>
 
-#include <exception>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -24,13 +23,6 @@ namespace greville
    */
   void
   print_parameter_reference(std::ostream &out, const std::string &program);
-
-  /**
-   * The message of an exception in one paragraph, without the decoration that
-   * deal.II puts around it.
-   */
-  std::string
-  message_of(const std::exception &exception);
 
   /**
    * A function of x, y (and z) from its expression; a constant where the

@@ -56,6 +56,12 @@ namespace greville
       return order.size();
     }
 
+    MPI_Comm
+    communicator() const
+    {
+      return comm;
+    }
+
     /**
      * Lexicographic positions of the functions of the domain in its ordering.
      */
@@ -96,6 +102,7 @@ namespace greville
 
   private:
     SchwarzCombination         combination;
+    MPI_Comm                   comm;
     unsigned int               n_owned;
     Mat                        local_matrix = nullptr;
     PetscMatrix                local_copy;
@@ -143,7 +150,8 @@ namespace greville
 
   /**
    * Additive Schwarz with one domain per process and an approximate local
-   * solver.
+   * solver. The constructor is collective; it throws on all processes if the
+   * local solver cannot be made on one.
    */
   template <int dim>
   class AdditiveSchwarz : public Preconditioner
