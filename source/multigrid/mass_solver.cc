@@ -202,7 +202,7 @@ namespace greville
       }
     else if (name == "cg-jacobi")
       preconditioner =
-        make_smoother<dim>("jacobi", smoother_parameters, finest, true);
+        std::make_unique<DiagonalPreconditioner>(finest.mass().diagonal());
     else if (name == "tensor-product" || name == "cg-tensor-product")
       preconditioner =
         make_smoother<dim>("tensor-product", smoother_parameters, finest, true);

@@ -97,15 +97,12 @@ namespace greville
      * omega D^-1 with omega = damping / lambda_max(D^-1 M).
      */
     template <int dim>
-    class JacobiSmoother : public Preconditioner
+    class JacobiSmoother : public DiagonalPreconditioner
     {
     public:
       JacobiSmoother(const MassLevel<dim> &level, const double damping)
-        : inverse_diagonal(level.mass().diagonal())
+        : DiagonalPreconditioner(level.mass().diagonal())
       {
-        for (double &entry : inverse_diagonal)
-          entry = 1. / entry;
-
         // Some power steps. The start is a function of the position only, so
         // that the estimate does not depend on the number of processes.
         VectorType x, y;
@@ -125,23 +122,6 @@ namespace greville
           }
         inverse_diagonal *= damping / lambda;
       }
-
-      void
-      vmult(VectorType &dst, const VectorType &src) const override
-      {
-        for (unsigned int i = 0; i < src.locally_owned_size(); ++i)
-          dst.local_element(i) =
-            inverse_diagonal.local_element(i) * src.local_element(i);
-      }
-
-      std::size_t
-      memory_consumption() const override
-      {
-        return inverse_diagonal.memory_consumption();
-      }
-
-    private:
-      VectorType inverse_diagonal;
     };
 
 

@@ -13,9 +13,9 @@ namespace greville
    * factor and n_i the number of entries of the row in that triangle, but at
    * least half of the row.
    *
-   * PETSc 3.18 has no such factorization of its own. SuperLU's (through PETSc)
-   * pivots and so loses the symmetric structure of a mass matrix, hypre's
-   * diverges for p >= 4; see doc/multigrid.md for the comparison.
+   * PETSc 3.18 has no such factorization of its own. doc/results.md compares
+   * SuperLU's and hypre's, which PETSc offers: with the paper's fill factor the
+   * one diverges on small meshes, with its defaults the other for p >= 4.
    */
   class ILUT
   {

@@ -35,6 +35,40 @@ namespace greville
     virtual std::size_t
     memory_consumption() const = 0;
   };
+
+
+
+  /**
+   * S = D^-1 for a diagonal matrix D, in conjugate gradients the method of
+   * Jacobi.
+   */
+  class DiagonalPreconditioner : public Preconditioner
+  {
+  public:
+    DiagonalPreconditioner(const VectorType &diagonal)
+      : inverse_diagonal(diagonal)
+    {
+      for (double &entry : inverse_diagonal)
+        entry = 1. / entry;
+    }
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const override
+    {
+      for (unsigned int i = 0; i < src.locally_owned_size(); ++i)
+        dst.local_element(i) =
+          inverse_diagonal.local_element(i) * src.local_element(i);
+    }
+
+    std::size_t
+    memory_consumption() const override
+    {
+      return inverse_diagonal.memory_consumption();
+    }
+
+  protected:
+    VectorType inverse_diagonal;
+  };
 } // namespace greville
 
 #endif
