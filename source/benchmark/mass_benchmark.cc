@@ -70,7 +70,8 @@ namespace greville
     add_parameter("Print times",
                   print_times,
                   "Print what differs from run to run and from machine to "
-                  "machine: the machine and the tables of times.");
+                  "machine: the machine, the progress line, the tables of "
+                  "times.");
     add_parameter("Output directory",
                   output_directory,
                   "Where results go. Empty: output/NAME for NAME.prm.");
@@ -322,7 +323,7 @@ namespace greville
           : 1;
     progress.finish();
     progress.start(n_variants * cells.size() * parameters.orders.size(),
-                   Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0);
+                   out.is_active() && parameters.print_times);
 
     Point<dim> lower, upper;
     for (unsigned int d = 0; d < dim; ++d)

@@ -327,11 +327,11 @@ namespace greville
 
 
   void
-  ProgressLine::start(const unsigned int n_solves, const bool is_first_process)
+  ProgressLine::start(const unsigned int n_solves, const bool is_wanted)
   {
     n          = n_solves;
     done       = 0;
-    is_visible = is_first_process && isatty(STDOUT_FILENO) == 1;
+    is_visible = is_wanted && isatty(STDOUT_FILENO) == 1;
     timer.restart();
   }
 

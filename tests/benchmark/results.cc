@@ -35,6 +35,8 @@ namespace
   run(const std::string &more, const std::string &folder = "run")
   {
     const std::string file = folder + ".prm";
+    // All have to be done with the last run's files.
+    MPI_Barrier(MPI_COMM_WORLD);
     if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
       {
         std::filesystem::remove_all(folder);

@@ -103,14 +103,13 @@ namespace greville
 
   /**
    * One line that is rewritten on a terminal: what is being solved, how many of
-   * how many solves, and the time left. Quiet where the output is no terminal,
-   * and on all processes but the first.
+   * how many solves, and the time left. Quiet where the output is no terminal.
    */
   class ProgressLine
   {
   public:
     void
-    start(const unsigned int n_solves, const bool is_first_process);
+    start(const unsigned int n_solves, const bool is_wanted);
 
     void
     show(const std::string &what);
