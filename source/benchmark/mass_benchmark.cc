@@ -53,8 +53,9 @@ namespace greville
                     ". Empty: the one of p-multigrid.");
     add_parameter("Published iterations",
                   published,
-                  "Tables to compare with: solver:FILE, relative to the "
-                  "parameter file; lines of FILE are cells,iterations at "
+                  "Tables to compare with in the first of the dimensions: "
+                  "solver:FILE, relative to the parameter file; lines of FILE "
+                  "are cells,iterations at "
                   "p1,p2,...");
     add_parameter("Repetitions",
                   repetitions,

@@ -274,7 +274,7 @@ namespace greville
     std::ostringstream       csv;
     std::vector<SolveRecord> chosen;
     for (const SolveRecord &record : records)
-      if (record.solver == solver &&
+      if (record.solver == solver && record.dim == records.front().dim &&
           published.count({record.cells, record.p}) > 0)
         chosen.push_back(record);
 

@@ -84,8 +84,9 @@ namespace greville
                   const double                       bandwidth);
 
   /**
-   * Measured beside published iterations for the records of @p solver, as text
-   * to @p out, and as lines of comparison.csv.
+   * Measured beside published iterations for the records of @p solver in the
+   * dimension of the first record, as text to @p out, and as lines of
+   * comparison.csv.
    */
   std::string
   compare_with_published(std::ostream                   &out,
