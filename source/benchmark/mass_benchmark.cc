@@ -5,6 +5,7 @@
 #include <greville/base/parameters.h>
 #include <greville/base/simd.h>
 #include <greville/benchmark/mass_benchmark.h>
+#include <greville/benchmark/operators.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -355,66 +356,6 @@ namespace greville
 
   namespace
   {
-    /**
-     * The throughput of the operators of a level, in unknowns per second.
-     */
-    template <int dim>
-    OperatorRecord
-    measure_operators(MassLevel<dim> &level)
-    {
-      const SplineSpace<dim> &space = level.space();
-      level.assemble(true, false);
-      const TensorProductSolver<dim>         solver(space);
-      const TensorProductPreconditioner<dim> inverse(solver, level.mass());
-      VectorType                             x, y;
-      space.initialize_vector(x);
-      space.initialize_vector(y);
-      x = 1.;
-
-      const auto rate = [&](const auto &apply) {
-        // Best of some groups of about 0.05 seconds.
-        apply();
-        Timer once;
-        apply();
-        const double first =
-          Utilities::MPI::max(once.wall_time(), space.communicator());
-        const unsigned int n    = std::max(1., std::ceil(0.05 / first));
-        double             best = std::numeric_limits<double>::max();
-        for (unsigned int group = 0; group < 5; ++group)
-          {
-            MPI_Barrier(space.communicator());
-            Timer timer;
-            for (unsigned int i = 0; i < n; ++i)
-              apply();
-            best = std::min(best,
-                            Utilities::MPI::max(timer.wall_time(),
-                                                space.communicator()) /
-                              n);
-          }
-        return space.n_dofs() / best;
-      };
-
-      OperatorRecord record;
-      record.dim       = dim;
-      record.p         = space.degree();
-      record.processes = Utilities::MPI::n_mpi_processes(space.communicator());
-      record.unknowns  = space.n_dofs();
-      record.matrix_free    = rate([&]() { level.mass().vmult(y, x); });
-      record.assembled      = rate([&]() { level.matrix().vmult(y, x); });
-      record.tensor_product = rate([&]() { inverse.vmult(y, x); });
-      record.bytes_sent =
-        Utilities::MPI::sum(static_cast<unsigned long>(solver.bytes_sent()),
-                            space.communicator());
-      record.matrix_bytes =
-        Utilities::MPI::sum(static_cast<unsigned long>(
-                              level.matrix().memory_consumption()),
-                            space.communicator());
-      level.clear();
-      return record;
-    }
-
-
-
     /**
      * Set the high-water mark of the process's memory back to what it holds.
      * False where the system does not allow it.

@@ -303,29 +303,6 @@ namespace greville
 
 
 
-  double
-  measure_bandwidth(const MPI_Comm comm)
-  {
-    const std::size_t   n = 4000000;
-    std::vector<double> a(n, 0.), b(n, 1.), c(n, 2.);
-    double              best = 0.;
-    for (unsigned int sweep = 0; sweep < 8; ++sweep)
-      {
-        MPI_Barrier(comm);
-        Timer        timer;
-        const double s = 0.5 + sweep;
-        for (std::size_t i = 0; i < n; ++i)
-          a[i] = b[i] + s * c[i];
-        std::swap(a, b);
-        const double time = Utilities::MPI::max(timer.wall_time(), comm);
-        best              = std::max(best, 3. * sizeof(double) * n / time);
-      }
-    AssertThrow(b[n / 2] > 0., ExcInternalError());
-    return best * Utilities::MPI::n_mpi_processes(comm);
-  }
-
-
-
   void
   ProgressLine::start(const unsigned int n_solves, const bool is_wanted)
   {

@@ -3,6 +3,7 @@
 
 #include <deal.II/base/timer.h>
 
+#include <greville/benchmark/operators.h>
 #include <greville/multigrid/mass_solver.h>
 
 #include <map>
@@ -30,19 +31,6 @@ namespace greville
      */
     std::string
     variant() const;
-  };
-
-  /**
-   * The throughput of the operators in degrees of freedom per second, the bytes
-   * that the tensor-product solver sends to other processes in one solve (all
-   * of them), and the bytes of the assembled matrix.
-   */
-  struct OperatorRecord
-  {
-    unsigned int  dim = 0, cells = 0, p = 0, processes = 0;
-    unsigned long unknowns    = 0;
-    double        matrix_free = 0., assembled = 0., tensor_product = 0.;
-    unsigned long bytes_sent = 0, matrix_bytes = 0;
   };
 
   /**
@@ -93,14 +81,6 @@ namespace greville
                          const std::vector<SolveRecord> &records,
                          const std::string              &solver,
                          const PublishedTable           &published);
-
-  /**
-   * The memory bandwidth of all processes together in bytes per second: the
-   * best of some sweeps a_i = b_i + s c_i over arrays that fit no cache, three
-   * numbers counted for each i (J. McCalpin's STREAM triad).
-   */
-  double
-  measure_bandwidth(const MPI_Comm comm);
 
   /**
    * One line that is rewritten on a terminal: what is being solved, how many of
