@@ -14,7 +14,8 @@ namespace
     {
       std::ofstream out(file);
       out << content << "\nsubsection Benchmark\n"
-          << "  set Output directory = bad_results\nend\n";
+          << "  set Output directory = bad_results\n"
+          << "  set Print times = false\nend\n";
     }
     try
       {

@@ -120,7 +120,10 @@ test(const MultiIndex<dim> &cells,
   // DataOut takes the field as it is.
   DataOut<dim> data_out;
   data_out.attach_dof_handler(dof_handler);
-  data_out.add_data_vector(field, std::vector<std::string>(components, "u"));
+  std::vector<std::string> names;
+  for (unsigned int c = 0; c < components; ++c)
+    names.push_back("u_" + std::to_string(c));
+  data_out.add_data_vector(field, names);
   data_out.build_patches(p);
   std::ostringstream vtu;
   data_out.write_vtu(vtu);
