@@ -464,8 +464,7 @@ namespace greville
               }
         }
 
-    // A dof can be owned by a process none of whose cells carries it only if
-    // deal.II gave it away; its owner always has one of its cells.
+    // The owner of a dof has one of its cells, so all owned entries are set.
     bernstein.update_ghost_values();
   }
 
