@@ -138,8 +138,6 @@ main(int argc, char **argv)
   });
   if (!alone)
     effect("overlap", "ic0", [](auto &p) { p.overlap = 0; });
-  else
-    check("ic0, effect of overlap", true);
 
   // What cannot be made says why.
   for (const std::string options :
