@@ -1,0 +1,179 @@
+#ifndef greville_materials_material_h
+#define greville_materials_material_h
+
+#include <deal.II/base/array_view.h>
+#include <deal.II/base/parameter_acceptor.h>
+#include <deal.II/base/symmetric_tensor.h>
+#include <deal.II/base/tensor.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * What a material sees of one point in one time step. Tensors are 3D; in
+   * plane strain the displacement along z is zero.
+   */
+  struct MaterialPoint
+  {
+    static constexpr unsigned int max_state = 12;
+
+    /// f = F_(n+1) F_n^-1 = 1 + dt grad v.
+    dealii::Tensor<2, 3> increment;
+    /// The deformation gradient F_(n+1) from the stress-free state.
+    dealii::Tensor<2, 3> F;
+    /// Its determinant, the ratio of volumes V / V0.
+    double J = 1.;
+    /// The length of the step, s.
+    double dt = 0.;
+    /// The Cauchy stress, Pa: before, and after update() at the end of the
+    /// step.
+    dealii::SymmetricTensor<2, 3> stress;
+    /// History, see Material::state_names(): before, and after update() at the
+    /// end of the step.
+    std::array<double, max_state> state{};
+    /// Written by update(): the modulus K + 4 G / 3 of pressure waves, Pa.
+    double wave_modulus = 0.;
+  };
+
+
+
+  /**
+   * Bulk and shear modulus (Pa) and dynamic viscosity (Pa s).
+   */
+  struct Moduli
+  {
+    double bulk      = 0.;
+    double shear     = 0.;
+    double viscosity = 0.;
+  };
+
+
+
+  /**
+   * A constitutive law: from the deformation of points to their Cauchy stress.
+   * A material knows nothing of grids and acts on many points per call.
+   *
+   * A new material is one header with a class that derives from MaterialLaw,
+   * and one line in the list of source/materials/material.cc.
+   */
+  class Material : public dealii::ParameterAcceptor
+  {
+  public:
+    /**
+     * @p section is the section of the parameter file with the density and
+     * the parameters of the law.
+     */
+    Material(const std::string &section);
+
+    /**
+     * Throw dealii::ExcMessage where parameters contradict each other; to be
+     * called after parsing and before anything else. Here derived constants
+     * are computed.
+     */
+    virtual void
+    reinit()
+    {}
+
+    /**
+     * The names of history variables; MaterialPoint::state holds them in this
+     * order.
+     */
+    virtual std::vector<std::string>
+    state_names() const
+    {
+      return {};
+    }
+
+    /**
+     * The state of a point with Cauchy stress @p stress at rest: fill
+     * stress, state, F (a symmetric stretch from the stress-free state), J
+     * and wave_modulus of @p point. Throws dealii::ExcMessage where the law
+     * cannot have this stress (a fluid with shear stress, a stress outside of
+     * the yield surface).
+     */
+    virtual void
+    initialize(MaterialPoint                       &point,
+               const dealii::SymmetricTensor<2, 3> &stress) const = 0;
+
+    /**
+     * Compute stress, state and wave_modulus of @p points at the end of a
+     * step. Throws nothing; results of impossible deformations (J <= 0) are
+     * not finite.
+     */
+    virtual void
+    update(const dealii::ArrayView<MaterialPoint> &points) const = 0;
+
+    /**
+     * Stored elastic energy per volume of the stress-free state, J / m^3.
+     */
+    virtual double
+    strain_energy(const MaterialPoint &point) const = 0;
+
+    /**
+     * Energy per volume of the stress-free state that plastic and viscous flow
+     * have turned into heat, J / m^3.
+     */
+    virtual double
+    dissipation(const MaterialPoint &) const
+    {
+      return 0.;
+    }
+
+    /**
+     * In the stress-free state. They set the critical time step.
+     */
+    virtual Moduli
+    moduli() const = 0;
+
+    /**
+     * In the stress-free state, kg / m^3.
+     */
+    double density = 1000.;
+  };
+
+
+
+  /**
+   * A Material from a class Law with
+   *   void update_point(MaterialPoint &point) const,
+   * which the loop over points calls without virtual dispatch.
+   */
+  template <typename Law>
+  class MaterialLaw : public Material
+  {
+  public:
+    using Material::Material;
+
+    void
+    update(const dealii::ArrayView<MaterialPoint> &points) const final
+    {
+      const Law &law = static_cast<const Law &>(*this);
+      for (MaterialPoint &point : points)
+        law.update_point(point);
+    }
+  };
+
+
+
+  /**
+   * The names of all materials, separated by '|'.
+   */
+  std::string
+  material_names();
+
+  /**
+   * A material by name, with its parameters in @p section. Throws
+   * dealii::ExcMessage with material_names() for an unknown @p name;
+   * @p parameter is the parameter that the message names.
+   */
+  std::unique_ptr<Material>
+  make_material(const std::string &name,
+                const std::string &section,
+                const std::string &parameter);
+} // namespace greville
+
+#endif
