@@ -12,13 +12,30 @@ namespace greville
 
   template <int dim>
   DensityWeights<dim>::DensityWeights(const SplineSpace<dim> &space,
-                                      const unsigned int      n_points_1d,
-                                      const Function<dim>    &density)
+                                      const unsigned int      n_points_1d)
     : n_q(n_points_1d)
+    , cell_begin(space.owned_cells().size())
     , cell_batches(space)
   {
     const unsigned int width = CellBatches<dim>::width();
     values.resize(cell_batches.size() * n_points() * width, 0.);
+    for (std::size_t b = 0; b < cell_batches.size(); ++b)
+      for (unsigned int lane = cell_batches[b].first_lane;
+           lane < cell_batches[b].end_lane;
+           ++lane)
+        cell_begin[cell_batches[b].first_cell + lane] =
+          b * n_points() * width + lane;
+  }
+
+
+
+  template <int dim>
+  DensityWeights<dim>::DensityWeights(const SplineSpace<dim> &space,
+                                      const unsigned int      n_points_1d,
+                                      const Function<dim>    &density)
+    : DensityWeights(space, n_points_1d)
+  {
+    const unsigned int width = CellBatches<dim>::width();
 
     double cell_measure = 1.;
     for (unsigned int d = 0; d < dim; ++d)

@@ -12,16 +12,31 @@ namespace greville
 
 
   template <int dim>
+  MassLevel<dim>::MassLevel(const SplineSpace<dim> &space,
+                            DensityWeights<dim>     weights)
+    : spline_space(&space)
+    , density_weights(std::move(weights))
+  {}
+
+
+
+  template <int dim>
   void
   MassLevel<dim>::assemble(const bool with_matrix, const bool apply)
   {
-    clear();
-    apply_matrix = apply;
-    mass_operator =
-      std::make_unique<MassOperator<dim>>(*spline_space, density_weights);
-    if (with_matrix || apply)
-      mass_matrix =
-        std::make_unique<MassMatrix<dim>>(*spline_space, density_weights);
+    apply_matrix  = apply;
+    mass_operator = std::make_unique<MassOperator<dim>>(*spline_space,
+                                                        density_weights,
+                                                        wall_constraints);
+    // The pattern of the matrix serves all weights.
+    if (!(with_matrix || apply))
+      mass_matrix.reset();
+    else if (mass_matrix)
+      mass_matrix->assemble(density_weights, wall_constraints);
+    else
+      mass_matrix = std::make_unique<MassMatrix<dim>>(*spline_space,
+                                                      density_weights,
+                                                      wall_constraints);
   }
 
 

@@ -221,7 +221,8 @@ namespace greville
 
   template <int dim>
   void
-  MassMatrix<dim>::assemble(const DensityWeights<dim> &weights)
+  MassMatrix<dim>::assemble(const DensityWeights<dim> &weights,
+                            const Constraints         &constraints)
   {
     std::fill(box_values.begin(), box_values.end(), 0.);
     switch (spline_space->degree())
@@ -244,7 +245,7 @@ namespace greville
         default:
           Assert(false, ExcInternalError());
       }
-    finish();
+    finish(constraints);
   }
 
 
@@ -314,12 +315,9 @@ namespace greville
     constexpr unsigned int  nn    = n * n;
     constexpr unsigned int  n_z   = dim == 3 ? n : 1;
     const SplineSpace<dim> &space = *spline_space;
-    constexpr unsigned int  n_q   = n;
+    const unsigned int      n_q   = weights.n_points_1d();
     const unsigned int      width = CellBatches<dim>::width();
     const QGauss<1>         quadrature(n_q);
-    AssertThrow(weights.n_points_1d() == n_q,
-                ExcMessage("A matrix of order p is assembled from p + 1 Gauss "
-                           "points per direction."));
 
     std::array<ProductTables<n>, dim> products;
     for (unsigned int d = 0; d < dim; ++d)
@@ -338,8 +336,8 @@ namespace greville
           {
             MultiIndex<dim> cell = batch.index;
             cell[0] += lane;
-            const double          *w    = weights[batch_number] + lane;
-            constexpr unsigned int n_xy = n_q * n_q;
+            const double      *w    = weights[batch_number] + lane;
+            const unsigned int n_xy = n_q * n_q;
 
             // Integrate over z (in 3D), then over y, for all pairs.
             if (dim == 3)
@@ -427,7 +425,7 @@ namespace greville
 
   template <int dim>
   void
-  MassMatrix<dim>::finish()
+  MassMatrix<dim>::finish(const Constraints &constraints)
   {
     Mat                     mat   = matrix.get();
     const SplineSpace<dim> &space = *spline_space;
@@ -461,13 +459,13 @@ namespace greville
     space.initialize_vector(diagonal);
     view_dst.with(diagonal.begin(),
                   [&](Vec vec) { check_petsc(MatGetDiagonal(mat, vec)); });
-    const auto     inactive = fill_inactive(diagonal);
-    const PetscInt first    = space.partitioner()->local_range().first;
+    const auto inactive = fill_inactive(diagonal, constraints);
+
+    std::vector<PetscInt> rows;
     for (const unsigned int i : inactive.second)
-      check_petsc(
-        MatSetValue(mat, first + i, first + i, inactive.first, INSERT_VALUES));
-    check_petsc(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
-    check_petsc(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
+      rows.push_back(space.partitioner()->local_range().first + i);
+    check_petsc(MatZeroRowsColumns(
+      mat, rows.size(), rows.data(), inactive.first, nullptr, nullptr));
   }
 
 

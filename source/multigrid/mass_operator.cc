@@ -10,7 +10,8 @@ namespace greville
     constexpr unsigned int
     max_cell_size(const unsigned int dim)
     {
-      return dim == 1 ? 6 : 6 * max_cell_size(dim - 1);
+      constexpr unsigned int n = 2 * SplineSpace<2>::max_degree + 1;
+      return dim == 1 ? n : n * max_cell_size(dim - 1);
     }
   } // namespace
 
@@ -413,14 +414,17 @@ namespace greville
 
 
   std::pair<double, std::vector<unsigned int>>
-  fill_inactive(VectorType &diagonal)
+  fill_inactive(VectorType &diagonal, const Constraints &constraints)
   {
+    constexpr double round_off = 1e-15;
+    const double     largest   = diagonal.linfty_norm();
+    Assert(largest > 0, ExcInternalError());
+    const auto                first = diagonal.get_partitioner()->local_range();
     std::vector<unsigned int> inactive;
     for (unsigned int i = 0; i < diagonal.locally_owned_size(); ++i)
-      if (diagonal.local_element(i) == 0.)
+      if (diagonal.local_element(i) <= round_off * largest ||
+          constraints.is_constrained(first.first + i))
         inactive.push_back(i);
-    const double largest = diagonal.linfty_norm();
-    Assert(largest > 0, ExcInternalError());
     for (const unsigned int i : inactive)
       diagonal.local_element(i) = largest;
     return {largest, inactive};
@@ -431,7 +435,8 @@ namespace greville
   template <int dim>
   void
   MassOperator<dim>::reinit(const SplineSpace<dim>    &space,
-                            const DensityWeights<dim> &weights)
+                            const DensityWeights<dim> &weights,
+                            const Constraints         &constraints)
   {
     Assert(space.n_components() == 1,
            ExcMessage("The mass matrix is the same for all components; use a "
@@ -441,7 +446,14 @@ namespace greville
     space.initialize_vector(matrix_diagonal);
     cross.diagonal(matrix_diagonal);
     std::tie(inactive_diagonal, inactive_functions) =
-      fill_inactive(matrix_diagonal);
+      fill_inactive(matrix_diagonal, constraints);
+
+    // Without mass the row and column are zero; constrained ones are hidden.
+    has_constraints = constraints.n_constraints() > 0;
+    has_constraints =
+      Utilities::MPI::max<unsigned int>(has_constraints, space.communicator());
+    if (has_constraints)
+      space.initialize_vector(free_source);
   }
 
 
@@ -450,7 +462,15 @@ namespace greville
   void
   MassOperator<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
-    cross.vmult(dst, src);
+    if (has_constraints)
+      {
+        free_source.copy_locally_owned_data_from(src);
+        for (const unsigned int i : inactive_functions)
+          free_source.local_element(i) = 0.;
+        cross.vmult(dst, free_source);
+      }
+    else
+      cross.vmult(dst, src);
     for (const unsigned int i : inactive_functions)
       dst.local_element(i) = inactive_diagonal * src.local_element(i);
   }

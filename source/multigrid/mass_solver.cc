@@ -49,6 +49,18 @@ namespace greville
 
 
   template <int dim>
+  MassHierarchy<dim>::MassHierarchy(const OrderHierarchy<dim>       &orders,
+                                    const std::vector<unsigned int> &n_points)
+  {
+    AssertDimension(n_points.size(), orders.n_levels());
+    for (unsigned int l = 0; l < orders.n_levels(); ++l)
+      levels.push_back(std::make_unique<MassLevel<dim>>(
+        orders[l], DensityWeights<dim>(orders[l], n_points[l])));
+  }
+
+
+
+  template <int dim>
   std::vector<MassLevel<dim> *>
   MassHierarchy<dim>::all_levels()
   {
@@ -168,7 +180,6 @@ namespace greville
   MassSolver<dim>::assemble()
   {
     preconditioner.reset();
-    hierarchy.clear();
     const bool apply_matrix = parameters.operator_kind == "assembled" ||
                               (parameters.operator_kind == "automatic" &&
                                (name == "cg" || name == "cg-jacobi"));

@@ -380,6 +380,17 @@ namespace greville
 
 
 
+    constexpr int largest_n = SplineSpace<2>::max_degree + 1;
+
+    /**
+     * Numbers of points per direction: 2, ..., 6 for densities and 2 p + 1 for
+     * material points; 0 ends the list.
+     */
+    template <int q>
+    constexpr int next_n_points = q <= largest_n               ? q + 1
+                                  : q + 2 <= 2 * largest_n - 1 ? q + 2
+                                                               : 0;
+
     template <int dim, int n, int q>
     CellKernels
     select(const unsigned int degree, const unsigned int n_points_1d)
@@ -391,10 +402,10 @@ namespace greville
                 &integrate_layer<dim, n, q>,
                 &gather_layer<dim, n>,
                 &scatter_add_layer<dim, n>};
-      if constexpr (n < q)
+      if constexpr (n < std::min(q, largest_n))
         return select<dim, n + 1, q>(degree, n_points_1d);
-      else if constexpr (q < SplineSpace<dim>::max_degree + 1)
-        return select<dim, 2, q + 1>(degree, n_points_1d);
+      else if constexpr (next_n_points<q> > 0)
+        return select<dim, 2, next_n_points<q>>(degree, n_points_1d);
       else
         {
           AssertThrow(false,
@@ -416,18 +427,18 @@ namespace greville
     {
       if (degree_in + 1 == n_in && n_points_1d == q && degree_out + 1 == n_out)
         return &multiply_column<dim, n_in, q, n_out>;
-      if constexpr (n_out < q)
+      if constexpr (n_out < std::min(q, largest_n))
         return select_column<dim, n_in, q, n_out + 1>(degree_in,
                                                       n_points_1d,
                                                       degree_out);
-      else if constexpr (n_in < q)
+      else if constexpr (n_in < std::min(q, largest_n))
         return select_column<dim, n_in + 1, q, 2>(degree_in,
                                                   n_points_1d,
                                                   degree_out);
-      else if constexpr (q < SplineSpace<dim>::max_degree + 1)
-        return select_column<dim, 2, q + 1, 2>(degree_in,
-                                               n_points_1d,
-                                               degree_out);
+      else if constexpr (next_n_points<q> > 0)
+        return select_column<dim, 2, next_n_points<q>, 2>(degree_in,
+                                                          n_points_1d,
+                                                          degree_out);
       else
         {
           AssertThrow(false, ExcInternalError());

@@ -10,9 +10,15 @@ namespace greville
 {
   /**
    * The point set of a mass matrix M_ij = sum_q w_q N_i(x_q) N_j(x_q): the
-   * tensor-product Gauss points of each cell with the weights
-   * w_q = rho(x_q) |J| w_q^Gauss, in units of mass. Points and basis values are
-   * the same in every cell, so only the weights are kept.
+   * tensor-product Gauss points of each cell with weights in units of mass.
+   * Points and basis values are the same in every cell, so only the weights are
+   * kept. They come from a density, w_q = rho(x_q) |J| w_q^Gauss, or from
+   * material points of mass m_p,
+   *   w_q = sum_p m_p L_q(x_p)
+   * with the Lagrange polynomials L_q of the Gauss points. Products N_i N_j of
+   * order p have the degree 2 p in each direction, so that with 2 p + 1 Gauss
+   * points per direction these weights give *exactly* the matrix of the
+   * material points. Such weights can be negative.
    */
   template <int dim>
   class DensityWeights
@@ -29,6 +35,31 @@ namespace greville
     DensityWeights(const SplineSpace<dim>      &space,
                    const unsigned int           n_points_1d,
                    const dealii::Function<dim> &density);
+
+    /**
+     * Weights of zero, to be filled through at_cell().
+     */
+    DensityWeights(const SplineSpace<dim> &space,
+                   const unsigned int      n_points_1d);
+
+    /**
+     * The weights of owned cell number @p cell: that of point q is at
+     * q * CellBatches::width().
+     */
+    double *
+    at_cell(const unsigned int cell)
+    {
+      return values.data() + cell_begin[cell];
+    }
+
+    /**
+     * Set all weights to zero.
+     */
+    void
+    clear()
+    {
+      values.fill(0.);
+    }
 
     unsigned int
     n_points_1d() const
@@ -67,6 +98,7 @@ namespace greville
 
   private:
     unsigned int                  n_q = 0;
+    std::vector<std::size_t>      cell_begin;
     CellBatches<dim>              cell_batches;
     dealii::AlignedVector<double> values;
   };

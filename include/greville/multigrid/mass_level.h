@@ -22,6 +22,26 @@ namespace greville
               const dealii::Function<dim> &density);
 
     /**
+     * As above with @p weights, which the caller fills before assemble().
+     */
+    MassLevel(const SplineSpace<dim> &space, DensityWeights<dim> weights);
+
+    DensityWeights<dim> &
+    weights()
+    {
+      return density_weights;
+    }
+
+    /**
+     * The coefficients that are held at zero from the next assemble() on.
+     */
+    void
+    constrain(Constraints constraints)
+    {
+      wall_constraints = std::move(constraints);
+    }
+
+    /**
      * Collective. Make the operators. vmult() works on the assembled matrix if
      * @p apply_matrix, which implies @p with_matrix.
      */
@@ -81,6 +101,7 @@ namespace greville
   private:
     const SplineSpace<dim>            *spline_space;
     DensityWeights<dim>                density_weights;
+    Constraints                        wall_constraints;
     std::unique_ptr<MassOperator<dim>> mass_operator;
     std::unique_ptr<MassMatrix<dim>>   mass_matrix;
     bool                               apply_matrix = false;

@@ -2,7 +2,7 @@
 #define greville_multigrid_mass_matrix_h
 
 #include <greville/base/petsc.h>
-#include <greville/multigrid/density_weights.h>
+#include <greville/multigrid/mass_operator.h>
 
 namespace greville
 {
@@ -24,10 +24,11 @@ namespace greville
     MassMatrix() = default;
 
     MassMatrix(const SplineSpace<dim>    &space,
-               const DensityWeights<dim> &weights)
+               const DensityWeights<dim> &weights,
+               const Constraints         &constraints = Constraints())
     {
       reinit(space);
-      assemble(weights);
+      assemble(weights, constraints);
     }
 
     /**
@@ -37,10 +38,12 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /**
-     * Collective. Fill the matrix.
+     * Collective. Fill the matrix. Coefficients that @p constraints holds (at
+     * zero) are treated as inactive ones.
      */
     void
-    assemble(const DensityWeights<dim> &weights);
+    assemble(const DensityWeights<dim> &weights,
+             const Constraints         &constraints = Constraints());
 
     const SplineSpace<dim> &
     space() const
@@ -81,7 +84,7 @@ namespace greville
     add_cells(const DensityWeights<dim> &weights);
 
     void
-    finish();
+    finish(const Constraints &constraints);
 
     const SplineSpace<dim> *spline_space = nullptr;
 

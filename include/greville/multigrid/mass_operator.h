@@ -1,12 +1,16 @@
 #ifndef greville_multigrid_mass_operator_h
 #define greville_multigrid_mass_operator_h
 
+#include <deal.II/lac/affine_constraints.h>
+
 #include <greville/multigrid/density_weights.h>
 
 #include <memory>
 
 namespace greville
 {
+  using Constraints = dealii::AffineConstraints<double>;
+
   /**
    * The cross matrix P_ij = sum_q w_q N_i^rows(x_q) N_j^columns(x_q) of two
    * orders on one mesh, applied without being stored: cell by cell, by sum
@@ -107,16 +111,20 @@ namespace greville
     MassOperator() = default;
 
     MassOperator(const SplineSpace<dim>    &space,
-                 const DensityWeights<dim> &weights)
+                 const DensityWeights<dim> &weights,
+                 const Constraints         &constraints = Constraints())
     {
-      reinit(space, weights);
+      reinit(space, weights, constraints);
     }
 
     /**
-     * Collective. The arguments are kept by reference.
+     * Collective. Space and weights are kept by reference. Coefficients that
+     * @p constraints holds (at zero) are treated as inactive ones.
      */
     void
-    reinit(const SplineSpace<dim> &space, const DensityWeights<dim> &weights);
+    reinit(const SplineSpace<dim>    &space,
+           const DensityWeights<dim> &weights,
+           const Constraints         &constraints = Constraints());
 
     const SplineSpace<dim> &
     space() const
@@ -200,16 +208,20 @@ namespace greville
     VectorType                matrix_diagonal;
     double                    inactive_diagonal = 1.;
     std::vector<unsigned int> inactive_functions;
+    bool                      has_constraints = false;
+    mutable VectorType        free_source;
   };
 
 
 
   /**
-   * Give @p diagonal the value of its largest entry where it is zero. Returns
-   * this value and the local numbers of those entries. Collective.
+   * Give @p diagonal the value of its largest entry where it is zero, up to the
+   * round-off of weights of both signs, or constrained. Returns this value and
+   * the local numbers of those entries. Collective.
    */
   std::pair<double, std::vector<unsigned int>>
-  fill_inactive(VectorType &diagonal);
+  fill_inactive(VectorType        &diagonal,
+                const Constraints &constraints = Constraints());
 } // namespace greville
 
 #endif

@@ -37,6 +37,13 @@ namespace greville
     MassHierarchy(const OrderHierarchy<dim>   &orders,
                   const dealii::Function<dim> &density);
 
+    /**
+     * Collective. Weights of zero with @p n_points[l] Gauss points per
+     * direction on level l, to be filled before a MassSolver assembles.
+     */
+    MassHierarchy(const OrderHierarchy<dim>       &orders,
+                  const std::vector<unsigned int> &n_points);
+
     MassLevel<dim> &
     finest()
     {

@@ -57,7 +57,8 @@ namespace greville
      * Largest number of entries of one table.
      */
     static constexpr unsigned int max_size =
-      (SplineSpace<dim>::max_degree + 1) * (SplineSpace<dim>::max_degree + 1);
+      (SplineSpace<dim>::max_degree + 1) *
+      (2 * SplineSpace<dim>::max_degree + 1);
 
   private:
     unsigned int                                       table_size = 0;
@@ -124,7 +125,7 @@ namespace greville
                                 Simd *const       *out);
 
   /**
-   * Kernels are compiled for 1 <= p < n_q <= 6.
+   * Kernels are compiled for 1 <= p < n_q <= 6 and for n_q = 7, 9, 11.
    */
   template <int dim>
   CellKernels

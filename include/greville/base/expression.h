@@ -1,0 +1,78 @@
+#ifndef greville_base_expression_h
+#define greville_base_expression_h
+
+#include <deal.II/base/array_view.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * A formula of a parameter file, read by muParser: numbers, the given
+   * variables, pi, + - * / ^, comparisons, && and ||, a ? b : c, sin, sqrt, ...
+   */
+  class Expression
+  {
+  public:
+    /**
+     * A function that formulas may call with any number of arguments besides
+     * the ones of muParser.
+     */
+    struct Function
+    {
+      std::string name;
+      double (*function)(const double *arguments, int n_arguments);
+    };
+
+    /**
+     * Throws dealii::ExcMessage where @p text is no formula of @p variables,
+     * with the name of the @p parameter.
+     */
+    Expression(const std::string              &text,
+               const std::string              &parameter,
+               const std::vector<std::string> &variables,
+               const std::vector<Function>    &functions = {});
+    Expression(Expression &&) noexcept;
+    Expression &
+    operator=(Expression &&) noexcept;
+    ~Expression();
+
+    /**
+     * The value for the @p values of the variables. Not for several threads at
+     * a time.
+     */
+    double
+    operator()(const dealii::ArrayView<const double> &values) const;
+
+    /**
+     * Whether the formula contains the variable with number @p variable.
+     */
+    bool
+    uses(const unsigned int variable) const;
+
+    /**
+     * The value of a formula without variables.
+     */
+    std::optional<double>
+    constant() const;
+
+  private:
+    class Parser;
+    std::unique_ptr<Parser> parser;
+  };
+
+  /**
+   * The @p n formulas in @p text, which are separated by semicolons. Throws as
+   * Expression, and where there are not @p n of them.
+   */
+  std::vector<Expression>
+  make_expressions(const std::string              &text,
+                   const std::string              &parameter,
+                   const std::vector<std::string> &variables,
+                   const unsigned int              n);
+} // namespace greville
+
+#endif

@@ -1,0 +1,69 @@
+#ifndef greville_materials_bingham_h
+#define greville_materials_bingham_h
+
+#include <greville/materials/tait_fluid.h>
+
+namespace greville
+{
+  /**
+   * A weakly compressible Bingham fluid, regularized (T. C. Papanastasiou, J.
+   * Rheol. 31, 1987): TaitFluid (pressure, rate d, state, exceptions) with the
+   * shear stress
+   *   2 eta dev(d), eta = mu + tau_y (1 - exp(-m g)) / g,
+   *   g = sqrt(2 dev(d) : dev(d)),
+   * so that simple shear at a rate g has the shear stress mu g + tau_y
+   * (1 - exp(-m g)): for m g >> 1 Bingham's, for m g << 1 that of a fluid of
+   * the largest viscosity mu + tau_y m. It creeps at any stress.
+   * Parameters: mu ("Plastic viscosity", Pa s), tau_y ("Yield stress", Pa, in
+   * simple shear), m ("Regularization", s).
+   */
+  class Bingham : public TaitFluid<Bingham>
+  {
+  public:
+    static constexpr const char *name = "bingham";
+
+    Bingham(const std::string &section)
+      : TaitFluid<Bingham>(section)
+    {
+      add_parameter("Yield stress",
+                    yield_stress,
+                    "Shear stress at which the fluid yields. Unit: Pa.",
+                    prm,
+                    dealii::Patterns::Double(0.));
+      add_parameter("Plastic viscosity",
+                    mu,
+                    "Growth of the shear stress with the shear rate after "
+                    "yield. Unit: Pa s.",
+                    prm,
+                    dealii::Patterns::Double(0.));
+      add_parameter("Regularization",
+                    regularization,
+                    "Time m: shear rates below 1 / m see a very viscous fluid "
+                    "instead of a rigid one. Unit: s.",
+                    prm,
+                    positive());
+    }
+
+    double
+    viscosity(const double square) const
+    {
+      const double rate = std::sqrt(square);
+      const double x    = regularization * rate;
+      return mu + (x > 1e-20 ? -yield_stress * std::expm1(-x) / rate
+                             : yield_stress * regularization);
+    }
+
+    double
+    largest_viscosity() const
+    {
+      return mu + yield_stress * regularization;
+    }
+
+  private:
+    double yield_stress   = 10.;
+    double mu             = 0.1;
+    double regularization = 1.;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,182 @@
+#ifndef greville_materials_drucker_prager_h
+#define greville_materials_drucker_prager_h
+
+#include <greville/materials/hencky_plasticity.h>
+
+#include <limits>
+
+namespace greville
+{
+  /**
+   * The cone of Drucker and Prager (1952) without hardening, non-associated
+   * (de Souza Neto, Peric, Owen, section 8.3), with a cut-off of tension; in
+   * the Kirchhoff stress tau with mean p (positive in tension), deviator s:
+   *   f1 = sqrt(J2) + eta p - xi c <= 0, g1 = sqrt(J2) + eta' p,
+   *   f2 = p - p_t <= 0,                 g2 = f2,
+   * J2 = s : s / 2. The "Cone" fits Mohr-Coulomb's surface of friction angle
+   * phi: in plane strain (associated), at its outer or at its inner edges,
+   *   plane strain: eta = 3 tan(phi) / sqrt(9 + 12 tan(phi)^2),
+   *                 xi = 3 / sqrt(9 + 12 tan(phi)^2),
+   *   outer: eta = 6 sin(phi) / (sqrt(3) (3 - sin(phi))),
+   *          xi = 6 cos(phi) / (sqrt(3) (3 - sin(phi))),
+   *   inner: the same with 3 + sin(phi);
+   * eta' is eta with the dilatancy angle psi for phi. The return is closed: to
+   * the cone,
+   *   dgamma = f1(trial) / (G + K eta eta'), p = p(trial) - K eta' dgamma,
+   *   sqrt(J2) = sqrt(J2)(trial) - G dgamma;
+   * to the cut-off, p = p_t with s = s(trial); or to where both meet, p = p_t
+   * and sqrt(J2) = xi c - eta p_t. Without a cut-off p_t is the apex xi c /
+   * eta. Plastic flow on the cone has the volume eta' dgamma and the
+   * equivalent strain dgamma / sqrt(3). State: see HenckyPlasticity.
+   *
+   * Parameters: "Cohesion" c, Pa, "Friction angle" phi and "Dilatancy angle"
+   * psi, degrees, "Tension cut-off" p_t, Pa, and "Cone".
+   *
+   * reinit() throws dealii::ExcMessage for psi > phi, for phi = c = 0, a
+   * cut-off beyond the apex, and a wrong Poisson's ratio, initialize() for a
+   * stress outside of the yield surface.
+   */
+  class DruckerPrager : public HenckyPlasticity<DruckerPrager>
+  {
+  public:
+    static constexpr const char *name = "drucker-prager";
+    static constexpr const char *yield_condition =
+      "max(sqrt(J2) + eta p - xi c, p - p_t)";
+
+    DruckerPrager(const std::string &section)
+      : HenckyPlasticity<DruckerPrager>(section)
+    {
+      add_parameter("Friction angle",
+                    friction_angle,
+                    "Angle of internal friction. Unit: degrees.",
+                    prm,
+                    dealii::Patterns::Double(0., 89.));
+      add_parameter("Dilatancy angle",
+                    dilatancy_angle,
+                    "Angle of dilatancy, at most the friction angle. Unit: "
+                    "degrees.",
+                    prm,
+                    dealii::Patterns::Double(0., 89.));
+      add_parameter("Cohesion",
+                    cohesion,
+                    "Cohesion, Kirchhoff stress. Unit: Pa.",
+                    prm,
+                    dealii::Patterns::Double(0.));
+      add_parameter("Tension cut-off",
+                    tension_cut_off,
+                    "Largest mean stress, Kirchhoff stress; negative: the "
+                    "apex of the cone. Unit: Pa.",
+                    prm,
+                    dealii::Patterns::Double());
+      add_parameter("Cone",
+                    cone,
+                    "Where the cone agrees with Mohr-Coulomb's surface.",
+                    prm,
+                    dealii::Patterns::Selection("plane strain|outer|inner"));
+    }
+
+    void
+    reinit() override
+    {
+      HenckyPlasticity<DruckerPrager>::reinit();
+      const std::string section = get_section_name();
+      check_parameter(dilatancy_angle <= friction_angle,
+                      section,
+                      "Dilatancy angle",
+                      dilatancy_angle,
+                      "at most the friction angle, which is " +
+                        to_text(friction_angle));
+      check_parameter(cohesion > 0. || friction_angle > 0.,
+                      section,
+                      "Cohesion",
+                      cohesion,
+                      "greater than 0 where the friction angle is 0");
+      double unused;
+      fit(friction_angle, friction, strength);
+      fit(dilatancy_angle, dilatancy, unused);
+      strength *= cohesion;
+      const double apex = friction_angle > 0.
+                            ? strength / friction
+                            : std::numeric_limits<double>::infinity();
+      check_parameter(tension_cut_off <= apex * (1. + 1e-12),
+                      section,
+                      "Tension cut-off",
+                      tension_cut_off,
+                      "at most the apex of the cone, which is at " +
+                        to_text(apex));
+      largest_mean =
+        tension_cut_off < 0. ? apex : std::min(tension_cut_off, apex);
+      corner_radius =
+        largest_mean < apex ? strength - friction * largest_mean : 0.;
+    }
+
+    double
+    yield_function(const Principal &tau, const double) const
+    {
+      const double p = mean_of(tau);
+      return std::max(std::sqrt(second_invariant(tau)) + friction * p -
+                        strength,
+                      p - largest_mean);
+    }
+
+    bool
+    return_map(Principal &tau, double &alpha) const
+    {
+      const double p = mean_of(tau), q = std::sqrt(second_invariant(tau));
+      const double f = q + friction * p - strength;
+      if (f <= 0. && p <= largest_mean)
+        return false;
+
+      // The radius sqrt(J2) and the mean stress on the surface.
+      double radius = q, mean = largest_mean;
+      if (q > corner_radius)
+        {
+          const double K = elastic.bulk, G = elastic.shear;
+          const double gamma = f / (G + K * friction * dilatancy);
+          radius             = q - G * gamma;
+          mean               = p - K * dilatancy * gamma;
+          if (mean > largest_mean)
+            {
+              radius = corner_radius;
+              mean   = largest_mean;
+            }
+          // equivalent strain |dev(d eps_p)| sqrt(2 / 3)
+          alpha += (q - radius) / (std::sqrt(3.) * G);
+        }
+      scale_deviator(tau, q > 0. ? radius / q : 1., mean);
+      return true;
+    }
+
+  private:
+    void
+    fit(const double degrees, double &eta, double &xi) const
+    {
+      const double angle   = degrees * (dealii::numbers::PI / 180.);
+      const double tangent = std::tan(angle);
+      if (cone == "plane strain")
+        {
+          xi  = 3. / std::sqrt(9. + 12. * tangent * tangent);
+          eta = xi * tangent;
+        }
+      else
+        {
+          xi = 6. * std::cos(angle) /
+               (std::sqrt(3.) *
+                (3. + (cone == "outer" ? -1. : 1.) * std::sin(angle)));
+          eta = xi * tangent;
+        }
+    }
+
+    double      friction_angle  = 30.;
+    double      dilatancy_angle = 0.;
+    double      cohesion        = 0.;
+    double      tension_cut_off = -1.;
+    std::string cone            = "plane strain";
+
+    // eta, eta', xi c, p_t, and the radius of the cone at p_t
+    double friction = 0., dilatancy = 0., strength = 0., largest_mean = 0.,
+           corner_radius = 0.;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,150 @@
+#ifndef greville_materials_elastic_constants_h
+#define greville_materials_elastic_constants_h
+
+#include <greville/materials/hencky.h>
+#include <greville/materials/material.h>
+#include <greville/materials/parameter_checks.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  /**
+   * Isotropic linear elasticity between principal logarithmic strains eps_a
+   * and principal Kirchhoff stresses tau_a, Pa (H. Hencky 1928; de Souza Neto,
+   * Peric, Owen, Computational Methods for Plasticity, section 13.2):
+   *   tau_a = lambda (eps_1 + eps_2 + eps_3) + 2 G eps_a,
+   *   W = lambda (eps_1 + eps_2 + eps_3)^2 / 2 + G sum_a eps_a^2,
+   *   lambda = E nu / ((1 + nu) (1 - 2 nu)), G = E / (2 (1 + nu)),
+   *   K = lambda + 2 G / 3.
+   */
+  class ElasticConstants
+  {
+  public:
+    void
+    declare(dealii::ParameterAcceptor &acceptor)
+    {
+      acceptor.add_parameter("Youngs modulus",
+                             youngs_modulus,
+                             "Young's modulus E. Unit: Pa.",
+                             dealii::ParameterAcceptor::prm,
+                             positive());
+      acceptor.add_parameter("Poissons ratio",
+                             poissons_ratio,
+                             "Poisson's ratio nu, between -1 and 0.5 (both "
+                             "excluded). Unit: none.",
+                             dealii::ParameterAcceptor::prm,
+                             dealii::Patterns::Double(-1., 0.5));
+    }
+
+    /**
+     * Throws dealii::ExcMessage unless -1 < nu < 0.5.
+     */
+    void
+    reinit(const std::string &section)
+    {
+      check_parameter(poissons_ratio > -1. && poissons_ratio < 0.5,
+                      section,
+                      "Poissons ratio",
+                      poissons_ratio,
+                      "greater than -1 and smaller than 0.5");
+      const double E = youngs_modulus, nu = poissons_ratio;
+      lambda = E * nu / ((1. + nu) * (1. - 2. * nu));
+      shear  = E / (2. * (1. + nu));
+      bulk   = E / (3. * (1. - 2. * nu));
+    }
+
+    Principal
+    stress(const Principal &strain) const
+    {
+      const double p = lambda * (strain[0] + strain[1] + strain[2]);
+      return {{p + 2. * shear * strain[0],
+               p + 2. * shear * strain[1],
+               p + 2. * shear * strain[2]}};
+    }
+
+    Principal
+    strain(const Principal &tau) const
+    {
+      const double mean = (tau[0] + tau[1] + tau[2]) / 3.;
+      const double a = 1. / (2. * shear), b = mean / (3. * bulk) - a * mean;
+      return {{a * tau[0] + b, a * tau[1] + b, a * tau[2] + b}};
+    }
+
+    double
+    energy(const Principal &strain) const
+    {
+      const double trace = strain[0] + strain[1] + strain[2];
+      return 0.5 * lambda * trace * trace +
+             shear * (strain[0] * strain[0] + strain[1] * strain[1] +
+                      strain[2] * strain[2]);
+    }
+
+    /**
+     * Of longitudinal waves in Hencky's law along principal direction a:
+     * rho c^2 = (K + 4 G / 3 - tau_a) / J; here the largest of the three.
+     */
+    double
+    wave_modulus(const Principal &tau, const double J) const
+    {
+      return (bulk + 4. / 3. * shear -
+              std::min(tau[0], std::min(tau[1], tau[2]))) /
+             J;
+    }
+
+    Moduli
+    moduli() const
+    {
+      return {bulk, shear, 0.};
+    }
+
+    /**
+     * The inverse of Hencky's law: fill stress, F, J and wave_modulus of
+     * @p point and return the principal Kirchhoff stresses; @p e becomes b - 1.
+     * ln J solves ln J = J tr(sigma) / (3 K), which has no solution for
+     * tr(sigma) / 3 > K / exp(1): throws dealii::ExcMessage.
+     */
+    Principal
+    invert_hencky(MaterialPoint                       &point,
+                  dealii::SymmetricTensor<2, 3>       &e,
+                  const dealii::SymmetricTensor<2, 3> &sigma,
+                  const char                          *material) const
+    {
+      const SpectralDecomposition spectrum(sigma);
+      const double                pressure = trace(sigma) / (3. * bulk);
+      check_stress(pressure < std::exp(-1.) && std::isfinite(sigma.norm()),
+                   material,
+                   sigma,
+                   "the mean stress has to be smaller than K / exp(1) = " +
+                     to_text(bulk * std::exp(-1.)) + " Pa");
+      // Newton's method approaches from one side.
+      double log_J = 0.;
+      for (unsigned int i = 0; i < 100; ++i)
+        {
+          const double q      = pressure * std::exp(log_J);
+          const double change = (q - log_J) / (1. - q);
+          log_J += change;
+          if (std::abs(change) <= 1e-16 * std::abs(log_J))
+            break;
+        }
+      point.J = std::exp(log_J);
+      Principal tau, stretch;
+      for (unsigned int a = 0; a < 3; ++a)
+        tau[a] = point.J * spectrum.values[a];
+      const Principal eps = strain(tau);
+      for (unsigned int a = 0; a < 3; ++a)
+        stretch[a] = std::exp(eps[a]);
+      e                  = spectrum.assemble(stretches_less_one(eps));
+      point.F            = spectrum.assemble(stretch);
+      point.stress       = sigma;
+      point.wave_modulus = wave_modulus(tau, point.J);
+      return tau;
+    }
+
+    double youngs_modulus = 1e6;
+    double poissons_ratio = 0.3;
+    double lambda = 0., bulk = 0., shear = 0.;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,296 @@
+#ifndef greville_materials_mohr_coulomb_h
+#define greville_materials_mohr_coulomb_h
+
+#include <greville/materials/hencky_plasticity.h>
+
+namespace greville
+{
+  /**
+   * Mohr-Coulomb plasticity with softening, non-associated (de Souza Neto,
+   * Peric, Owen, section 8.2), in the principal Kirchhoff stresses tau_1 >=
+   * tau_2 >= tau_3 (positive in tension, Pa):
+   *   f = tau_1 - tau_3 + (tau_1 + tau_3) sin(phi) - 2 c cos(phi) <= 0,
+   *   g = tau_1 - tau_3 + (tau_1 + tau_3) sin(psi).
+   * The return goes to one of: the plane; the right edge, where also
+   * f(tau_1, tau_2) = 0 and tau_2 = tau_3; the left edge, where also
+   * f(tau_2, tau_3) = 0 and tau_1 = tau_2; the apex tau = c cot(phi) 1. Each
+   * is closed (section 8.2.2 of the book); with more than one plane the flow
+   * is the sum of the two (Koiter).
+   *
+   * Cohesion c and friction angle phi fall over the accumulated equivalent
+   * plastic strain alpha (of the deviator, see HenckyPlasticity) from the peak
+   * to the residual value, x = alpha / "Softening strain":
+   *   linear:      c = c_r + (c_p - c_r) max(1 - x, 0),
+   *   exponential: c = c_r + (c_p - c_r) exp(-x),
+   * phi alike. alpha at the end of the step solves alpha = alpha_n +
+   * d alpha(alpha): a secant method in a bracket, since the plastic strain of
+   * a return is at most the deviatoric trial strain. The returned stress is on
+   * the surface of the new alpha to round-off. Softening faster than the
+   * elastic unloading has several solutions, of which one is taken; results
+   * then depend on the grid, as with any local softening.
+   *
+   * Parameters: "Cohesion", "Residual cohesion", Pa, "Friction angle",
+   * "Residual friction angle", "Dilatancy angle", degrees, "Softening",
+   * "Softening strain". State: see HenckyPlasticity.
+   *
+   * reinit() throws dealii::ExcMessage for residual > peak values, psi > the
+   * residual phi, for phi = c = 0, and a wrong Poisson's ratio, initialize()
+   * for a stress outside of the yield surface.
+   */
+  class MohrCoulomb : public HenckyPlasticity<MohrCoulomb>
+  {
+  public:
+    static constexpr const char *name = "mohr-coulomb";
+    static constexpr const char *yield_condition =
+      "tau_1 - tau_3 + (tau_1 + tau_3) sin(phi) - 2 c cos(phi)";
+
+    MohrCoulomb(const std::string &section)
+      : HenckyPlasticity<MohrCoulomb>(section)
+    {
+      using dealii::Patterns::Double;
+      add_parameter("Cohesion",
+                    cohesion,
+                    "Peak cohesion, Kirchhoff stress. Unit: Pa.",
+                    prm,
+                    Double(0.));
+      add_parameter("Residual cohesion",
+                    residual_cohesion,
+                    "Cohesion after softening; negative: the peak. Unit: Pa.",
+                    prm,
+                    Double());
+      add_parameter("Friction angle",
+                    friction_angle,
+                    "Peak angle of internal friction. Unit: degrees.",
+                    prm,
+                    Double(0., 89.));
+      add_parameter("Residual friction angle",
+                    residual_friction_angle,
+                    "Friction angle after softening; negative: the peak. "
+                    "Unit: degrees.",
+                    prm,
+                    Double(-90., 89.));
+      add_parameter("Dilatancy angle",
+                    dilatancy_angle,
+                    "Angle of dilatancy, at most the residual friction "
+                    "angle. Unit: degrees.",
+                    prm,
+                    Double(0., 89.));
+      add_parameter("Softening",
+                    softening,
+                    "How cohesion and friction angle fall.",
+                    prm,
+                    dealii::Patterns::Selection("linear|exponential"));
+      add_parameter("Softening strain",
+                    softening_strain,
+                    "Equivalent plastic strain at which linear softening "
+                    "ends, or over which exponential softening falls by the "
+                    "factor e. Unit: none.",
+                    prm,
+                    positive());
+    }
+
+    void
+    reinit() override
+    {
+      HenckyPlasticity<MohrCoulomb>::reinit();
+      const std::string section = get_section_name();
+      last_cohesion = residual_cohesion < 0. ? cohesion : residual_cohesion;
+      last_angle =
+        residual_friction_angle < 0. ? friction_angle : residual_friction_angle;
+      check_parameter(last_cohesion <= cohesion,
+                      section,
+                      "Residual cohesion",
+                      last_cohesion,
+                      "at most the peak cohesion, which is " +
+                        to_text(cohesion));
+      check_parameter(last_angle <= friction_angle,
+                      section,
+                      "Residual friction angle",
+                      last_angle,
+                      "at most the peak friction angle, which is " +
+                        to_text(friction_angle));
+      check_parameter(dilatancy_angle <= last_angle,
+                      section,
+                      "Dilatancy angle",
+                      dilatancy_angle,
+                      "at most the (residual) friction angle, which is " +
+                        to_text(last_angle));
+      check_parameter(last_cohesion > 0. || last_angle > 0.,
+                      section,
+                      "Residual cohesion",
+                      last_cohesion,
+                      "greater than 0 where the residual friction angle is 0");
+      softens       = last_cohesion < cohesion || last_angle < friction_angle;
+      exponential   = (softening == "exponential");
+      sin_dilatancy = std::sin(dilatancy_angle * (dealii::numbers::PI / 180.));
+      peak          = surface(cohesion, friction_angle);
+    }
+
+    double
+    yield_function(const Principal &tau, const double alpha) const
+    {
+      const Surface s = surface_at(alpha);
+      return s.f(std::max(tau[0], std::max(tau[1], tau[2])),
+                 std::min(tau[0], std::min(tau[1], tau[2])));
+    }
+
+    bool
+    return_map(Principal &tau, double &alpha) const
+    {
+      // Sort.
+      unsigned int i = 0, j = 1, k = 2;
+      if (tau[i] < tau[j])
+        std::swap(i, j);
+      if (tau[j] < tau[k])
+        std::swap(j, k);
+      if (tau[i] < tau[j])
+        std::swap(i, j);
+      const Principal trial{{tau[i], tau[j], tau[k]}};
+      const Surface   start = surface_at(alpha);
+      if (start.f(trial[0], trial[2]) <= 0.)
+        return false;
+
+      Principal    result = returned(trial, start);
+      const double growth = equivalent_strain(trial, result);
+      if (softens && growth > 0.)
+        result = soften(trial, growth, alpha);
+      else
+        alpha += growth;
+      tau[i] = result[0];
+      tau[j] = result[1];
+      tau[k] = result[2];
+      return true;
+    }
+
+  private:
+    /**
+     * A yield surface: sin(phi), 2 c cos(phi), c cot(phi).
+     */
+    struct Surface
+    {
+      double sine, strength, apex;
+
+      double
+      f(const double larger, const double smaller) const
+      {
+        return larger - smaller + (larger + smaller) * sine - strength;
+      }
+    };
+
+    static Surface
+    surface(const double c, const double degrees)
+    {
+      const double angle = degrees * (dealii::numbers::PI / 180.);
+      const double sine = std::sin(angle), cosine = std::cos(angle);
+      return {sine, 2. * c * cosine, sine > 0. ? c * cosine / sine : 0.};
+    }
+
+    Surface
+    surface_at(const double alpha) const
+    {
+      if (!softens || alpha == 0.)
+        return peak;
+      const double x    = alpha / softening_strain;
+      const double part = exponential ? std::exp(-x) : std::max(1. - x, 0.);
+      return surface(last_cohesion + (cohesion - last_cohesion) * part,
+                     last_angle + (friction_angle - last_angle) * part);
+    }
+
+    /**
+     * The return of sorted stresses to a given surface.
+     */
+    Principal
+    returned(const Principal &t, const Surface &s) const
+    {
+      const double K = elastic.bulk, G = elastic.shear;
+      const double phi = s.sine, psi = sin_dilatancy;
+
+      // What a plane's flow takes from its largest and its smallest stress, and
+      // adds to the one between.
+      const double upper  = 2. * G * (1. + psi / 3.) + 2. * K * psi,
+                   lower  = 2. * G * (1. - psi / 3.) - 2. * K * psi,
+                   middle = (4. / 3. * G - 2. * K) * psi;
+      const double a      = 4. * G * (1. + phi * psi / 3.) + 4. * K * phi * psi;
+      const double f      = s.f(t[0], t[2]);
+
+      Principal    r;
+      const double gamma = f / a;
+      r = {{t[0] - upper * gamma, t[1] + middle * gamma, t[2] + lower * gamma}};
+      if (r[0] >= r[1] && r[1] >= r[2])
+        return r;
+
+      const bool right = (1. - psi) * t[0] - 2. * t[1] + (1. + psi) * t[2] > 0.;
+      const double f2  = right ? s.f(t[0], t[1]) : s.f(t[1], t[2]);
+      const double sign = right ? 1. : -1.;
+      const double b    = 2. * G * (1. + sign * (phi + psi) - phi * psi / 3.) +
+                       4. * K * phi * psi;
+      const double determinant = (a - b) * (a + b);
+      const double g1          = (a * f - b * f2) / determinant,
+                   g2          = (a * f2 - b * f) / determinant;
+      if (right)
+        {
+          r[0] = t[0] - upper * (g1 + g2);
+          r[1] = t[1] + middle * g1 + lower * g2;
+          r[2] = t[2] + lower * g1 + middle * g2;
+          r[1] = r[2] = 0.5 * (r[1] + r[2]);
+        }
+      else
+        {
+          r[0] = t[0] - upper * g1 + middle * g2;
+          r[1] = t[1] + middle * g1 - upper * g2;
+          r[2] = t[2] + lower * (g1 + g2);
+          r[0] = r[1] = 0.5 * (r[0] + r[1]);
+        }
+      if (phi == 0. || r[0] >= r[2])
+        return r;
+      return {{s.apex, s.apex, s.apex}};
+    }
+
+    /**
+     * Solve h(x) = alpha + d alpha(x) - x = 0, from a first @p growth d alpha
+     * of the old strength; set @p alpha to x and return the stress.
+     */
+    Principal
+    soften(const Principal &trial, const double growth, double &alpha) const
+    {
+      const double mean  = mean_of(trial);
+      const double range = equivalent_strain(trial, {{mean, mean, mean}});
+      double       low = alpha, high = alpha + range;
+      double       x_old = alpha, h_old = growth;
+      double       x = alpha + std::min(growth, range);
+      Principal    result;
+      for (unsigned int i = 0;; ++i)
+        {
+          result         = returned(trial, surface_at(x));
+          const double h = alpha + equivalent_strain(trial, result) - x;
+          if (std::abs(h) <= 1e-15 * range + 2e-16 * x || i == 100)
+            break;
+          (h > 0. ? low : high) = x;
+          if (!(high - low > 4e-16 * high))
+            break;
+          double next = x - h * (x - x_old) / (h - h_old);
+          if (!(next > low && next < high) || i % 8 == 7)
+            next = 0.5 * (low + high);
+          x_old = x;
+          h_old = h;
+          x     = next;
+        }
+      alpha = x;
+      return result;
+    }
+
+    double      cohesion                = 1e3;
+    double      residual_cohesion       = -1.;
+    double      friction_angle          = 30.;
+    double      residual_friction_angle = -1.;
+    double      dilatancy_angle         = 0.;
+    std::string softening               = "linear";
+    double      softening_strain        = 0.1;
+
+    double  last_cohesion = 0., last_angle = 0., sin_dilatancy = 0.;
+    bool    softens = false, exponential = false;
+    Surface peak{0., 0., 0.};
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,137 @@
+#ifndef greville_materials_neo_hookean_h
+#define greville_materials_neo_hookean_h
+
+#include <greville/materials/elastic_constants.h>
+
+namespace greville
+{
+  /**
+   * The compressible neo-Hookean law (Bonet, Wood, Nonlinear Continuum
+   * Mechanics for Finite Element Analysis, section 6.4.3):
+   *   P = dW / dF = lambda ln(J) F^-T + mu (F - F^-T),
+   *   W = mu (F : F - 3) / 2 - mu ln(J) + lambda ln(J)^2 / 2,
+   *   sigma = P F^T / J = (lambda ln(J) 1 + mu (F F^T - 1)) / J
+   * with Lame's constants lambda and mu = G from E and nu; stresses in Pa.
+   * With nu = 0 a bar in uniaxial strain F has P = mu (F - 1 / F), mu = E / 2:
+   * the law P = E / 2 (F - 1 / F) of one-dimensional manufactured solutions.
+   *
+   * A wave along a principal stretch s has rho c^2 = (lambda (1 - ln(J)) +
+   * mu + mu s^2) / J; wave_modulus takes for s^2 the upper bound tr(b) / 3 +
+   * sqrt(2 / 3) |dev(b)| of the eigenvalues of b = F F^T.
+   *
+   * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
+   * 0.5), initialize() for a stress that no deformation has.
+   */
+  class NeoHookean : public MaterialLaw<NeoHookean>
+  {
+  public:
+    static constexpr const char *name = "neo-hookean";
+
+    NeoHookean(const std::string &section)
+      : MaterialLaw<NeoHookean>(section)
+    {
+      elastic.declare(*this);
+    }
+
+    void
+    reinit() override
+    {
+      elastic.reinit(get_section_name());
+    }
+
+    /**
+     * ln J solves b_1 b_2 b_3 = J^2 with the principal values b_a = 1 + e_a,
+     * e_a = (J sigma_a - lambda ln(J)) / mu.
+     */
+    void
+    initialize(MaterialPoint                       &point,
+               const dealii::SymmetricTensor<2, 3> &stress) const override
+    {
+      const SpectralDecomposition spectrum(stress);
+      const double                lambda = elastic.lambda, mu = elastic.shear;
+
+      // Newton's method with a largest step; where a b_a is not positive, ln J
+      // goes where it grows.
+      double    log_J     = 0.;
+      bool      converged = false;
+      Principal stretch;
+      for (unsigned int i = 0; i < 200 && !converged; ++i)
+        {
+          double value = -2. * log_J, slope = -2., outside = 0.;
+          for (unsigned int a = 0; a < 3; ++a)
+            {
+              const double tau = std::exp(log_J) * spectrum.values[a];
+              const double e   = (tau - lambda * log_J) / mu;
+              if (!(e > -1.))
+                outside = tau < lambda ? -0.1 : 0.1;
+              value += std::log1p(e);
+              slope += (tau - lambda) / (mu * (1. + e));
+              stretch[a] = std::sqrt(1. + e);
+            }
+          const double change =
+            outside != 0. ? outside
+                          : std::min(std::max(-value / slope, -0.2), 0.2);
+          converged = std::abs(change) <= 1e-15;
+          if (!converged)
+            log_J += change;
+        }
+      check_stress(converged && std::isfinite(stress.norm()),
+                   name,
+                   stress,
+                   "no deformation has it with lambda = " + to_text(lambda) +
+                     " Pa and mu = " + to_text(mu) + " Pa");
+      point.J = std::exp(log_J);
+      point.F = spectrum.assemble(stretch);
+      update_point(point);
+      point.stress = stress;
+    }
+
+    void
+    update_point(MaterialPoint &point) const
+    {
+      const double mu = elastic.shear, inverse_J = 1. / point.J;
+      const double log_J = std::log(point.J);
+      const double p     = elastic.lambda * log_J;
+
+      dealii::SymmetricTensor<2, 3> e = left_cauchy_green_less_one(point.F);
+      const double mean = (e.access_raw_entry(0) + e.access_raw_entry(1) +
+                           e.access_raw_entry(2)) /
+                          3.;
+      double square = 0.;
+      for (unsigned int i = 0; i < 3; ++i)
+        {
+          const double d = e.access_raw_entry(i) - mean;
+          square += d * d;
+          square += 2. * e.access_raw_entry(i + 3) * e.access_raw_entry(i + 3);
+        }
+      const double largest = 1. + mean + std::sqrt(2. / 3. * square);
+      point.wave_modulus = (elastic.lambda - p + mu + mu * largest) * inverse_J;
+      for (unsigned int i = 0; i < 3; ++i)
+        {
+          point.stress.access_raw_entry(i) =
+            (p + mu * e.access_raw_entry(i)) * inverse_J;
+          point.stress.access_raw_entry(i + 3) =
+            mu * e.access_raw_entry(i + 3) * inverse_J;
+        }
+    }
+
+    double
+    strain_energy(const MaterialPoint &point) const override
+    {
+      const double log_J = std::log(point.J);
+      return 0.5 * elastic.shear * trace(left_cauchy_green_less_one(point.F)) -
+             elastic.shear * log_J + 0.5 * elastic.lambda * log_J * log_J;
+    }
+
+    Moduli
+    moduli() const override
+    {
+      return elastic.moduli();
+    }
+
+  private:
+    ElasticConstants elastic;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,45 @@
+#ifndef greville_materials_newtonian_fluid_h
+#define greville_materials_newtonian_fluid_h
+
+#include <greville/materials/tait_fluid.h>
+
+namespace greville
+{
+  /**
+   * A weakly compressible Newtonian fluid: TaitFluid (pressure, rate d, state,
+   * exceptions) with the shear stress 2 mu dev(d), mu the parameter
+   * "Viscosity", Pa s.
+   */
+  class NewtonianFluid : public TaitFluid<NewtonianFluid>
+  {
+  public:
+    static constexpr const char *name = "newtonian-fluid";
+
+    NewtonianFluid(const std::string &section)
+      : TaitFluid<NewtonianFluid>(section)
+    {
+      add_parameter("Viscosity",
+                    mu,
+                    "Dynamic viscosity of shear. Unit: Pa s.",
+                    prm,
+                    dealii::Patterns::Double(0.));
+    }
+
+    double
+    viscosity(const double) const
+    {
+      return mu;
+    }
+
+    double
+    largest_viscosity() const
+    {
+      return mu;
+    }
+
+  private:
+    double mu = 1e-3;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,78 @@
+#ifndef greville_materials_parameter_checks_h
+#define greville_materials_parameter_checks_h
+
+#include <deal.II/base/exceptions.h>
+#include <deal.II/base/patterns.h>
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <sstream>
+#include <string>
+
+namespace greville
+{
+  /**
+   * Numbers greater than zero.
+   */
+  inline dealii::Patterns::Double
+  positive()
+  {
+    return dealii::Patterns::Double(1e-300);
+  }
+
+
+
+  /**
+   * Throw dealii::ExcMessage with the parameter, its value and what is @p
+   * allowed if not @p valid.
+   */
+  inline void
+  check_parameter(const bool         valid,
+                  const std::string &section,
+                  const std::string &name,
+                  const double       value,
+                  const std::string &allowed)
+  {
+    if (valid)
+      return;
+    std::ostringstream text;
+    text << "The parameter '" << name << "' in section '" << section << "' is "
+         << value << "; it has to be " << allowed << ".";
+    AssertThrow(false, dealii::ExcMessage(text.str()));
+  }
+
+
+
+  /**
+   * Throw dealii::ExcMessage with the @p material, its Cauchy @p stress and
+   * the @p reason why it cannot have it if not @p possible.
+   */
+  inline void
+  check_stress(const bool                           possible,
+               const char                          *material,
+               const dealii::SymmetricTensor<2, 3> &stress,
+               const std::string                   &reason)
+  {
+    if (possible)
+      return;
+    std::ostringstream text;
+    text
+      << "The material '" << material
+      << "' cannot start with the Cauchy stress (xx, yy, zz, xy, xz, yz) = (";
+    for (unsigned int i = 0; i < 6; ++i)
+      text << (i == 0 ? "" : ", ") << stress.access_raw_entry(i) + 0.;
+    text << ") Pa: " << reason << ".";
+    AssertThrow(false, dealii::ExcMessage(text.str()));
+  }
+
+
+
+  inline std::string
+  to_text(const double value)
+  {
+    std::ostringstream text;
+    text << value;
+    return text.str();
+  }
+} // namespace greville
+
+#endif

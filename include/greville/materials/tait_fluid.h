@@ -1,0 +1,186 @@
+#ifndef greville_materials_tait_fluid_h
+#define greville_materials_tait_fluid_h
+
+#include <greville/materials/hencky.h>
+#include <greville/materials/material.h>
+#include <greville/materials/parameter_checks.h>
+
+namespace greville
+{
+  /**
+   * A weakly compressible viscous fluid with Tait's equation of state (R. H.
+   * Cole, Underwater Explosions, 1948; J. J. Monaghan, J. Comput. Phys. 110,
+   * 1994): with rho / rho0 = 1 / J
+   *   p = B (J^-gamma - 1), B = rho0 c^2 / gamma,
+   *   sigma = (-p + zeta tr(d)) 1 + 2 eta dev(d), d = sym(f - 1) / dt,
+   *   W = B ((J^(1 - gamma) - 1) / (gamma - 1) + J - 1), for gamma = 1:
+   *   W = B (J - 1 - ln(J)),
+   *   D = D + dt J (2 eta dev(d) : dev(d) + zeta tr(d)^2).
+   * d is the rate whose power the internal forces of an explicit step have. It
+   * is objective in velocities (a spin adds no stress), not for an increment f
+   * that is a finite rotation.
+   *
+   * Without "Allow tension" a fluid with J > 1 has torn: p, zeta and W are
+   * zero, eta dev(d) stays. The wave modulus is -J dp / dJ = B gamma J^-gamma,
+   * in a torn fluid too.
+   *
+   * Parameters: "Sound speed" c, m/s, at J = 1, "Exponent" gamma, "Bulk
+   * viscosity" zeta, Pa s, "Allow tension". State: the dissipated energy D per
+   * volume of the stress-free state, J / m^3.
+   *
+   * initialize() throws dealii::ExcMessage for shear stress, for tension that
+   * is not allowed, and for p <= -B.
+   *
+   * A @p Law has
+   *   static constexpr const char *name;
+   *   double viscosity(double square) const,
+   * eta (Pa s) at the @p square of the shear rate 2 dev(d) : dev(d), 1/s^2;
+   *   double largest_viscosity() const.
+   */
+  template <typename Law>
+  class TaitFluid : public MaterialLaw<Law>
+  {
+  public:
+    TaitFluid(const std::string &section)
+      : MaterialLaw<Law>(section)
+    {
+      this->add_parameter("Sound speed",
+                          sound_speed,
+                          "Speed of sound in the stress-free fluid. Unit: m / "
+                          "s.",
+                          this->prm,
+                          positive());
+      this->add_parameter("Exponent",
+                          exponent,
+                          "Exponent gamma of Tait's equation. Unit: none.",
+                          this->prm,
+                          dealii::Patterns::Double(1.));
+      this->add_parameter("Bulk viscosity",
+                          bulk_viscosity,
+                          "Viscosity of changes of volume, often artificial. "
+                          "Unit: Pa s.",
+                          this->prm,
+                          dealii::Patterns::Double(0.));
+      this->add_parameter("Allow tension",
+                          allow_tension,
+                          "Whether the pressure may be negative; else an "
+                          "expanded fluid has none.",
+                          this->prm,
+                          dealii::Patterns::Bool());
+    }
+
+    void
+    reinit() override
+    {
+      B = this->density * sound_speed * sound_speed / exponent;
+    }
+
+    std::vector<std::string>
+    state_names() const override
+    {
+      return {"dissipation"};
+    }
+
+    void
+    initialize(MaterialPoint                       &point,
+               const dealii::SymmetricTensor<2, 3> &stress) const override
+    {
+      const double p = -trace(stress) / 3.;
+      check_stress(deviator(stress).norm() <= 1e-12 * stress.norm(),
+                   Law::name,
+                   stress,
+                   "a fluid at rest has no shear stress");
+      check_stress(p >= 0. || allow_tension,
+                   Law::name,
+                   stress,
+                   "tension is not allowed");
+      check_stress(p > -B,
+                   Law::name,
+                   stress,
+                   "the tension has to be smaller than rho0 c^2 / gamma = " +
+                     to_text(B) + " Pa");
+      const double log_J = -std::log1p(p / B) / exponent;
+      point.J            = std::exp(log_J);
+      point.F            = 0.;
+      for (unsigned int i = 0; i < 3; ++i)
+        point.F[i][i] = std::exp(log_J / 3.);
+      point.stress       = stress;
+      point.wave_modulus = exponent * (B + p);
+      point.state.fill(0.);
+    }
+
+    void
+    update_point(MaterialPoint &point) const
+    {
+      const dealii::Tensor<2, 3> &f = point.increment;
+      const double ratio            = std::expm1(-exponent * std::log(point.J));
+      const bool   torn             = point.J > 1. && !allow_tension;
+      const double pressure         = torn ? 0. : B * ratio;
+      point.wave_modulus            = B * exponent * (1. + ratio);
+
+      const double inverse_dt = point.dt > 0. ? 1. / point.dt : 0.;
+      double       d[6]       = {(f[0][0] - 1.) * inverse_dt,
+                                 (f[1][1] - 1.) * inverse_dt,
+                                 (f[2][2] - 1.) * inverse_dt,
+                                 0.5 * (f[0][1] + f[1][0]) * inverse_dt,
+                                 0.5 * (f[0][2] + f[2][0]) * inverse_dt,
+                                 0.5 * (f[1][2] + f[2][1]) * inverse_dt};
+      const double rate       = d[0] + d[1] + d[2];
+      for (unsigned int i = 0; i < 3; ++i)
+        d[i] -= rate / 3.;
+      const double square = 2. * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) +
+                            4. * (d[3] * d[3] + d[4] * d[4] + d[5] * d[5]);
+
+      const double eta  = static_cast<const Law &>(*this).viscosity(square);
+      const double zeta = torn ? 0. : bulk_viscosity;
+      const double mean = zeta * rate - pressure;
+      for (unsigned int i = 0; i < 3; ++i)
+        {
+          point.stress.access_raw_entry(i)     = mean + 2. * eta * d[i];
+          point.stress.access_raw_entry(i + 3) = 2. * eta * d[i + 3];
+        }
+      point.state[0] +=
+        point.dt * point.J * (eta * square + zeta * rate * rate);
+    }
+
+    double
+    strain_energy(const MaterialPoint &point) const override
+    {
+      if (point.J > 1. && !allow_tension)
+        return 0.;
+      const double log_J = std::log(point.J);
+      return B * (point.J - 1. +
+                  (exponent == 1.
+                     ? -log_J
+                     : std::expm1((1. - exponent) * log_J) / (exponent - 1.)));
+    }
+
+    double
+    dissipation(const MaterialPoint &point) const override
+    {
+      return point.state[0];
+    }
+
+    /**
+     * The viscosity is the largest one plus 3 / 4 zeta, so that 4 / 3 of it
+     * damp longitudinal waves.
+     */
+    Moduli
+    moduli() const override
+    {
+      return {this->density * sound_speed * sound_speed,
+              0.,
+              static_cast<const Law &>(*this).largest_viscosity() +
+                0.75 * bulk_viscosity};
+    }
+
+  private:
+    double sound_speed    = 10.;
+    double exponent       = 7.;
+    double bulk_viscosity = 0.;
+    bool   allow_tension  = false;
+    double B              = 0.;
+  };
+} // namespace greville
+
+#endif

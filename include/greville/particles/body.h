@@ -1,0 +1,104 @@
+#ifndef greville_particles_body_h
+#define greville_particles_body_h
+
+#include <deal.II/base/parameter_acceptor.h>
+
+#include <greville/base/expression.h>
+#include <greville/materials/material.h>
+#include <greville/particles/material_points.h>
+
+#include <memory>
+#include <string>
+
+namespace greville
+{
+  /**
+   * Parameters of a body: where its points are in the beginning, their velocity
+   * and stress.
+   */
+  class BodyParameters : public dealii::ParameterAcceptor
+  {
+  public:
+    BodyParameters(const std::string &section);
+
+    std::string  material;
+    std::string  shape;
+    bool         clip = false;
+    std::string  points_file;
+    unsigned int points_per_direction = 2;
+    std::string  placement            = "equidistant";
+    double       jitter               = 0.;
+    unsigned int seed                 = 1;
+    std::string  velocity;
+    std::string  stress;
+    double       K0 = -1.;
+    std::string  surface;
+    std::string  imposed_velocity;
+  };
+
+
+
+  /**
+   * The inside of a body, from a formula of x, y (and z) that is true (not 0)
+   * inside. Besides the formulas of Expression it knows the shapes
+   *   box(x0, y0, [z0,] x1, y1, [z1]), ball(x, y, [z,] radius),
+   *   cylinder(x0, y0, z0, x1, y1, z1, radius) with its axis from the first to
+   *   the second point (in 3D),
+   *   half_space(n_x, n_y, [n_z,] c): n . x <= c,
+   * and combines them by union(a, b, ...), intersection(a, b, ...) and
+   * difference(a, b, ...): in a and not in b, ...
+   */
+  template <int dim>
+  class Shape
+  {
+  public:
+    /**
+     * Throws dealii::ExcMessage where @p formula is wrong.
+     */
+    Shape(const std::string &formula, const std::string &parameter);
+
+    bool
+    contains(const dealii::Point<dim> &x) const;
+
+  private:
+    Expression expression;
+  };
+
+
+
+  /**
+   * A body: its material and its points on this process.
+   */
+  template <int dim>
+  struct Body
+  {
+    std::string         name;
+    BodyParameters     *parameters = nullptr;
+    const Material     *material   = nullptr;
+    MaterialPoints<dim> points;
+    /// Number of points of all processes.
+    std::uint64_t n_points = 0;
+    /// Formulas of t where the velocity is imposed.
+    std::vector<Expression> imposed_velocity;
+  };
+
+
+
+  /**
+   * Collective. Make the points of @p body on the cells of @p space. Its name,
+   * parameters and material are set. @p gravity (m / s^2) is that of the K0
+   * procedure. Throws dealii::ExcMessage for a body that is empty or sticks out
+   * of the grid, for wrong formulas, files and stresses.
+   *
+   * The points, and their ids, do not depend on the number of processes.
+   */
+  template <int dim>
+  void
+  make_points(Body<dim>                    &body,
+              const SplineSpace<dim>       &space,
+              const dealii::Tensor<1, dim> &gravity,
+              const bool                    has_affine,
+              const bool                    has_load);
+} // namespace greville
+
+#endif

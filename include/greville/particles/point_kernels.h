@@ -1,0 +1,179 @@
+#ifndef greville_particles_point_kernels_h
+#define greville_particles_point_kernels_h
+
+#include <greville/particles/point_transfer.h>
+
+#include <experimental/simd>
+
+/**
+ * What the kernels of points share. To be included in sources, not in headers.
+ */
+namespace greville
+{
+  namespace internal
+  {
+    /**
+     * One number of all points of a group. (Cells have few points: the widest
+     * vectors of a machine would have empty lanes.)
+     */
+    using Simd = std::experimental::simd<
+      double,
+      std::experimental::simd_abi::deduce_t<double, MaterialPoints<2>::width>>;
+
+    constexpr unsigned int simd_width = Simd::size();
+
+    inline Simd
+    load(const double *address)
+    {
+      return Simd(address, std::experimental::element_aligned);
+    }
+
+    inline void
+    store(const Simd &value, double *address)
+    {
+      value.copy_to(address, std::experimental::element_aligned);
+    }
+
+
+
+    constexpr int
+    power(const int base, const int exponent)
+    {
+      return exponent == 0 ? 1 : base * power(base, exponent - 1);
+    }
+
+
+
+    /**
+     * What is the same for all points of a cell.
+     */
+    template <int dim, int n>
+    struct CellGeometry
+    {
+      CellGeometry(const SplineSpace<dim>                   &space,
+                   const std::array<SplinePolynomials, dim> &tables,
+                   const unsigned int                        cell)
+      {
+        const auto &lattice = space.lattice();
+        const auto  index =
+          multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double h = lattice.cell_size(d);
+            center[d]      = lattice.lower(d) + (index[d] + 0.5) * h;
+            inverse_h[d]   = 1. / h;
+            polynomials[d] = tables[d].coefficients(index[d]);
+            offsets[d]     = tables[d].greville_offsets(index[d]);
+          }
+        functions = space.cell_functions(cell).data();
+      }
+
+      double              center[dim];
+      double              inverse_h[dim];
+      const double       *polynomials[dim];
+      const double       *offsets[dim];
+      const unsigned int *functions;
+    };
+
+
+
+    /**
+     * Values and derivatives of the univariate functions at a group of points.
+     */
+    template <int dim, int n>
+    struct Shape
+    {
+      template <bool derivatives>
+      inline __attribute__((always_inline)) void
+      evaluate(const CellGeometry<dim, n> &cell, const Simd *x)
+      {
+#pragma GCC unroll 3
+        for (int d = 0; d < dim; ++d)
+          {
+            const Simd    t = (x[d] - cell.center[d]) * cell.inverse_h[d];
+            const double *c = cell.polynomials[d];
+#pragma GCC unroll 6
+            for (int a = 0; a < n; ++a)
+              {
+                Simd value = c[a * n + n - 1];
+                Simd slope = 0.;
+#pragma GCC unroll 6
+                for (int k = n - 2; k >= 0; --k)
+                  {
+                    if constexpr (derivatives)
+                      slope = slope * t + value;
+                    value = value * t + c[a * n + k];
+                  }
+                N[d][a] = value;
+                if constexpr (derivatives)
+                  dN[d][a] = slope * cell.inverse_h[d];
+              }
+          }
+      }
+
+      Simd N[dim][n];
+      Simd dN[dim][n];
+    };
+
+
+
+    /**
+     * Call kernel.template operator()<p>() for the order of a space.
+     */
+    template <typename Kernel>
+    void
+    with_order(const unsigned int degree, const Kernel &kernel)
+    {
+      switch (degree)
+        {
+          case 1:
+            return kernel(std::integral_constant<int, 2>());
+          case 2:
+            return kernel(std::integral_constant<int, 3>());
+          case 3:
+            return kernel(std::integral_constant<int, 4>());
+          case 4:
+            return kernel(std::integral_constant<int, 5>());
+          case 5:
+            return kernel(std::integral_constant<int, 6>());
+          default:
+            Assert(false, dealii::ExcInternalError());
+        }
+    }
+
+
+
+    /**
+     * Load @p count numbers of a group beginning at number @p first.
+     */
+    template <int count>
+    inline __attribute__((always_inline)) void
+    load_numbers(const double *group, const int first, Simd *values)
+    {
+#pragma GCC unroll 9
+      for (int k = 0; k < count; ++k)
+        values[k] = load(group + (first + k) * simd_width);
+    }
+
+    template <int count>
+    inline __attribute__((always_inline)) void
+    store_numbers(const Simd *values, const int first, double *group)
+    {
+#pragma GCC unroll 9
+      for (int k = 0; k < count; ++k)
+        store(values[k], group + (first + k) * simd_width);
+    }
+
+    /**
+     * Where entry (i, j) of a symmetric tensor is stored.
+     */
+    template <int dim>
+    constexpr int
+    stress_index(const int i, const int j)
+    {
+      return i == j ? i : (dim == 2 ? 3 : 2 + i + j);
+    }
+  } // namespace internal
+} // namespace greville
+
+#endif

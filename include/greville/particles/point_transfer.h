@@ -1,0 +1,182 @@
+#ifndef greville_particles_point_transfer_h
+#define greville_particles_point_transfer_h
+
+#include <greville/materials/material.h>
+#include <greville/multigrid/density_weights.h>
+#include <greville/particles/material_points.h>
+
+#include <cstdint>
+
+namespace greville
+{
+  /**
+   * A vector field on the grid: one vector of coefficients per component.
+   */
+  template <int dim>
+  using VectorField = std::array<VectorType, dim>;
+
+
+
+  /**
+   * The univariate B-splines of all cells of a direction as polynomials, for
+   * kernels that evaluate them at any point.
+   */
+  class SplinePolynomials
+  {
+  public:
+    void
+    reinit(const KnotVector &knots);
+
+    /**
+     * With t = (x - centre of the cell) / h: N_a = sum_k c[a (p+1) + k] t^k.
+     */
+    const double *
+    coefficients(const unsigned int cell) const
+    {
+      return polynomials.data() + std::size_t(cell) * n * n;
+    }
+
+    /**
+     * Greville abscissae of the functions of a cell minus its centre.
+     */
+    const double *
+    greville_offsets(const unsigned int cell) const
+    {
+      return offsets.data() + std::size_t(cell) * n;
+    }
+
+  private:
+    unsigned int        n = 0;
+    std::vector<double> polynomials, offsets;
+  };
+
+
+
+  /**
+   * How grid_to_points() moves points.
+   */
+  template <int dim>
+  struct PointUpdate
+  {
+    /// Grid acceleration a: points are kicked if it is given.
+    const VectorField<dim> *acceleration = nullptr;
+    /// Grid velocity v: points are moved by it if @p move, and PIC and APIC
+    /// take it over where points are kicked.
+    const VectorField<dim> *velocity = nullptr;
+    /// Grid velocity w whose gradient deforms the points, if it is given.
+    const VectorField<dim> *deformation = nullptr;
+    /// Whether x changes.
+    bool move = false;
+    /// Steps of time (s) of velocity and of position and deformation.
+    double velocity_step = 0.;
+    double step          = 0.;
+    /// 1: FLIP, 0: PIC.
+    double flip = 1.;
+    /// APIC: points have an affine matrix.
+    bool apic = false;
+    /// The law of the points: needed where they are deformed.
+    const Material *material = nullptr;
+  };
+
+
+
+  /**
+   * What grid_to_points() found on this process.
+   */
+  struct PointReport
+  {
+    /// The largest c + |v| (m / s) with the speed c of pressure waves.
+    double fastest_signal = 0.;
+    /// Cells that at least one point has left.
+    std::vector<unsigned int> left_cells;
+    /// The id of the first point with J <= 0 or a stress or position that is
+    /// no number, and what is wrong with it.
+    std::int64_t bad_point = -1;
+    std::string  bad_reason;
+  };
+
+
+
+  /**
+   * Sums over points and grid functions. For a space with functions N_i, of
+   * points p with mass m, velocity v, volume V = J V0 and Cauchy stress sigma:
+   *   mass      m_i = sum_p m_p N_i(x_p),
+   *   momentum  P_i = sum_p m_p (v_p + C_p (xi_i - x_p)) N_i(x_p),
+   *   force     f_i = sum_p (m_p b_p N_i(x_p) - V_p sigma_p grad N_i(x_p)),
+   * with the acceleration b_p by loads and, for APIC, the affine matrix C_p and
+   * the Greville point xi_i (C. Jiang, C. Schroeder, A. Selle, J. Teran, A.
+   * Stomakhin, The affine particle-in-cell method, 2015). The way back is
+   *   v_p <- flip (v_p + dt' a(x_p)) + (1 - flip) v(x_p),    (PIC: flip = 0)
+   *   x_p <- x_p + dt v(x_p),
+   *   F_p <- (1 + dt grad w(x_p)) F_p,  J_p likewise, sigma_p by the material.
+   * Values of all fields are those at the x_p before the call. For APIC,
+   * v_p = v(x_p) and C_p = sum_i N_i v_i (xi_i - x_p)^T D_p^-1 with the
+   * diagonal matrix D_p = sum_i N_i (xi_i - x_p)(xi_i - x_p)^T.
+   *
+   * Kernels take the points of a group by SIMD; loops over a cell's functions
+   * are a tensor product. The space has order 1 to 5.
+   */
+  template <int dim>
+  class PointTransfer
+  {
+  public:
+    /**
+     * The space is kept by reference.
+     */
+    void
+    reinit(const SplineSpace<dim> &space);
+
+    /**
+     * Collective. Overwrite those of the three that are given with the sums
+     * over all @p bodies, which have to live on cells of the space. Mass and
+     * momentum go together.
+     */
+    void
+    points_to_grid(const std::vector<const MaterialPoints<dim> *> &bodies,
+                   VectorType                                     *mass,
+                   VectorField<dim>                               *momentum,
+                   VectorField<dim>                               *force);
+
+    /**
+     * Collective. Move @p points. Ghost entries of the fields are updated.
+     */
+    PointReport
+    grid_to_points(MaterialPoints<dim> &points, const PointUpdate<dim> &update);
+
+    /**
+     * Fill the weights, with n points per direction, from the masses of the
+     * points: exact for mass matrices of order (n - 1) / 2.
+     */
+    void
+    mass_weights(const std::vector<const MaterialPoints<dim> *> &bodies,
+                 DensityWeights<dim>                            &weights) const;
+
+    /**
+     * Collective. The action of the stiffness matrix of an isotropic body on
+     * the displacement u, k_i = sum_p V_p (lambda div u 1 + 2 G sym grad u)
+     * grad N_i at x_p: add it for @p points with lambda (@p lambda) and G
+     * (@p shear) in Pa. @p k is overwritten if @p overwrite.
+     */
+    void
+    add_stiffness(const MaterialPoints<dim> &points,
+                  const double               lambda,
+                  const double               shear,
+                  const VectorField<dim>    &u,
+                  VectorField<dim>          &k,
+                  const bool                 overwrite);
+
+    /**
+     * The diagonal of D_p = sum_i N_i (xi_i - x)(xi_i - x)^T for a point @p x
+     * of owned cell number @p cell, m^2.
+     */
+    dealii::Tensor<1, dim>
+    spread(const unsigned int cell, const dealii::Point<dim> &x) const;
+
+  private:
+    const SplineSpace<dim>            *spline_space = nullptr;
+    std::array<SplinePolynomials, dim> tables;
+    std::vector<double>                buffer;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,59 @@
+#ifndef greville_particles_point_transport_h
+#define greville_particles_point_transport_h
+
+#include <greville/particles/material_points.h>
+
+#include <unordered_map>
+
+namespace greville
+{
+  /**
+   * Brings points to the cells, and the processes, that they have moved to.
+   * Points that leave the grid by less than 1e-9 cells are put back onto its
+   * wall.
+   */
+  template <int dim>
+  class PointTransport
+  {
+  public:
+    /**
+     * Collective. Triangulation and space are kept by reference.
+     */
+    void
+    reinit(DistributedTriangulation<dim> &triangulation,
+           const SplineSpace<dim>        &space);
+
+    /**
+     * What became of the points of a body that left their cells, on this
+     * process.
+     */
+    struct Result
+    {
+      std::size_t n_moved   = 0;
+      std::size_t n_sent    = 0;
+      std::size_t n_removed = 0;
+      /// The id of a point outside of the grid, and its position.
+      std::int64_t       outside = -1;
+      dealii::Point<dim> outside_position;
+    };
+
+    /**
+     * Collective. Move the points that have left @p left_cells. Points outside
+     * of the grid are removed and counted.
+     */
+    Result
+    move(MaterialPoints<dim>             &points,
+         const std::vector<unsigned int> &left_cells);
+
+  private:
+    std::vector<unsigned int>
+    find_owners(const std::vector<std::uint64_t> &cells) const;
+
+    DistributedTriangulation<dim>                  *tria         = nullptr;
+    const SplineSpace<dim>                         *spline_space = nullptr;
+    MPI_Comm                                        comm = MPI_COMM_NULL;
+    std::unordered_map<std::uint64_t, unsigned int> owners_of_ghost_cells;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,144 @@
+#ifndef greville_simulation_comparison_h
+#define greville_simulation_comparison_h
+
+#include <greville/simulation/parameters.h>
+#include <greville/simulation/statistics.h>
+
+#include <optional>
+
+namespace greville
+{
+  /**
+   * Distance between a run and an exact solution: with sums over points,
+   *   l2  = sqrt(sum_p V0_p |u_p - u|^2 / sum_p V0_p |u|^2),
+   *   max = max_p |u_p - u| / max_p |u|,
+   * relative; absolute (l2 divided by the root of the volume) where the exact
+   * solution vanishes.
+   */
+  struct Errors
+  {
+    double l2  = 0.;
+    double max = 0.;
+  };
+
+
+
+  /**
+   * The exact solution of a parameter file.
+   */
+  template <int dim>
+  class ExactSolution
+  {
+  public:
+    /**
+     * Throws dealii::ExcMessage for wrong formulas.
+     */
+    ExactSolution(const ExactParameters &parameters);
+
+    /**
+     * Collective. Errors of displacement at time @p t, of velocity at time
+     * @p t_velocity, and of stress at @p t. Empty where nothing is known.
+     */
+    std::optional<Errors>
+    displacement(const std::vector<Body<dim>> &bodies,
+                 const double                  t,
+                 const MPI_Comm                comm) const;
+
+    std::optional<Errors>
+    velocity(const std::vector<Body<dim>> &bodies,
+             const double                  t,
+             const MPI_Comm                comm) const;
+
+    std::optional<Errors>
+    stress(const std::vector<Body<dim>> &bodies,
+           const double                  t,
+           const MPI_Comm                comm) const;
+
+  private:
+    std::vector<Expression> displacement_formulas, velocity_formulas,
+      stress_formulas;
+  };
+
+
+
+  /**
+   * Mean and largest distance to measured data, in the unit of the data.
+   */
+  struct Distance
+  {
+    double mean    = 0.;
+    double largest = 0.;
+    /// Number of data that could be compared.
+    unsigned int n = 0;
+    /// mean / mean of the data.
+    double relative = 0.;
+  };
+
+
+
+  /**
+   * A CSV file with a header and columns of numbers; lines with # are
+   * comments. Throws dealii::ExcMessage with file and line where it is wrong.
+   */
+  std::vector<std::vector<double>>
+  read_columns(const std::string &file,
+               const std::string &parameter,
+               const unsigned int n_columns);
+
+
+
+  /**
+   * Measured data, read when made, so that a missing file stops a run before it
+   * begins.
+   */
+  template <int dim>
+  class MeasuredData
+  {
+  public:
+    MeasuredData(const SimulationParameters &parameters);
+
+    /**
+     * Add a value of the quantity of the series.
+     */
+    void
+    add(const Statistics<dim> &statistics);
+
+    bool
+    has_series() const
+    {
+      return !series.empty();
+    }
+
+    bool
+    has_surface() const
+    {
+      return !surface.empty();
+    }
+
+    /**
+     * |value - measured| at the measured times that the run has reached, in the
+     * unit of the values.
+     */
+    Distance
+    series_distance() const;
+
+    /**
+     * Collective. Vertical distance (m) between the measured surface and the
+     * uppermost point (with half of its size) within half a cell @p h of its x.
+     * Where the body has ended, its surface is at the bottom @p floor.
+     */
+    Distance
+    surface_distance(const std::vector<Body<dim>> &bodies,
+                     const double                  h,
+                     const double                  floor,
+                     const MPI_Comm                comm) const;
+
+  private:
+    const ReferenceParameters       &parameters;
+    std::vector<std::vector<double>> surface, series;
+    unsigned int                     quantity = 0;
+    std::vector<double>              times, values;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,95 @@
+#ifndef greville_simulation_output_h
+#define greville_simulation_output_h
+
+#include <greville/particles/body.h>
+#include <greville/particles/point_transfer.h>
+
+#include <fstream>
+#include <string>
+
+namespace greville
+{
+  /**
+   * Writes points and grid fields for ParaView: points_NNNN.pvtu and
+   * grid_NNNN.pvtu, with points.pvd and grid.pvd that hold the times. The .pvd
+   * files are replaced at the end of each write(), so that they never name what
+   * is not there.
+   */
+  template <int dim>
+  class FieldOutput
+  {
+  public:
+    FieldOutput(const std::string &directory, const bool with_grid);
+
+    /**
+     * Collective. Points: velocity, displacement, stress (3 x 3), pressure,
+     * von Mises stress, J, density, body, id and history. Grid: @p velocity and
+     * mass per function @p mass, as Bezier cells of the order of the space.
+     * Vectors have no ghost values.
+     */
+    void
+    write(const double                   time,
+          const std::vector<Body<dim>>  &bodies,
+          DistributedTriangulation<dim> &triangulation,
+          const SplineSpace<dim>        &space,
+          const VectorField<dim>        &velocity,
+          const VectorType              &mass);
+
+    /**
+     * The last number written.
+     */
+    unsigned int
+    n_written() const
+    {
+      return times_and_names[0].size();
+    }
+
+  private:
+    void
+    write_record(const unsigned int kind, const std::string &name);
+
+    const std::string directory;
+    const bool        with_grid;
+    // Of points and grid.
+    std::array<std::vector<std::pair<double, std::string>>, 2> times_and_names;
+  };
+
+
+
+  /**
+   * Follows single points in probes.csv: time, and for each probe its position,
+   * velocity, and the Cauchy stress xx, yy, zz, xy.
+   */
+  template <int dim>
+  class Probes
+  {
+  public:
+    /**
+     * Collective. Take the points of @p bodies that are nearest to the
+     * positions in @p text ("x, y; x, y; ..."). Throws where it is none.
+     */
+    Probes(const std::string            &text,
+           const std::vector<Body<dim>> &bodies,
+           const std::string            &file,
+           const MPI_Comm                comm);
+
+    /**
+     * Collective.
+     */
+    void
+    write(const double time, const std::vector<Body<dim>> &bodies);
+
+  private:
+    struct Probe
+    {
+      unsigned int body;
+      double       id;
+    };
+
+    MPI_Comm           comm;
+    std::vector<Probe> probes;
+    std::ofstream      out; // of the first process
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,316 @@
+#ifndef greville_simulation_simulation_h
+#define greville_simulation_simulation_h
+
+#include <greville/particles/point_transport.h>
+#include <greville/particles/reconstruction.h>
+#include <greville/simulation/comparison.h>
+#include <greville/simulation/grid_mass.h>
+#include <greville/simulation/statistics.h>
+
+#include <map>
+#include <optional>
+
+namespace greville
+{
+  /**
+   * What distinguishes the runs of a sweep.
+   */
+  struct SimulationCase
+  {
+    std::vector<unsigned int> cells;
+    unsigned int              degree = 2;
+    std::string               mass;
+    std::string               quadrature;
+  };
+
+
+
+  /**
+   * The material point method on a grid of B-splines. A step from t_n to
+   * t_(n+1) = t_n + dt, with the sums of PointTransfer at the positions x_n, is
+   *
+   *   M, P, F     from the points                             (points to grid)
+   *   M v  = P    the velocity of the grid
+   *   M a  = F    with gravity, friction and damping
+   *   v'   = v + dt' a
+   *   points are kicked by a (FLIP) or take v' (PIC, APIC), and are moved by v'
+   *   F, J, stress from the gradient of w                     (grid to points)
+   *
+   * with w = v' (USL); w = M^-1 P', P' from the velocities of the kicked points
+   * at x_n (MUSL); or w = v, before F is summed up (USF). Coefficients at walls
+   * are held in all of these.
+   *
+   * With velocities at half steps, dt' is the mean of dt and the step before
+   * it, in the first step dt / 2: central differences, of second order, where
+   * v belongs to t_(n-1/2), v' to t_(n+1/2). With full steps dt' = dt:
+   * symplectic Euler, of first order.
+   *
+   * (D. Sulsky, Z. Chen, H. Schreyer, A particle method for history-dependent
+   * materials, 1994; S. Bardenhagen, Energy conservation error in the material
+   * point method for solid mechanics, 2002.)
+   */
+  template <int dim>
+  class Simulation
+  {
+  public:
+    /**
+     * Collective. Makes grid and points. Parameters are kept by reference.
+     * Throws dealii::ExcMessage where they are wrong.
+     */
+    Simulation(const SimulationParameters &parameters,
+               const SimulationCase       &run_case,
+               const MPI_Comm              comm = MPI_COMM_WORLD);
+
+    /**
+     * Collective. One step; not beyond the end. Throws dealii::ExcMessage with
+     * step, time and point where a point is lost or breaks; bodies() and time()
+     * are then those of the last remembered good state.
+     */
+    void
+    step();
+
+    bool
+    is_finished() const;
+
+    /**
+     * Collective.
+     */
+    Statistics<dim>
+    statistics() const;
+
+    double
+    time() const
+    {
+      return t;
+    }
+
+    double
+    last_step() const
+    {
+      return dt;
+    }
+
+    unsigned int
+    n_steps() const
+    {
+      return steps;
+    }
+
+    const std::vector<Body<dim>> &
+    bodies() const
+    {
+      return all_bodies;
+    }
+
+    /**
+     * For programs that change points between steps.
+     */
+    std::vector<Body<dim>> &
+    bodies()
+    {
+      return all_bodies;
+    }
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return grid_mass->space();
+    }
+
+    const GridMass<dim> &
+    mass() const
+    {
+      return *grid_mass;
+    }
+
+    const VectorField<dim> &
+    grid_velocity() const
+    {
+      return new_velocity;
+    }
+
+    /**
+     * Points that have moved to another process, and that were removed outside
+     * of the grid, so far, on all processes. Collective.
+     */
+    std::uint64_t
+    n_sent() const;
+
+    std::uint64_t
+    n_removed() const;
+
+    /**
+     * The last estimate of the critical step, s.
+     */
+    double
+    critical() const
+    {
+      return critical_dt;
+    }
+
+    /**
+     * Most iterations of a solve of the last step.
+     */
+    unsigned int
+    n_iterations() const
+    {
+      return iterations;
+    }
+
+    /**
+     * Warnings since the last call.
+     */
+    std::vector<std::string>
+    take_warnings();
+
+    /**
+     * Seconds on this process by part of the step.
+     */
+    const std::map<std::string, double> &
+    part_times() const
+    {
+      return seconds;
+    }
+
+    /**
+     * Bytes of points and grid on this process.
+     */
+    std::size_t
+    points_memory() const;
+
+    DistributedTriangulation<dim> &
+    triangulation()
+    {
+      return mesh;
+    }
+
+    const PointTransfer<dim> &
+    point_transfer() const
+    {
+      return transfer;
+    }
+
+    dealii::Tensor<1, dim>
+    gravity(const double at_time) const;
+
+  private:
+    struct Traction
+    {
+      Shape<dim>              shape;
+      std::vector<Expression> formulas;
+      double                  area_per_volume0;
+    };
+
+    class PartTimer;
+
+    void
+    make_bodies();
+
+    void
+    make_tractions();
+
+    void
+    choose_step();
+
+    void
+    estimate_critical_step();
+
+    /**
+     * Accelerations by loads that points carry.
+     */
+    void
+    set_loads();
+
+    /**
+     * What integrals are summed over: the points, or their reconstruction.
+     */
+    const std::vector<const MaterialPoints<dim> *> &
+    quadrature_points();
+
+    /**
+     * Gravity, friction and damping.
+     */
+    void
+    add_grid_forces();
+
+    /**
+     * M field = right_hand_side, with walls held.
+     */
+    void
+    solve_velocity(VectorField<dim>       &field,
+                   const VectorField<dim> &right_hand_side,
+                   const double            at_time);
+
+    /**
+     * One pass over the points of all bodies. Null pointers leave out a part.
+     */
+    void
+    update_points(const VectorField<dim> *acceleration,
+                  const VectorField<dim> *velocity,
+                  const VectorField<dim> *deformation,
+                  const bool              move);
+
+    void
+    transport_points();
+
+    void
+    damp_kinetically();
+
+    void
+    remember_state();
+
+    /**
+     * Collective. Go back to the remembered state and throw where any process
+     * has a message.
+     */
+    void
+    check(const std::string &message);
+
+    const SimulationParameters    &parameters;
+    const SimulationCase           run_case;
+    MPI_Comm                       comm;
+    DistributedTriangulation<dim>  mesh;
+    Walls<dim>                     walls;
+    std::unique_ptr<GridMass<dim>> grid_mass;
+    PointTransfer<dim>             transfer;
+    PointTransport<dim>            transport;
+    Reconstruction<dim>            reconstruction;
+    std::vector<Body<dim>>         all_bodies;
+    std::vector<Traction>          tractions;
+    std::vector<Expression>        gravity_formulas, body_force;
+    std::optional<Expression>      step_formula;
+
+    // Points that integrals are summed over.
+    std::vector<MaterialPoints<dim>>         reconstructed;
+    std::vector<const MaterialPoints<dim> *> summed_points;
+
+    // Fields of the grid. The mass is that of all functions, M v = P.
+    VectorType       lumped_mass;
+    VectorField<dim> momentum, force;
+    VectorField<dim> velocity, acceleration, new_velocity, mapped_velocity;
+
+    double        t              = 0.;
+    double        dt             = 0.; // of the last step
+    double        velocity_dt    = 0.;
+    double        critical_dt    = 0.;
+    double        fastest_signal = 0.;
+    double        last_kinetic   = 0.;
+    unsigned int  steps          = 0;
+    unsigned int  iterations     = 0;
+    std::uint64_t n_all_points = 0, n_all_removed = 0, n_own_sent = 0;
+    std::vector<std::vector<unsigned int>> left_cells; // per body
+    std::string                            problem;    // of this process
+    std::vector<std::string>               warnings;
+    std::map<std::string, double>          seconds;
+
+    struct Remembered
+    {
+      double                           t = 0., dt = 0.;
+      unsigned int                     steps = 0;
+      std::vector<MaterialPoints<dim>> points;
+    };
+    Remembered remembered;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,80 @@
+#ifndef greville_simulation_statistics_h
+#define greville_simulation_statistics_h
+
+#include <greville/particles/body.h>
+#include <greville/particles/point_transfer.h>
+
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Sums over all points of all bodies and processes. Units: kg, m, s, J; in 2D
+   * per metre of thickness.
+   */
+  template <int dim>
+  struct Statistics
+  {
+    double                 time = 0.;
+    double                 step = 0.;
+    double                 mass = 0.;
+    dealii::Tensor<1, dim> momentum;
+    /// About the origin; with APIC including that of the affine matrices. In 2D
+    /// the first entry.
+    dealii::Tensor<1, 3>   angular_momentum;
+    double                 kinetic       = 0.;
+    double                 strain        = 0.;
+    double                 dissipation   = 0.;
+    double                 gravitational = 0.;
+    dealii::Tensor<1, dim> center;
+    /// Largest x and largest y of a point, with half of its size.
+    double        front         = 0.;
+    double        height        = 0.;
+    unsigned int  iterations    = 0;
+    double        largest_speed = 0.;
+    std::uint64_t active        = 0;
+    std::uint64_t n_points      = 0;
+
+    /**
+     * The names of the columns of statistics.csv.
+     */
+    static std::vector<std::string>
+    names();
+
+    /**
+     * In the order of the names.
+     */
+    std::vector<double>
+    values() const;
+  };
+
+  /**
+   * Collective. @p gravity is the acceleration of the potential energy. The
+   * fields that points do not know are left alone.
+   */
+  template <int dim>
+  Statistics<dim>
+  compute_statistics(const std::vector<Body<dim>> &bodies,
+                     const PointTransfer<dim>     &transfer,
+                     const dealii::Tensor<1, dim> &gravity,
+                     const MPI_Comm                comm);
+
+  /**
+   * Collective. The kinetic energy alone.
+   */
+  template <int dim>
+  double
+  kinetic_energy(const std::vector<Body<dim>> &bodies, const MPI_Comm comm);
+
+  /**
+   * The numbers of a point as its material sees them.
+   */
+  template <int dim>
+  MaterialPoint
+  material_point(const double           *values,
+                 const unsigned int      stride,
+                 const PointLayout<dim> &layout);
+} // namespace greville
+
+#endif

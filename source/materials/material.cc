@@ -1,0 +1,85 @@
+#include <greville/materials/bingham.h>
+#include <greville/materials/drucker_prager.h>
+#include <greville/materials/linear_elastic.h>
+#include <greville/materials/material.h>
+#include <greville/materials/mohr_coulomb.h>
+#include <greville/materials/neo_hookean.h>
+#include <greville/materials/newtonian_fluid.h>
+#include <greville/materials/von_mises.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    struct Entry
+    {
+      const char *name;
+      std::unique_ptr<Material> (*make)(const std::string &section);
+    };
+
+    template <typename Law>
+    Entry
+    entry()
+    {
+      return {Law::name,
+              [](const std::string &section) -> std::unique_ptr<Material> {
+                return std::make_unique<Law>(section);
+              }};
+    }
+
+    // All materials, one line each.
+    const std::vector<Entry> &
+    materials()
+    {
+      static const std::vector<Entry> list = {entry<LinearElastic>(),
+                                              entry<NeoHookean>(),
+                                              entry<VonMises>(),
+                                              entry<DruckerPrager>(),
+                                              entry<MohrCoulomb>(),
+                                              entry<NewtonianFluid>(),
+                                              entry<Bingham>()};
+      return list;
+    }
+  } // namespace
+
+
+
+  Material::Material(const std::string &section)
+    : ParameterAcceptor(section)
+  {
+    add_parameter("Density",
+                  density,
+                  "Density in the stress-free state. Unit: kg / m^3.",
+                  prm,
+                  positive());
+  }
+
+
+
+  std::string
+  material_names()
+  {
+    std::string names;
+    for (const Entry &material : materials())
+      names += (names.empty() ? "" : "|") + std::string(material.name);
+    return names;
+  }
+
+
+
+  std::unique_ptr<Material>
+  make_material(const std::string &name,
+                const std::string &section,
+                const std::string &parameter)
+  {
+    for (const Entry &material : materials())
+      if (name == material.name)
+        return material.make(section);
+    AssertThrow(false,
+                ExcMessage("The parameter '" + parameter + "' is '" + name +
+                           "'; it has to be one of " + material_names() + "."));
+    return nullptr;
+  }
+} // namespace greville

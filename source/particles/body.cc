@@ -1,0 +1,631 @@
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/particles/body.h>
+
+#include <cmath>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  BodyParameters::BodyParameters(const std::string &section)
+    : ParameterAcceptor(section)
+  {
+    add_parameter("Material", material, "The name of the body's material.");
+    add_parameter("Shape",
+                  shape,
+                  "The inside of the body: a formula of x, y (and z) in m that "
+                  "is true inside. Shapes are box(x0, y0, [z0,] x1, y1, [z1]), "
+                  "ball(x, y, [z,] radius), cylinder(x0, y0, z0, x1, y1, z1, "
+                  "radius), half_space(n_x, n_y, [n_z,] c) with n . x <= c; "
+                  "union(...), intersection(...) and difference(a, b, ...) "
+                  "combine them.");
+    add_parameter(
+      "Clip at the grid",
+      clip,
+      "What sticks out of the grid is cut off; an error otherwise.");
+    add_parameter("Points file",
+                  points_file,
+                  "Instead of a shape: a CSV file, beside the parameter file, "
+                  "with a header and the columns x, y (, z) in m and volume in "
+                  "m^3 (2D: m^2). Lines with # are comments.");
+    add_parameter("Points per direction",
+                  points_per_direction,
+                  "Points per cell and direction. Unit: none.",
+                  prm,
+                  Patterns::Integer(1, 12));
+    add_parameter("Placement",
+                  placement,
+                  "Points of a cell at equal distances with equal volumes, or "
+                  "on Gauss points with the volumes of Gauss weights.",
+                  prm,
+                  Patterns::Selection("equidistant|Gauss"));
+    add_parameter("Jitter",
+                  jitter,
+                  "Each point is moved at random by at most this part of half "
+                  "the distance between points. Unit: none.",
+                  prm,
+                  Patterns::Double(0., 1.));
+    add_parameter("Seed",
+                  seed,
+                  "Of the random numbers of the jitter. Unit: none.",
+                  prm,
+                  Patterns::Integer(0));
+    add_parameter("Velocity",
+                  velocity,
+                  "In the beginning: formulas of x, y (, z) separated by "
+                  "semicolons; empty: at rest. Unit: m / s.");
+    add_parameter("Stress",
+                  stress,
+                  "Cauchy stress in the beginning: formulas of x, y (, z) for "
+                  "xx; yy; zz; xy (; xz; yz); empty: none. Unit: Pa.");
+    add_parameter("K0",
+                  K0,
+                  "Not negative: the stress in the beginning is the weight of "
+                  "what lies above, -rho g depth, along gravity, and K0 times "
+                  "that across. Unit: none.");
+    add_parameter("Surface",
+                  surface,
+                  "For K0: where the body ends against gravity, as the "
+                  "coordinate along the axis of gravity; a formula of x, y (, "
+                  "z). Unit: m.");
+    add_parameter("Imposed velocity",
+                  imposed_velocity,
+                  "Formulas of t, separated by semicolons: points follow this "
+                  "velocity and feel no force; they push others by their mass. "
+                  "Empty: a free body. Unit: m / s.");
+  }
+
+
+
+  namespace
+  {
+    // muParser's functions know their arguments only: the point that shapes are
+    // asked for.
+    thread_local const double *shape_point = nullptr;
+    thread_local int           shape_dim   = 0;
+
+    /**
+     * An argument error becomes muParser's, and so one with the parameter.
+     */
+    void
+    check_arguments(const char *shape, const int given, const int wanted)
+    {
+      AssertThrow(given == wanted,
+                  ExcMessage(std::string(shape) + "() takes " +
+                             std::to_string(wanted) + " numbers in " +
+                             std::to_string(shape_dim) + "D, not " +
+                             std::to_string(given)));
+    }
+
+    double
+    box(const double *arguments, const int n)
+    {
+      check_arguments("box", n, 2 * shape_dim);
+      bool inside = true;
+      for (int d = 0; d < shape_dim; ++d)
+        inside = inside && shape_point[d] >= arguments[d] &&
+                 shape_point[d] <= arguments[shape_dim + d];
+      return inside;
+    }
+
+    double
+    ball(const double *arguments, const int n)
+    {
+      check_arguments("ball", n, shape_dim + 1);
+      double square = 0.;
+      for (int d = 0; d < shape_dim; ++d)
+        square += std::pow(shape_point[d] - arguments[d], 2);
+      return square <= std::pow(arguments[shape_dim], 2);
+    }
+
+    double
+    cylinder(const double *arguments, const int n)
+    {
+      check_arguments("cylinder", n, 7);
+      AssertThrow(shape_dim == 3, ExcMessage("cylinder() is a shape of 3D"));
+      double along = 0., length = 0., square = 0.;
+      for (int d = 0; d < 3; ++d)
+        {
+          const double axis     = arguments[3 + d] - arguments[d];
+          const double distance = shape_point[d] - arguments[d];
+          along += axis * distance;
+          length += axis * axis;
+          square += distance * distance;
+        }
+      return along >= 0. && along <= length &&
+             square - along * along / length <= std::pow(arguments[6], 2);
+    }
+
+    double
+    half_space(const double *arguments, const int n)
+    {
+      check_arguments("half_space", n, shape_dim + 1);
+      double sum = 0.;
+      for (int d = 0; d < shape_dim; ++d)
+        sum += arguments[d] * shape_point[d];
+      return sum <= arguments[shape_dim];
+    }
+
+    double
+    union_of(const double *arguments, const int n)
+    {
+      return std::any_of(arguments, arguments + n, [](const double a) {
+        return a != 0.;
+      });
+    }
+
+    double
+    intersection_of(const double *arguments, const int n)
+    {
+      return std::all_of(arguments, arguments + n, [](const double a) {
+        return a != 0.;
+      });
+    }
+
+    double
+    difference_of(const double *arguments, const int n)
+    {
+      return n > 0 && arguments[0] != 0. &&
+             union_of(arguments + 1, n - 1) == 0.;
+    }
+
+    const std::vector<Expression::Function> shape_functions = {
+      {"box", &box},
+      {"ball", &ball},
+      {"cylinder", &cylinder},
+      {"half_space", &half_space},
+      {"union", &union_of},
+      {"intersection", &intersection_of},
+      {"difference", &difference_of}};
+
+    template <int dim>
+    std::vector<std::string>
+    coordinates()
+    {
+      return dim == 2 ? std::vector<std::string>{"x", "y"}
+                      : std::vector<std::string>{"x", "y", "z"};
+    }
+
+    template <int dim>
+    ArrayView<const double>
+    view(const Point<dim> &x)
+    {
+      return {&x[0], dim};
+    }
+
+
+
+    template <int dim>
+    Expression
+    make_shape(const std::string &formula, const std::string &parameter)
+    {
+      AssertThrow(formula.find_first_not_of(" \t") != std::string::npos,
+                  ExcMessage("The parameter '" + parameter +
+                             "' is empty: it takes a formula like " +
+                             (dim == 2 ? "box(0, 0, 1, 2)."
+                                       : "box(0, 0, 0, 1, 1, 2).")));
+      const Point<dim> origin;
+      shape_point = &origin[0];
+      shape_dim   = dim;
+      return Expression(formula,
+                        parameter,
+                        coordinates<dim>(),
+                        shape_functions);
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  Shape<dim>::Shape(const std::string &formula, const std::string &parameter)
+    : expression(make_shape<dim>(formula, parameter))
+  {}
+
+
+
+  template <int dim>
+  bool
+  Shape<dim>::contains(const Point<dim> &x) const
+  {
+    shape_point = &x[0];
+    shape_dim   = dim;
+    return expression(view(x)) != 0.;
+  }
+
+
+
+  namespace
+  {
+    /**
+     * A point before it gets the numbers of its material.
+     */
+    template <int dim>
+    struct NewPoint
+    {
+      Point<dim>    x;
+      double        volume;
+      std::uint64_t id;
+      unsigned int  cell;
+    };
+
+
+
+    template <int dim>
+    std::string
+    text_of(const Point<dim> &x)
+    {
+      std::ostringstream text;
+      text << "(" << x << ")";
+      return text.str();
+    }
+
+
+
+    /**
+     * Points of a shape on the owned cells.
+     */
+    template <int dim>
+    std::vector<NewPoint<dim>>
+    points_of_shape(const BodyParameters   &parameters,
+                    const std::string      &section,
+                    const SplineSpace<dim> &space)
+    {
+      const Shape<dim>   shape(parameters.shape, section + "/Shape");
+      const auto        &lattice = space.lattice();
+      const unsigned int n       = parameters.points_per_direction;
+      const bool         gauss   = parameters.placement == "Gauss";
+      const QGauss<1>    quadrature(n);
+      MultiIndex<dim>    extents;
+      extents.fill(n);
+      const unsigned int n_in_cell = Utilities::fixed_power<dim>(n);
+
+      std::vector<NewPoint<dim>> result;
+      for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
+        {
+          const std::uint64_t position = space.owned_cells()[cell];
+          const auto index  = multi_index<dim>(position, lattice.n_cells());
+          const auto corner = lattice.cell_corner(index);
+          for (unsigned int k = 0; k < n_in_cell; ++k)
+            {
+              const auto    local = multi_index<dim>(k, extents);
+              NewPoint<dim> point;
+              point.id     = position * n_in_cell + k;
+              point.cell   = cell;
+              point.volume = 1.;
+              std::mt19937_64 random(point.id * 0x9E3779B97F4A7C15ull +
+                                     parameters.seed);
+              std::uniform_real_distribution<double> uniform(-1., 1.);
+              for (unsigned int d = 0; d < dim; ++d)
+                {
+                  double xi = gauss ? quadrature.point(local[d])(0)
+                                    : (local[d] + 0.5) / n;
+                  if (parameters.jitter > 0.)
+                    xi += parameters.jitter * uniform(random) * 0.5 / n;
+                  xi         = std::min(std::max(xi, 1e-9), 1. - 1e-9);
+                  point.x[d] = corner[d] + xi * lattice.cell_size(d);
+                  point.volume *=
+                    lattice.cell_size(d) *
+                    (gauss ? quadrature.weight(local[d]) : 1. / n);
+                }
+              if (shape.contains(point.x))
+                result.push_back(point);
+
+              // One cell beyond each wall there must not be anything.
+              for (unsigned int d = 0; d < dim && !parameters.clip; ++d)
+                for (const int side : {-1, 1})
+                  if (index[d] == (side < 0 ? 0 : lattice.n_cells()[d] - 1))
+                    {
+                      Point<dim> outside = point.x;
+                      outside[d] += side * lattice.cell_size(d);
+                      AssertThrow(
+                        !shape.contains(outside),
+                        ExcMessage(
+                          "The body of '" + section +
+                          "' sticks out of the grid, for instance at " +
+                          text_of(outside) +
+                          " m. Make the grid larger, the shape smaller, or set "
+                          "'Clip at the grid' to true."));
+                    }
+            }
+        }
+      return result;
+    }
+
+
+
+    /**
+     * Points of a file on the owned cells.
+     */
+    template <int dim>
+    std::vector<NewPoint<dim>>
+    points_of_file(const BodyParameters   &parameters,
+                   const std::string      &section,
+                   const SplineSpace<dim> &space)
+    {
+      const std::string &name = parameters.points_file;
+      std::ifstream      file(name);
+      AssertThrow(file,
+                  ExcMessage("Cannot read the file <" + name +
+                             "> of the parameter '" + section +
+                             "/Points file'."));
+      std::vector<std::string> wanted = coordinates<dim>();
+      wanted.push_back("volume");
+      std::vector<unsigned int> columns;
+
+      const auto                &lattice = space.lattice();
+      std::vector<NewPoint<dim>> result;
+      std::string                line;
+      unsigned int               line_number = 0;
+      std::uint64_t              id          = 0;
+      while (std::getline(file, line))
+        {
+          ++line_number;
+          if (line.find_first_not_of(" \t\r") == std::string::npos ||
+              line[line.find_first_not_of(" \t")] == '#')
+            continue;
+          const auto        fields = Utilities::split_string_list(line, ',');
+          const std::string where =
+            "<" + name + ">, line " + std::to_string(line_number) + ": ";
+          if (columns.empty())
+            {
+              for (const std::string &column : wanted)
+                {
+                  const auto found =
+                    std::find(fields.begin(), fields.end(), column);
+                  AssertThrow(found != fields.end(),
+                              ExcMessage(where + "there is no column '" +
+                                         column + "' in <" + line + ">."));
+                  columns.push_back(found - fields.begin());
+                }
+              continue;
+            }
+          double numbers[dim + 1];
+          for (unsigned int k = 0; k <= dim; ++k)
+            try
+              {
+                numbers[k] = Utilities::string_to_double(fields.at(columns[k]));
+              }
+            catch (const std::exception &)
+              {
+                AssertThrow(false,
+                            ExcMessage(where + "no number for '" + wanted[k] +
+                                       "' in <" + line + ">."));
+              }
+          NewPoint<dim> point;
+          for (unsigned int d = 0; d < dim; ++d)
+            point.x[d] = numbers[d];
+          point.volume = numbers[dim];
+          point.id     = id++;
+          AssertThrow(point.volume > 0.,
+                      ExcMessage(where + "the volume has to be positive in <" +
+                                 line + ">."));
+          for (unsigned int d = 0; d < dim; ++d)
+            AssertThrow(point.x[d] >= lattice.lower(d) &&
+                          point.x[d] <= lattice.upper(d),
+                        ExcMessage(where + "the point " + text_of(point.x) +
+                                   " m lies outside of the grid."));
+          const auto position =
+            lexicographic<dim>(lattice.find_cell(point.x), lattice.n_cells());
+          const auto &cells = space.owned_cells();
+          const auto  found =
+            std::lower_bound(cells.begin(), cells.end(), position);
+          if (found != cells.end() && *found == position)
+            {
+              point.cell = found - cells.begin();
+              result.push_back(point);
+            }
+        }
+      return result;
+    }
+
+
+
+    /**
+     * Stress of the beginning at a point.
+     */
+    template <int dim>
+    class InitialStress
+    {
+    public:
+      InitialStress(const BodyParameters &parameters,
+                    const std::string    &section,
+                    const Tensor<1, dim> &gravity,
+                    const double          density)
+        : K0(parameters.K0)
+        , weight(density * gravity.norm())
+      {
+        if (!parameters.stress.empty())
+          {
+            AssertThrow(K0 < 0.,
+                        ExcMessage("'" + section +
+                                   "' has both 'Stress' and 'K0': it can be "
+                                   "given by one only."));
+            components = make_expressions(parameters.stress,
+                                          section + "/Stress",
+                                          coordinates<dim>(),
+                                          PointLayout<dim>::n_stress);
+          }
+        if (K0 >= 0.)
+          {
+            for (unsigned int d = 0; d < dim; ++d)
+              if (std::abs(gravity[d]) > 0.999 * gravity.norm())
+                axis = d;
+            AssertThrow(axis < dim && weight > 0.,
+                        ExcMessage("'" + section +
+                                   "/K0' needs a gravity along an axis."));
+            upwards = gravity[axis] < 0. ? 1. : -1.;
+            components.emplace_back(parameters.surface,
+                                    section + "/Surface",
+                                    coordinates<dim>());
+          }
+      }
+
+      SymmetricTensor<2, 3>
+      operator()(const Point<dim> &x) const
+      {
+        SymmetricTensor<2, 3> result;
+        if (K0 >= 0.)
+          {
+            const double depth =
+              std::max(0., upwards * (components[0](view(x)) - x[axis]));
+            for (unsigned int d = 0; d < 3; ++d)
+              result[d][d] = -weight * depth * (d == axis ? 1. : K0);
+          }
+        else if (!components.empty())
+          {
+            static constexpr unsigned int ij[6][2] = {
+              {0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+            for (unsigned int k = 0; k < components.size(); ++k)
+              result[ij[k][0]][ij[k][1]] = components[k](view(x));
+          }
+        return result;
+      }
+
+    private:
+      double                  K0;
+      double                  weight;
+      unsigned int            axis    = dim;
+      double                  upwards = 1.;
+      std::vector<Expression> components;
+    };
+
+
+
+    template <int dim>
+    void
+    insert_points(Body<dim>                        &body,
+                  const std::vector<NewPoint<dim>> &new_points,
+                  const std::string                &section,
+                  const Tensor<1, dim>             &gravity)
+    {
+      using Layout                        = PointLayout<dim>;
+      const BodyParameters    &parameters = *body.parameters;
+      const Material          &material   = *body.material;
+      const Layout            &layout     = body.points.layout();
+      const InitialStress<dim> stress(parameters,
+                                      section,
+                                      gravity,
+                                      material.density);
+      std::vector<Expression>  velocity;
+      if (!parameters.velocity.empty())
+        velocity = make_expressions(parameters.velocity,
+                                    section + "/Velocity",
+                                    coordinates<dim>(),
+                                    dim);
+
+      std::vector<double> values(layout.size);
+      for (const NewPoint<dim> &point : new_points)
+        {
+          std::fill(values.begin(), values.end(), 0.);
+          MaterialPoint state;
+          state.F = unit_symmetric_tensor<3>();
+          try
+            {
+              material.initialize(state, stress(point.x));
+            }
+          catch (const std::exception &error)
+            {
+              AssertThrow(false,
+                          ExcMessage("'" + section + "' at " +
+                                     text_of(point.x) +
+                                     " m: " + message_of(error)));
+            }
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              values[Layout::position + d]  = point.x[d];
+              values[Layout::reference + d] = point.x[d];
+              if (!velocity.empty())
+                values[Layout::velocity + d] = velocity[d](view(point.x));
+              for (unsigned int e = 0; e < dim; ++e)
+                values[Layout::F + d * dim + e] = state.F[d][e];
+            }
+          if (dim == 2)
+            values[Layout::F + 4] = state.F[2][2];
+          values[Layout::mass]    = material.density * point.volume;
+          values[Layout::volume0] = point.volume / state.J;
+          values[Layout::J]       = state.J;
+          for (unsigned int d = 0; d < 3; ++d)
+            values[Layout::stress + d] = state.stress[d][d];
+          values[Layout::stress + 3] = state.stress[0][1];
+          if (dim == 3)
+            {
+              values[Layout::stress + 4] = state.stress[0][2];
+              values[Layout::stress + 5] = state.stress[1][2];
+            }
+          for (unsigned int k = 0; k < layout.n_state; ++k)
+            values[layout.state + k] = state.state[k];
+          values[Layout::id] = double(point.id);
+          body.points.insert(point.cell, make_array_view(values));
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  make_points(Body<dim>              &body,
+              const SplineSpace<dim> &space,
+              const Tensor<1, dim>   &gravity,
+              const bool              has_affine,
+              const bool              has_load)
+  {
+    const BodyParameters &parameters = *body.parameters;
+    const std::string     section    = "Body " + body.name;
+    body.points.reinit(space,
+                       PointLayout<dim>(body.material->state_names().size(),
+                                        has_affine,
+                                        has_load));
+    run_on_all(
+      [&]() {
+        AssertThrow(parameters.shape.empty() || parameters.points_file.empty(),
+                    ExcMessage("'" + section +
+                               "' has both 'Shape' and 'Points file'."));
+        const auto new_points =
+          parameters.points_file.empty()
+            ? points_of_shape<dim>(parameters, section, space)
+            : points_of_file<dim>(parameters, section, space);
+        insert_points(body, new_points, section, gravity);
+        if (!parameters.imposed_velocity.empty())
+          body.imposed_velocity =
+            make_expressions(parameters.imposed_velocity,
+                             section + "/Imposed velocity",
+                             {"t"},
+                             dim);
+      },
+      space.communicator());
+
+    body.n_points = Utilities::MPI::sum<std::uint64_t>(body.points.n_points(),
+                                                       space.communicator());
+    AssertThrow(body.n_points > 0,
+                ExcMessage(
+                  "The body of '" + section + "' is empty: " +
+                  (parameters.points_file.empty()
+                     ? "there is no point inside <" + parameters.shape +
+                         "> in the grid; are its cells too large?"
+                     : "<" + parameters.points_file + "> has no point.")));
+  }
+
+
+
+  template class Shape<2>;
+  template class Shape<3>;
+  template void
+  make_points<2>(Body<2> &,
+                 const SplineSpace<2> &,
+                 const Tensor<1, 2> &,
+                 const bool,
+                 const bool);
+  template void
+  make_points<3>(Body<3> &,
+                 const SplineSpace<3> &,
+                 const Tensor<1, 3> &,
+                 const bool,
+                 const bool);
+} // namespace greville

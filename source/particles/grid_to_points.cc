@@ -1,0 +1,562 @@
+#include <greville/particles/point_kernels.h>
+
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace internal;
+
+  namespace
+  {
+    /**
+     * What grid_to_points() does in one pass: Kick changes velocities, Move
+     * positions and Deform F, J, stress and state. SameVelocity: w is v.
+     */
+    template <bool kick_, bool move_, bool deform_, bool same_, bool apic_>
+    struct Pass
+    {
+      static constexpr bool kick   = kick_;
+      static constexpr bool move   = move_;
+      static constexpr bool deform = deform_;
+      static constexpr bool apic   = apic_;
+      // Fields that a function of the grid has: v, w and a.
+      static constexpr bool has_v = kick || move || same_;
+      static constexpr bool has_w = deform && !same_;
+      static constexpr bool has_a = kick && !apic;
+    };
+
+
+
+    /**
+     * The points of a group as the material sees them, and back. Returns
+     * whether all of the @p count points are all right.
+     */
+    template <int dim>
+    bool
+    update_material(double            *group,
+                    const unsigned int count,
+                    const Simd (&increment)[dim][dim],
+                    const Simd (&F)[dim][dim],
+                    const double            step,
+                    const PointLayout<dim> &layout,
+                    const Material         &material,
+                    Simd                   &wave_modulus)
+    {
+      using Layout = PointLayout<dim>;
+      MaterialPoint points[simd_width];
+      for (unsigned int lane = 0; lane < count; ++lane)
+        {
+          MaterialPoint &point  = points[lane];
+          const double  *values = group + lane;
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int j = 0; j < dim; ++j)
+              {
+                point.increment[i][j] = increment[i][j][lane];
+                point.F[i][j]         = F[i][j][lane];
+              }
+          if (dim == 2)
+            {
+              point.increment[2][2] = 1.;
+              point.F[2][2]         = values[(Layout::F + 4) * simd_width];
+            }
+          point.J  = values[Layout::J * simd_width];
+          point.dt = step;
+          for (unsigned int i = 0; i < 3; ++i)
+            for (unsigned int j = i; j < (dim == 2 ? (i < 2 ? 2 : 3) : 3); ++j)
+              point.stress[i][j] =
+                values[(Layout::stress + stress_index<dim>(i, j)) * simd_width];
+          for (unsigned int k = 0; k < layout.n_state; ++k)
+            point.state[k] = values[(layout.state + k) * simd_width];
+        }
+      material.update(ArrayView<MaterialPoint>(points, count));
+
+      bool good    = true;
+      wave_modulus = 0.;
+      for (unsigned int lane = 0; lane < count; ++lane)
+        {
+          const MaterialPoint &point  = points[lane];
+          double              *values = group + lane;
+          double               sum    = 0.;
+          for (unsigned int i = 0; i < 3; ++i)
+            for (unsigned int j = i; j < (dim == 2 ? (i < 2 ? 2 : 3) : 3); ++j)
+              {
+                values[(Layout::stress + stress_index<dim>(i, j)) *
+                       simd_width] = point.stress[i][j];
+                sum += point.stress[i][j];
+              }
+          for (unsigned int k = 0; k < layout.n_state; ++k)
+            values[(layout.state + k) * simd_width] = point.state[k];
+          wave_modulus[lane] = point.wave_modulus;
+          good               = good && point.J > 0. && std::isfinite(sum);
+        }
+      return good;
+    }
+
+
+
+    /**
+     * Name what is wrong with a point of a group, if it is the first.
+     */
+    template <int dim>
+    void
+    report_bad_point(const double      *group,
+                     const unsigned int count,
+                     PointReport       &report)
+    {
+      using Layout = PointLayout<dim>;
+      for (unsigned int lane = 0; lane < count && report.bad_point < 0; ++lane)
+        {
+          const double *values = group + lane;
+          const double  J      = values[Layout::J * simd_width];
+          double        sum    = 0.;
+          for (unsigned int k = 0; k < Layout::n_fixed; ++k)
+            sum += values[k * simd_width];
+          if (J > 0. && std::isfinite(sum))
+            continue;
+          report.bad_point = std::int64_t(values[Layout::id * simd_width]);
+          report.bad_reason =
+            J <= 0.
+              ? "its volume has become negative (J = " + std::to_string(J) + ")"
+              : "its state is no number";
+        }
+    }
+
+
+
+    template <int dim, int n, typename Kind>
+    void
+    update_points(MaterialPoints<dim>                      &points,
+                  const SplineSpace<dim>                   &space,
+                  const std::array<SplinePolynomials, dim> &tables,
+                  const PointUpdate<dim>                   &update,
+                  const double                             *buffer,
+                  PointReport                              &report)
+    {
+      using Layout                  = PointLayout<dim>;
+      const Layout  &layout         = points.layout();
+      constexpr int  first_w        = Kind::has_v ? dim : 0;
+      constexpr int  first_a        = first_w + (Kind::has_w ? dim : 0);
+      constexpr int  n_fields       = first_a + (Kind::has_a ? dim : 0);
+      constexpr int  first_gradient = Kind::has_w ? first_w : 0;
+      constexpr int  n_functions    = power(n, dim);
+      constexpr int  n_z            = dim == 3 ? n : 1;
+      constexpr bool derivatives    = Kind::deform;
+      Simd           fastest        = 0.;
+
+      for (const unsigned int cell : points.cells())
+        {
+          const CellGeometry<dim, n> geometry(space, tables, cell);
+          double                     coefficients[n_functions * n_fields];
+          for (int a = 0; a < n_functions; ++a)
+            for (int k = 0; k < n_fields; ++k)
+              coefficients[a * n_fields + k] =
+                buffer[std::size_t(geometry.functions[a]) * n_fields + k];
+
+          bool         left  = false;
+          unsigned int count = points.n_in_first_group(cell);
+          for (unsigned int g = points.first_group(cell);
+               g != MaterialPoints<dim>::none;
+               g = points.next_group(g), count = simd_width)
+            {
+              double *group = points.group(g);
+              Simd    x[dim];
+              load_numbers<dim>(group, Layout::position, x);
+              Shape<dim, n> shape;
+              shape.template evaluate<derivatives>(geometry, x);
+
+              Simd fields[n_fields], gradient[dim][dim], B[dim][dim];
+              for (int k = 0; k < n_fields; ++k)
+                fields[k] = 0.;
+              for (int i = 0; i < dim; ++i)
+                for (int j = 0; j < dim; ++j)
+                  {
+                    gradient[i][j] = 0.;
+                    B[i][j]        = 0.;
+                  }
+
+              const double *c = coefficients;
+              for (int a_z = 0; a_z < n_z; ++a_z)
+                for (int a_y = 0; a_y < n; ++a_y)
+                  {
+                    Simd rows[n_fields], slopes[dim], first_moments[dim];
+                    for (int k = 0; k < n_fields; ++k)
+                      rows[k] = 0.;
+                    for (int i = 0; i < dim; ++i)
+                      {
+                        slopes[i]        = 0.;
+                        first_moments[i] = 0.;
+                      }
+                    for (int a = 0; a < n; ++a, c += n_fields)
+                      {
+                        for (int k = 0; k < n_fields; ++k)
+                          rows[k] += shape.N[0][a] * c[k];
+                        if constexpr (derivatives)
+                          for (int i = 0; i < dim; ++i)
+                            slopes[i] += shape.dN[0][a] * c[first_gradient + i];
+                        if constexpr (Kind::apic)
+                          for (int i = 0; i < dim; ++i)
+                            first_moments[i] +=
+                              shape.N[0][a] * c[i] * geometry.offsets[0][a];
+                      }
+                    Simd N_yz = shape.N[1][a_y];
+                    if constexpr (dim == 3)
+                      N_yz *= shape.N[dim - 1][a_z];
+                    for (int k = 0; k < n_fields; ++k)
+                      fields[k] += N_yz * rows[k];
+                    if constexpr (derivatives)
+                      {
+                        Simd dy = shape.dN[1][a_y], dz = 0.;
+                        if constexpr (dim == 3)
+                          {
+                            dy *= shape.N[dim - 1][a_z];
+                            dz = shape.N[1][a_y] * shape.dN[dim - 1][a_z];
+                          }
+                        for (int i = 0; i < dim; ++i)
+                          {
+                            gradient[i][0] += N_yz * slopes[i];
+                            gradient[i][1] += dy * rows[first_gradient + i];
+                            if constexpr (dim == 3)
+                              gradient[i][dim - 1] +=
+                                dz * rows[first_gradient + i];
+                          }
+                      }
+                    if constexpr (Kind::apic)
+                      for (int i = 0; i < dim; ++i)
+                        {
+                          B[i][0] += N_yz * first_moments[i];
+                          B[i][1] += N_yz * rows[i] * geometry.offsets[1][a_y];
+                          if constexpr (dim == 3)
+                            B[i][dim - 1] +=
+                              N_yz * rows[i] * geometry.offsets[dim - 1][a_z];
+                        }
+                  }
+
+              // Lanes without a point stay where they are.
+              Simd lane_is_used;
+              for (unsigned int lane = 0; lane < simd_width; ++lane)
+                lane_is_used[lane] = lane < count ? 1. : 0.;
+              Simd v[dim];
+
+              if constexpr (Kind::kick)
+                {
+                  if constexpr (Kind::apic)
+                    {
+                      for (int i = 0; i < dim; ++i)
+                        v[i] = fields[i];
+                      for (int j = 0; j < dim; ++j)
+                        {
+                          // xi - x is the offset minus the distance of x from
+                          // the centre; D as in the documentation.
+                          const Simd t = x[j] - geometry.center[j];
+                          Simd       D = 0.;
+                          for (int a = 0; a < n; ++a)
+                            {
+                              const Simd distance = geometry.offsets[j][a] - t;
+                              D += shape.N[j][a] * distance * distance;
+                            }
+                          const double smallest =
+                            1e-12 /
+                            (geometry.inverse_h[j] * geometry.inverse_h[j]);
+                          where(D < smallest, D) = smallest;
+                          for (int i = 0; i < dim; ++i)
+                            B[i][j] =
+                              lane_is_used * (B[i][j] - t * fields[i]) / D;
+                        }
+                      for (int i = 0; i < dim; ++i)
+                        store_numbers<dim>(B[i],
+                                           layout.affine + i * dim,
+                                           group);
+                    }
+                  else
+                    {
+                      load_numbers<dim>(group, Layout::velocity, v);
+                      for (int i = 0; i < dim; ++i)
+                        v[i] = update.flip * (v[i] + update.velocity_step *
+                                                       fields[first_a + i]) +
+                               (1. - update.flip) * fields[i];
+                    }
+                  for (int i = 0; i < dim; ++i)
+                    v[i] *= lane_is_used;
+                  store_numbers<dim>(v, Layout::velocity, group);
+                }
+
+              if constexpr (Kind::move)
+                {
+                  for (int i = 0; i < dim; ++i)
+                    {
+                      x[i] += update.step * lane_is_used * fields[i];
+                      const Simd t =
+                        (x[i] - geometry.center[i]) * geometry.inverse_h[i];
+                      left = left || !all_of(abs(t) < 0.5);
+                    }
+                  store_numbers<dim>(x, Layout::position, group);
+                }
+
+              if constexpr (Kind::deform)
+                {
+                  Simd increment[dim][dim], F[dim][dim], new_F[dim][dim];
+                  for (int i = 0; i < dim; ++i)
+                    {
+                      load_numbers<dim>(group, Layout::F + i * dim, F[i]);
+                      for (int j = 0; j < dim; ++j)
+                        increment[i][j] =
+                          update.step * lane_is_used * gradient[i][j] +
+                          (i == j ? 1. : 0.);
+                    }
+                  for (int i = 0; i < dim; ++i)
+                    {
+                      for (int j = 0; j < dim; ++j)
+                        {
+                          new_F[i][j] = increment[i][0] * F[0][j];
+                          for (int k = 1; k < dim; ++k)
+                            new_F[i][j] += increment[i][k] * F[k][j];
+                        }
+                      store_numbers<dim>(new_F[i], Layout::F + i * dim, group);
+                    }
+                  Simd det = increment[0][0] * increment[1][1] -
+                             increment[0][1] * increment[1][0];
+                  if constexpr (dim == 3)
+                    det = det * increment[2][2] +
+                          increment[0][1] * increment[1][2] * increment[2][0] +
+                          increment[0][2] * increment[1][0] * increment[2][1] -
+                          increment[0][2] * increment[1][1] * increment[2][0] -
+                          increment[0][0] * increment[1][2] * increment[2][1];
+                  const Simd J = det * load(group + Layout::J * simd_width);
+                  store(J, group + Layout::J * simd_width);
+
+                  Simd wave_modulus;
+                  if (!update_material<dim>(group,
+                                            count,
+                                            increment,
+                                            new_F,
+                                            update.step,
+                                            layout,
+                                            *update.material,
+                                            wave_modulus))
+                    report_bad_point<dim>(group, count, report);
+
+                  // c^2 = modulus / density
+                  load_numbers<dim>(group, Layout::velocity, v);
+                  Simd v2 = v[0] * v[0];
+                  for (int i = 1; i < dim; ++i)
+                    v2 += v[i] * v[i];
+                  Simd m            = load(group + Layout::mass * simd_width);
+                  where(m <= 0., m) = 1.;
+                  const Simd c2     = wave_modulus * J *
+                                  load(group + Layout::volume0 * simd_width) /
+                                  m;
+                  fastest = max(fastest, sqrt(c2) + sqrt(v2));
+                }
+            }
+          if (left)
+            report.left_cells.push_back(cell);
+        }
+      report.fastest_signal = hmax(fastest);
+    }
+
+
+
+    void
+    put_into_buffer(const VectorType    &vector,
+                    const unsigned int   n_fields,
+                    const unsigned int   field,
+                    std::vector<double> &buffer)
+    {
+      vector.update_ghost_values();
+      const std::size_t n = buffer.size() / n_fields;
+      for (std::size_t i = 0; i < n; ++i)
+        buffer[i * n_fields + field] = vector.local_element(i);
+      vector.zero_out_ghost_values();
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  PointReport
+  PointTransfer<dim>::grid_to_points(MaterialPoints<dim>    &points,
+                                     const PointUpdate<dim> &update)
+  {
+    const bool kick   = update.acceleration != nullptr;
+    const bool deform = update.deformation != nullptr;
+    const bool same   = update.deformation == update.velocity;
+    Assert(update.velocity || !(kick || update.move), ExcInternalError());
+    Assert(!update.apic || points.layout().has_affine, ExcInternalError());
+
+    std::vector<const VectorField<dim> *> fields;
+    if (kick || update.move || (deform && same))
+      fields.push_back(update.velocity);
+    if (deform && !same)
+      fields.push_back(update.deformation);
+    if (kick && !update.apic)
+      fields.push_back(update.acceleration);
+
+    const SplineSpace<dim> &space = *spline_space;
+    const unsigned int      n_functions =
+      space.owned_functions().size() + space.ghost_functions().size();
+    const unsigned int n_fields = dim * fields.size();
+    buffer.resize(std::size_t(n_functions) * n_fields);
+    for (unsigned int f = 0; f < fields.size(); ++f)
+      for (unsigned int d = 0; d < dim; ++d)
+        put_into_buffer((*fields[f])[d], n_fields, f * dim + d, buffer);
+
+    PointReport report;
+    with_order(space.degree(), [&](const auto size) {
+      constexpr int n   = decltype(size)::value;
+      const auto    run = [&](const auto kind) {
+        update_points<dim, n, std::decay_t<decltype(kind)>>(
+          points, space, tables, update, buffer.data(), report);
+      };
+      if (kick && update.move && deform && same)
+        update.apic ? run(Pass<true, true, true, true, true>())
+                    : run(Pass<true, true, true, true, false>());
+      else if (kick && update.move && !deform)
+        update.apic ? run(Pass<true, true, false, false, true>())
+                    : run(Pass<true, true, false, false, false>());
+      else if (kick && !update.move && !deform)
+        update.apic ? run(Pass<true, false, false, false, true>())
+                    : run(Pass<true, false, false, false, false>());
+      else if (!kick && update.move && deform && !same)
+        run(Pass<false, true, true, false, false>());
+      else if (!kick && update.move && deform && same)
+        run(Pass<false, true, true, true, false>());
+      else if (!kick && !update.move && deform)
+        // The velocity is not needed: w takes its place.
+        run(Pass<false, false, true, false, false>());
+      else if (!kick && update.move && !deform)
+        run(Pass<false, true, false, false, false>());
+      else
+        Assert(false, ExcNotImplemented());
+    });
+    return report;
+  }
+
+
+
+  namespace
+  {
+    template <int dim, int n>
+    void
+    multiply_stiffness(const MaterialPoints<dim>                &points,
+                       const SplineSpace<dim>                   &space,
+                       const std::array<SplinePolynomials, dim> &tables,
+                       const double                              lambda,
+                       const double                              shear,
+                       const double                             *source,
+                       double                                   *target)
+    {
+      using Layout              = PointLayout<dim>;
+      constexpr int n_functions = power(n, dim);
+      constexpr int n_z         = dim == 3 ? n : 1;
+      for (const unsigned int cell : points.cells())
+        {
+          const CellGeometry<dim, n> geometry(space, tables, cell);
+          Simd                       sums[n_functions * dim];
+          for (Simd &sum : sums)
+            sum = 0.;
+          for (unsigned int g = points.first_group(cell);
+               g != MaterialPoints<dim>::none;
+               g = points.next_group(g))
+            {
+              const double *group = points.group(g);
+              Simd          x[dim];
+              load_numbers<dim>(group, Layout::position, x);
+              Shape<dim, n> shape;
+              shape.template evaluate<true>(geometry, x);
+              const Simd volume = load(group + Layout::volume0 * simd_width) *
+                                  load(group + Layout::J * simd_width);
+
+              const auto for_each_function = [&](const auto &action) {
+                int a = 0;
+                for (int a_z = 0; a_z < n_z; ++a_z)
+                  for (int a_y = 0; a_y < n; ++a_y)
+                    for (int a_x = 0; a_x < n; ++a_x, ++a)
+                      {
+                        const Simd N_z =
+                          dim == 3 ? shape.N[dim - 1][a_z] : Simd(1.);
+                        Simd gradient[dim];
+                        gradient[0] = shape.dN[0][a_x] * shape.N[1][a_y] * N_z;
+                        gradient[1] = shape.N[0][a_x] * shape.dN[1][a_y] * N_z;
+                        if constexpr (dim == 3)
+                          gradient[2] = shape.N[0][a_x] * shape.N[1][a_y] *
+                                        shape.dN[2][a_z];
+                        action(a, gradient);
+                      }
+              };
+
+              Simd H[dim][dim];
+              for (auto &row : H)
+                for (Simd &entry : row)
+                  entry = 0.;
+              for_each_function([&](const int a, const Simd *gradient) {
+                const double *u =
+                  source + std::size_t(geometry.functions[a]) * dim;
+                for (int i = 0; i < dim; ++i)
+                  for (int j = 0; j < dim; ++j)
+                    H[i][j] += gradient[j] * u[i];
+              });
+              Simd trace = H[0][0];
+              for (int i = 1; i < dim; ++i)
+                trace += H[i][i];
+              Simd stress[dim][dim];
+              for (int i = 0; i < dim; ++i)
+                for (int j = 0; j < dim; ++j)
+                  stress[i][j] = volume * (shear * (H[i][j] + H[j][i]) +
+                                           (i == j ? lambda : 0.) * trace);
+              for_each_function([&](const int a, const Simd *gradient) {
+                for (int i = 0; i < dim; ++i)
+                  for (int j = 0; j < dim; ++j)
+                    sums[a * dim + i] += stress[i][j] * gradient[j];
+              });
+            }
+          for (int a = 0; a < n_functions; ++a)
+            for (int i = 0; i < dim; ++i)
+              target[std::size_t(geometry.functions[a]) * dim + i] +=
+                reduce(sums[a * dim + i]);
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::add_stiffness(const MaterialPoints<dim> &points,
+                                    const double               lambda,
+                                    const double               shear,
+                                    const VectorField<dim>    &u,
+                                    VectorField<dim>          &k,
+                                    const bool                 overwrite)
+  {
+    const SplineSpace<dim> &space = *spline_space;
+    const std::size_t       n_functions =
+      space.owned_functions().size() + space.ghost_functions().size();
+    buffer.resize(n_functions * dim);
+    std::vector<double> target(n_functions * dim, 0.);
+    for (unsigned int d = 0; d < dim; ++d)
+      put_into_buffer(u[d], dim, d, buffer);
+    with_order(space.degree(), [&](const auto size) {
+      multiply_stiffness<dim, decltype(size)::value>(
+        points, space, tables, lambda, shear, buffer.data(), target.data());
+    });
+    VectorType sums;
+    space.initialize_vector(sums);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        sums = 0.;
+        for (std::size_t i = 0; i < n_functions; ++i)
+          sums.local_element(i) = target[i * dim + d];
+        sums.compress(VectorOperation::add);
+        if (overwrite)
+          k[d] = sums;
+        else
+          k[d] += sums;
+      }
+  }
+
+
+
+  template class PointTransfer<2>;
+  template class PointTransfer<3>;
+} // namespace greville

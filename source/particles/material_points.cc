@@ -1,0 +1,256 @@
+#include <greville/particles/material_points.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  PointLayout<dim>::PointLayout(const unsigned int n_state,
+                                const bool         has_affine,
+                                const bool         has_load)
+    : n_state(n_state)
+    , has_affine(has_affine)
+    , has_load(has_load)
+    , state(n_fixed)
+    , affine(state + n_state)
+    , load(affine + (has_affine ? dim * dim : 0))
+    , size(load + (has_load ? dim : 0))
+  {}
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::reinit(const SplineSpace<dim> &space,
+                              const PointLayout<dim> &layout)
+  {
+    spline_space = &space;
+    point_layout = layout;
+    n_all_points = 0;
+    data.clear();
+    links.clear();
+    heads.assign(space.owned_cells().size(), none);
+    counts.assign(space.owned_cells().size(), 0);
+    free_groups            = none;
+    filled_cells_are_valid = false;
+  }
+
+
+
+  template <int dim>
+  const std::vector<unsigned int> &
+  MaterialPoints<dim>::cells() const
+  {
+    if (!filled_cells_are_valid)
+      {
+        filled_cells.clear();
+        for (unsigned int cell = 0; cell < counts.size(); ++cell)
+          if (counts[cell] > 0)
+            filled_cells.push_back(cell);
+        filled_cells_are_valid = true;
+      }
+    return filled_cells;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  MaterialPoints<dim>::new_group()
+  {
+    if (free_groups != none)
+      {
+        const unsigned int g = free_groups;
+        free_groups          = links[g];
+        return g;
+      }
+    const std::size_t size = std::size_t(point_layout.size) * width;
+    if (data.capacity() < data.size() + size)
+      data.reserve(std::max(data.size() + size, data.size() / 2 * 3));
+    data.resize_fast(data.size() + size);
+    links.push_back(none);
+    return links.size() - 1;
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::clear_lane(const unsigned int cell,
+                                  const unsigned int g,
+                                  const unsigned int lane)
+  {
+    using Layout   = PointLayout<dim>;
+    double *values = group(g) + lane;
+    for (unsigned int k = 0; k < point_layout.size; ++k)
+      values[k * width] = 0.;
+    const auto &lattice = spline_space->lattice();
+    const auto  center  = lattice.cell_center(
+      multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells()));
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        values[(Layout::position + d) * width]      = center[d];
+        values[(Layout::F + d * (dim + 1)) * width] = 1.;
+      }
+    if (dim == 2)
+      values[(Layout::F + 4) * width] = 1.;
+    values[Layout::J * width] = 1.;
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::insert(const unsigned int             cell,
+                              const ArrayView<const double> &values)
+  {
+    AssertDimension(values.size(), point_layout.size);
+    const unsigned int lane = counts[cell] % width;
+    if (lane == 0)
+      {
+        const unsigned int g = new_group();
+        links[g]             = heads[cell];
+        heads[cell]          = g;
+        for (unsigned int l = 1; l < width; ++l)
+          clear_lane(cell, g, l);
+      }
+    double *target = group(heads[cell]) + lane;
+    for (unsigned int k = 0; k < point_layout.size; ++k)
+      target[k * width] = values[k];
+    if (counts[cell]++ == 0)
+      filled_cells_are_valid = false;
+    ++n_all_points;
+  }
+
+
+
+  template <int dim>
+  bool
+  MaterialPoints<dim>::is_inside(const unsigned int cell,
+                                 const double      *position,
+                                 const unsigned int stride) const
+  {
+    const auto &lattice = spline_space->lattice();
+    const auto  index =
+      multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells());
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double x     = position[d * stride];
+        const double h     = lattice.cell_size(d);
+        const double lower = lattice.lower(d) + index[d] * h;
+        const bool   last  = index[d] + 1 == lattice.n_cells()[d];
+        const double upper =
+          last ? lattice.upper(d) : lattice.lower(d) + (index[d] + 1) * h;
+        if (!(x >= lower && (x < upper || (last && x == upper))))
+          return false;
+      }
+    return true;
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::remove_leaving(const unsigned int   cell,
+                                      std::vector<double> &leaving)
+  {
+    unsigned int n = n_in_first_group(cell);
+    for (unsigned int g = heads[cell]; g != none; n = width)
+      {
+        // The first group can become empty and go.
+        const unsigned int next = links[g];
+        for (unsigned int lane = 0; lane < n;)
+          {
+            double *values = group(g) + lane;
+            if (is_inside(cell, values, width))
+              {
+                ++lane;
+                continue;
+              }
+            for (unsigned int k = 0; k < point_layout.size; ++k)
+              leaving.push_back(values[k * width]);
+
+            // The last point of the first group fills the hole.
+            const unsigned int head = heads[cell];
+            const unsigned int last = n_in_first_group(cell) - 1;
+            const double      *from = group(head) + last;
+            for (unsigned int k = 0; k < point_layout.size; ++k)
+              values[k * width] = from[k * width];
+            clear_lane(cell, head, last);
+            --counts[cell];
+            --n_all_points;
+            if (head == g)
+              --n;
+            if (last == 0)
+              {
+                heads[cell] = links[head];
+                links[head] = free_groups;
+                free_groups = head;
+              }
+            if (counts[cell] == 0)
+              filled_cells_are_valid = false;
+          }
+        g = next;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::clean(const unsigned int cell)
+  {
+    if (heads[cell] != none)
+      for (unsigned int lane = n_in_first_group(cell); lane < width; ++lane)
+        clear_lane(cell, heads[cell], lane);
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::defragment()
+  {
+    const std::size_t             size = std::size_t(point_layout.size) * width;
+    dealii::AlignedVector<double> new_data;
+    std::vector<unsigned int>     new_links;
+    std::size_t                   n_groups = 0;
+    for (const unsigned int count : counts)
+      n_groups += (count + width - 1) / width;
+    new_data.resize_fast(n_groups * size);
+    new_links.reserve(n_groups);
+    for (const unsigned int cell : cells())
+      {
+        unsigned int g = heads[cell];
+        heads[cell]    = new_links.size();
+        for (; g != none; g = links[g])
+          {
+            std::copy_n(group(g),
+                        size,
+                        new_data.data() + new_links.size() * size);
+            new_links.push_back(links[g] == none ? none : new_links.size() + 1);
+          }
+      }
+    data.swap(new_data);
+    links.swap(new_links);
+    free_groups = none;
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  MaterialPoints<dim>::memory_consumption() const
+  {
+    return data.size() * sizeof(double) +
+           (heads.size() + counts.size() + links.size() + filled_cells.size()) *
+             sizeof(unsigned int);
+  }
+
+
+
+  template struct PointLayout<2>;
+  template struct PointLayout<3>;
+  template class MaterialPoints<2>;
+  template class MaterialPoints<3>;
+} // namespace greville

@@ -1,0 +1,146 @@
+#include <greville/particles/point_transport.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  void
+  PointTransport<dim>::reinit(DistributedTriangulation<dim> &triangulation,
+                              const SplineSpace<dim>        &space)
+  {
+    tria         = &triangulation;
+    spline_space = &space;
+    comm         = space.communicator();
+    owners_of_ghost_cells.clear();
+    for (const auto &cell : triangulation.active_cell_iterators())
+      if (cell->is_ghost())
+        owners_of_ghost_cells[lexicographic<dim>(space.lattice().find_cell(
+                                                   cell->center()),
+                                                 space.lattice().n_cells())] =
+          cell->subdomain_id();
+  }
+
+
+
+  template <int dim>
+  std::vector<unsigned int>
+  PointTransport<dim>::find_owners(
+    const std::vector<std::uint64_t> &cells) const
+  {
+    std::vector<unsigned int> owners;
+    bool                      all_known = true;
+    for (const std::uint64_t cell : cells)
+      {
+        const auto found = owners_of_ghost_cells.find(cell);
+        all_known        = all_known && found != owners_of_ghost_cells.end();
+        owners.push_back(found != owners_of_ghost_cells.end()
+                           ? found->second
+                           : numbers::invalid_unsigned_int);
+      }
+    // p4est knows the owner of any point; all processes have to ask.
+    if (Utilities::MPI::max<unsigned int>(!all_known, comm) == 1)
+      {
+        const auto             &lattice = spline_space->lattice();
+        std::vector<Point<dim>> centers;
+        for (const std::uint64_t cell : cells)
+          centers.push_back(
+            lattice.cell_center(multi_index<dim>(cell, lattice.n_cells())));
+        const auto found = tria->find_point_owner_rank(centers);
+        owners.assign(found.begin(), found.end());
+      }
+    return owners;
+  }
+
+
+
+  template <int dim>
+  typename PointTransport<dim>::Result
+  PointTransport<dim>::move(MaterialPoints<dim>             &points,
+                            const std::vector<unsigned int> &left_cells)
+  {
+    Result              result;
+    std::vector<double> leaving;
+    for (const unsigned int cell : left_cells)
+      points.remove_leaving(cell, leaving);
+
+    const unsigned int size      = points.layout().size;
+    const auto        &lattice   = spline_space->lattice();
+    const auto        &cells     = spline_space->owned_cells();
+    const std::size_t  n_leaving = leaving.size() / size;
+    result.n_moved               = n_leaving;
+
+    std::vector<std::uint64_t> foreign_cells;
+    std::vector<std::size_t>   foreign_points;
+    for (std::size_t k = 0; k < n_leaving; ++k)
+      {
+        double    *values = leaving.data() + k * size;
+        Point<dim> x;
+        bool       is_outside = false;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double tolerance = 1e-9 * lattice.cell_size(d);
+            x[d]                   = values[PointLayout<dim>::position + d];
+            is_outside = is_outside || !(x[d] >= lattice.lower(d) - tolerance &&
+                                         x[d] <= lattice.upper(d) + tolerance);
+            if (!is_outside)
+              values[PointLayout<dim>::position + d] = x[d] =
+                std::min(std::max(x[d], lattice.lower(d)), lattice.upper(d));
+          }
+        if (is_outside)
+          {
+            ++result.n_removed;
+            result.outside = std::int64_t(values[PointLayout<dim>::id]);
+            result.outside_position = x;
+            continue;
+          }
+        const std::uint64_t position =
+          lexicographic<dim>(lattice.find_cell(x), lattice.n_cells());
+        const auto found =
+          std::lower_bound(cells.begin(), cells.end(), position);
+        if (found != cells.end() && *found == position)
+          points.insert(found - cells.begin(),
+                        ArrayView<const double>(values, size));
+        else
+          {
+            foreign_cells.push_back(position);
+            foreign_points.push_back(k);
+          }
+      }
+    result.n_sent = foreign_points.size();
+
+    if (Utilities::MPI::n_mpi_processes(comm) > 1)
+      {
+        const auto owners = find_owners(foreign_cells);
+        std::map<unsigned int, std::vector<double>> to_send;
+        for (std::size_t k = 0; k < foreign_points.size(); ++k)
+          {
+            auto         &message = to_send[owners[k]];
+            const double *values  = leaving.data() + foreign_points[k] * size;
+            message.push_back(double(foreign_cells[k]));
+            message.insert(message.end(), values, values + size);
+          }
+        for (const auto &message : Utilities::MPI::some_to_some(comm, to_send))
+          for (std::size_t k = 0; k < message.second.size(); k += size + 1)
+            {
+              const auto found =
+                std::lower_bound(cells.begin(),
+                                 cells.end(),
+                                 std::uint64_t(message.second[k]));
+              points.insert(found - cells.begin(),
+                            ArrayView<const double>(&message.second[k + 1],
+                                                    size));
+            }
+      }
+    return result;
+  }
+
+
+
+  template class PointTransport<2>;
+  template class PointTransport<3>;
+} // namespace greville

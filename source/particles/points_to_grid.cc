@@ -1,0 +1,449 @@
+#include <deal.II/base/quadrature_lib.h>
+
+#include <greville/particles/point_kernels.h>
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace internal;
+
+  void
+  SplinePolynomials::reinit(const KnotVector &knots)
+  {
+    n                          = knots.degree() + 1;
+    const unsigned int n_cells = knots.n_elements();
+    polynomials.resize(std::size_t(n_cells) * n * n);
+    offsets.resize(std::size_t(n_cells) * n);
+
+    // Interpolation at n points gives the polynomials.
+    const QGauss<1>    nodes(n);
+    FullMatrix<double> inverse(n, n);
+    for (unsigned int q = 0; q < n; ++q)
+      for (unsigned int k = 0; k < n; ++k)
+        inverse(q, k) = std::pow(nodes.point(q)(0) - 0.5, k);
+    inverse.gauss_jordan();
+
+    std::vector<double> values(n);
+    for (unsigned int e = 0; e < n_cells; ++e)
+      {
+        const double lower = knots.element_lower(e);
+        const double h     = knots.element_upper(e) - lower;
+        double      *c     = polynomials.data() + std::size_t(e) * n * n;
+        std::fill(c, c + n * n, 0.);
+        for (unsigned int q = 0; q < n; ++q)
+          {
+            knots.evaluate(e,
+                           lower + h * nodes.point(q)(0),
+                           0,
+                           make_array_view(values));
+            for (unsigned int a = 0; a < n; ++a)
+              for (unsigned int k = 0; k < n; ++k)
+                c[a * n + k] += inverse(k, q) * values[a];
+          }
+        for (unsigned int a = 0; a < n; ++a)
+          offsets[std::size_t(e) * n + a] =
+            knots.greville_abscissa(knots.first_function(e) + a) - lower -
+            0.5 * h;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::reinit(const SplineSpace<dim> &space)
+  {
+    spline_space = &space;
+    for (unsigned int d = 0; d < dim; ++d)
+      tables[d].reinit(space.knots(d));
+  }
+
+
+
+  namespace
+  {
+    /**
+     * The sums over the points of a cell and of all its functions, n_fields
+     * numbers per function, of which each lane has its part.
+     */
+    template <int n_functions, int n_fields>
+    struct CellSums
+    {
+      CellSums()
+      {
+        for (Simd &sum : sums)
+          sum = 0.;
+      }
+
+      void
+      add_to(const unsigned int *functions, double *buffer) const
+      {
+        for (int a = 0; a < n_functions; ++a)
+          for (int k = 0; k < n_fields; ++k)
+            buffer[std::size_t(functions[a]) * n_fields + k] +=
+              reduce(sums[a * n_fields + k]);
+      }
+
+      Simd sums[n_functions * n_fields];
+    };
+
+
+
+    /**
+     * The fields of a function are mass and momentum (if with_momentum) and
+     * force (if with_force).
+     */
+    template <int dim, int n, bool with_momentum, bool with_force, bool affine>
+    void
+    add_points(const MaterialPoints<dim>                &points,
+               const SplineSpace<dim>                   &space,
+               const std::array<SplinePolynomials, dim> &tables,
+               double                                   *buffer)
+    {
+      using Layout              = PointLayout<dim>;
+      const Layout &layout      = points.layout();
+      constexpr int first_force = with_momentum ? 1 + dim : 0;
+      constexpr int n_fields    = first_force + (with_force ? dim : 0);
+      constexpr int n_z         = dim == 3 ? n : 1;
+
+      for (const unsigned int cell : points.cells())
+        {
+          const CellGeometry<dim, n>        geometry(space, tables, cell);
+          CellSums<power(n, dim), n_fields> cell_sums;
+          for (unsigned int g = points.first_group(cell);
+               g != MaterialPoints<dim>::none;
+               g = points.next_group(g))
+            {
+              const double *group = points.group(g);
+              Simd          x[dim], v[dim];
+              load_numbers<dim>(group, Layout::position, x);
+              const Simd    m = load(group + Layout::mass * simd_width);
+              Shape<dim, n> shape;
+              shape.template evaluate<with_force>(geometry, x);
+
+              if constexpr (with_momentum)
+                load_numbers<dim>(group, Layout::velocity, v);
+
+              // - V sigma, and the force of loads
+              Simd stress[dim][dim], load_force[dim];
+              if constexpr (with_force)
+                {
+                  const Simd volume =
+                    load(group + Layout::volume0 * simd_width) *
+                    load(group + Layout::J * simd_width);
+                  for (int i = 0; i < dim; ++i)
+                    for (int j = 0; j < dim; ++j)
+                      stress[i][j] =
+                        -volume * load(group + (Layout::stress +
+                                                stress_index<dim>(i, j)) *
+                                                 simd_width);
+                  for (int i = 0; i < dim; ++i)
+                    load_force[i] =
+                      layout.has_load
+                        ? m * load(group + (layout.load + i) * simd_width)
+                        : Simd(0.);
+                }
+
+              Simd C[dim][dim], distance[dim][n];
+              if constexpr (affine)
+                for (int i = 0; i < dim; ++i)
+                  {
+                    load_numbers<dim>(group, layout.affine + i * dim, C[i]);
+                    for (int a = 0; a < n; ++a)
+                      distance[i][a] =
+                        geometry.center[i] + geometry.offsets[i][a] - x[i];
+                  }
+
+              Simd *sums = cell_sums.sums;
+              for (int a_z = 0; a_z < n_z; ++a_z)
+                for (int a_y = 0; a_y < n; ++a_y)
+                  {
+                    // What a row in x has in common
+                    Simd N_yz = shape.N[1][a_y];
+                    Simd dy = 0., dz = 0.;
+                    if constexpr (with_force)
+                      dy = shape.dN[1][a_y];
+                    if constexpr (dim == 3)
+                      {
+                        if constexpr (with_force)
+                          {
+                            dy *= shape.N[dim - 1][a_z];
+                            dz = N_yz * shape.dN[dim - 1][a_z];
+                          }
+                        N_yz *= shape.N[dim - 1][a_z];
+                      }
+                    const Simd m_yz = m * N_yz;
+                    Simd       momentum[dim], slope[dim];
+                    if constexpr (with_momentum)
+                      for (int i = 0; i < dim; ++i)
+                        {
+                          momentum[i] = v[i];
+                          if constexpr (affine)
+                            {
+                              momentum[i] += C[i][1] * distance[1][a_y];
+                              if constexpr (dim == 3)
+                                momentum[i] +=
+                                  C[i][dim - 1] * distance[dim - 1][a_z];
+                              slope[i] = m_yz * C[i][0];
+                            }
+                          momentum[i] *= m_yz;
+                        }
+                    Simd along_x[dim], across_x[dim];
+                    if constexpr (with_force)
+                      for (int i = 0; i < dim; ++i)
+                        {
+                          along_x[i] = N_yz * stress[i][0];
+                          across_x[i] =
+                            dy * stress[i][1] + N_yz * load_force[i];
+                          if constexpr (dim == 3)
+                            across_x[i] += dz * stress[i][dim - 1];
+                        }
+                    for (int a = 0; a < n; ++a, sums += n_fields)
+                      {
+                        const Simd N = shape.N[0][a];
+                        if constexpr (with_momentum)
+                          {
+                            sums[0] += N * m_yz;
+                            for (int i = 0; i < dim; ++i)
+                              if constexpr (affine)
+                                sums[1 + i] +=
+                                  N * (momentum[i] + slope[i] * distance[0][a]);
+                              else
+                                sums[1 + i] += N * momentum[i];
+                          }
+                        if constexpr (with_force)
+                          for (int i = 0; i < dim; ++i)
+                            sums[first_force + i] +=
+                              shape.dN[0][a] * along_x[i] + N * across_x[i];
+                      }
+                  }
+            }
+          cell_sums.add_to(geometry.functions, buffer);
+        }
+    }
+
+
+
+    void
+    take_from_buffer(const std::vector<double> &buffer,
+                     const unsigned int         n_fields,
+                     const unsigned int         field,
+                     VectorType                &vector)
+    {
+      const std::size_t n = buffer.size() / n_fields;
+      vector.zero_out_ghost_values();
+      for (std::size_t i = 0; i < n; ++i)
+        vector.local_element(i) = buffer[i * n_fields + field];
+      vector.compress(VectorOperation::add);
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::points_to_grid(
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    VectorType                                     *mass,
+    VectorField<dim>                               *momentum,
+    VectorField<dim>                               *force)
+  {
+    Assert((mass == nullptr) == (momentum == nullptr),
+           ExcMessage("Mass and momentum go together."));
+    const SplineSpace<dim> &space = *spline_space;
+    const unsigned int      n_functions =
+      space.owned_functions().size() + space.ghost_functions().size();
+    const unsigned int first_force = mass ? 1 + dim : 0;
+    const unsigned int n_fields    = first_force + (force ? dim : 0);
+    buffer.assign(std::size_t(n_functions) * n_fields, 0.);
+
+    for (const MaterialPoints<dim> *points : bodies)
+      with_order(space.degree(), [&](const auto size) {
+        constexpr int n      = decltype(size)::value;
+        const bool    affine = points->layout().has_affine;
+        if (mass && force && affine)
+          add_points<dim, n, true, true, true>(*points,
+                                               space,
+                                               tables,
+                                               buffer.data());
+        else if (mass && force)
+          add_points<dim, n, true, true, false>(*points,
+                                                space,
+                                                tables,
+                                                buffer.data());
+        else if (mass && affine)
+          add_points<dim, n, true, false, true>(*points,
+                                                space,
+                                                tables,
+                                                buffer.data());
+        else if (mass)
+          add_points<dim, n, true, false, false>(*points,
+                                                 space,
+                                                 tables,
+                                                 buffer.data());
+        else
+          add_points<dim, n, false, true, false>(*points,
+                                                 space,
+                                                 tables,
+                                                 buffer.data());
+      });
+
+    if (mass)
+      {
+        take_from_buffer(buffer, n_fields, 0, *mass);
+        for (unsigned int d = 0; d < dim; ++d)
+          take_from_buffer(buffer, n_fields, 1 + d, (*momentum)[d]);
+      }
+    if (force)
+      for (unsigned int d = 0; d < dim; ++d)
+        take_from_buffer(buffer, n_fields, first_force + d, (*force)[d]);
+  }
+
+
+
+  namespace
+  {
+    /**
+     * The Lagrange polynomials of the n Gauss points of the unit interval as
+     * polynomials of t = x - 1/2, in the layout of SplinePolynomials.
+     */
+    template <int n>
+    std::array<double, n * n>
+    lagrange_polynomials()
+    {
+      const QGauss<1>           nodes(n);
+      std::array<double, n * n> c{};
+      for (int a = 0; a < n; ++a)
+        {
+          // Multiply out the linear factors.
+          c[a * n]      = 1.;
+          double scale  = 1.;
+          int    degree = 0;
+          for (int b = 0; b < n; ++b)
+            if (b != a)
+              {
+                const double root = nodes.point(b)(0) - 0.5;
+                scale /= nodes.point(a)(0) - nodes.point(b)(0);
+                ++degree;
+                for (int k = degree; k >= 0; --k)
+                  c[a * n + k] = (k > 0 ? c[a * n + k - 1] : 0.) -
+                                 root * (k < degree ? c[a * n + k] : 0.);
+              }
+          for (int k = 0; k < n; ++k)
+            c[a * n + k] *= scale;
+        }
+      return c;
+    }
+
+
+
+    template <int dim, int n>
+    void
+    add_moments(const MaterialPoints<dim>                &points,
+                const SplineSpace<dim>                   &space,
+                const std::array<SplinePolynomials, dim> &tables,
+                DensityWeights<dim>                      &weights)
+    {
+      const auto    lagrange = lagrange_polynomials<n>();
+      constexpr int n_z      = dim == 3 ? n : 1;
+      for (const unsigned int cell : points.cells())
+        {
+          CellGeometry<dim, n> geometry(space, tables, cell);
+          for (unsigned int d = 0; d < dim; ++d)
+            geometry.polynomials[d] = lagrange.data();
+          CellSums<power(n, dim), 1> cell_sums;
+          for (unsigned int g = points.first_group(cell);
+               g != MaterialPoints<dim>::none;
+               g = points.next_group(g))
+            {
+              const double *group = points.group(g);
+              Simd          x[dim];
+              load_numbers<dim>(group, PointLayout<dim>::position, x);
+              const Simd m = load(group + PointLayout<dim>::mass * simd_width);
+              Shape<dim, n> shape;
+              shape.template evaluate<false>(geometry, x);
+              Simd *sums = cell_sums.sums;
+              for (int a_z = 0; a_z < n_z; ++a_z)
+                for (int a_y = 0; a_y < n; ++a_y)
+                  {
+                    Simd m_yz = m * shape.N[1][a_y];
+                    if constexpr (dim == 3)
+                      m_yz *= shape.N[dim - 1][a_z];
+                    for (int a = 0; a < n; ++a, ++sums)
+                      *sums += m_yz * shape.N[0][a];
+                  }
+            }
+          double            *target = weights.at_cell(cell);
+          const unsigned int width  = CellBatches<dim>::width();
+          for (int q = 0; q < power(n, dim); ++q)
+            target[q * width] += reduce(cell_sums.sums[q]);
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::mass_weights(
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    DensityWeights<dim>                            &weights) const
+  {
+    weights.clear();
+    for (const MaterialPoints<dim> *points : bodies)
+      switch (weights.n_points_1d())
+        {
+          case 3:
+            add_moments<dim, 3>(*points, *spline_space, tables, weights);
+            break;
+          case 5:
+            add_moments<dim, 5>(*points, *spline_space, tables, weights);
+            break;
+          case 7:
+            add_moments<dim, 7>(*points, *spline_space, tables, weights);
+            break;
+          case 9:
+            add_moments<dim, 9>(*points, *spline_space, tables, weights);
+            break;
+          case 11:
+            add_moments<dim, 11>(*points, *spline_space, tables, weights);
+            break;
+          default:
+            Assert(false, ExcInternalError());
+        }
+  }
+
+
+
+  template <int dim>
+  Tensor<1, dim>
+  PointTransfer<dim>::spread(const unsigned int cell, const Point<dim> &x) const
+  {
+    const SplineSpace<dim> &space   = *spline_space;
+    const auto             &lattice = space.lattice();
+    const unsigned int      n       = space.degree() + 1;
+    const auto              index =
+      multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
+    const Point<dim> center = lattice.cell_center(index);
+    Tensor<1, dim>   result;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double *c       = tables[d].coefficients(index[d]);
+        const double *offsets = tables[d].greville_offsets(index[d]);
+        const double  t       = (x[d] - center[d]) / lattice.cell_size(d);
+        for (unsigned int a = 0; a < n; ++a)
+          {
+            double N = 0.;
+            for (int k = n - 1; k >= 0; --k)
+              N = N * t + c[a * n + k];
+            result[d] += N * std::pow(center[d] + offsets[a] - x[d], 2);
+          }
+      }
+    return result;
+  }
+
+
+
+  template class PointTransfer<2>;
+  template class PointTransfer<3>;
+} // namespace greville

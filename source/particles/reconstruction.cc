@@ -1,0 +1,229 @@
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/lac/full_matrix.h>
+
+#include <greville/particles/reconstruction.h>
+
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * The polynomials psi of a cell that its points can tell apart.
+     */
+    template <int dim>
+    class Polynomials
+    {
+    public:
+      Polynomials(const std::vector<Tensor<1, dim>> &positions)
+      {
+        // Variances of t and t^2, relative to those of a uniform distribution.
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            double sums[4] = {};
+            for (const auto &t : positions)
+              for (unsigned int k = 0; k < 4; ++k)
+                sums[k] += std::pow(t[d], k + 1) / positions.size();
+            linear[d] = sums[1] - sums[0] * sums[0] > 1e-2 / 12.;
+            quadratic[d] =
+              linear[d] && sums[3] - sums[1] * sums[1] > 1e-2 / 180.;
+          }
+      }
+
+      unsigned int
+      size() const
+      {
+        unsigned int n = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            n += linear[d] + quadratic[d];
+            for (unsigned int e = 0; e < d; ++e)
+              n += linear[d] && linear[e];
+          }
+        return n;
+      }
+
+      void
+      evaluate(const Tensor<1, dim> &t, std::vector<double> &values) const
+      {
+        unsigned int k = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            if (linear[d])
+              values[k++] = t[d];
+            if (quadratic[d])
+              values[k++] = t[d] * t[d] - 1. / 12.;
+            for (unsigned int e = 0; e < d; ++e)
+              if (linear[d] && linear[e])
+                values[k++] = t[d] * t[e];
+          }
+      }
+
+    private:
+      std::array<bool, dim> linear, quadratic;
+    };
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  Reconstruction<dim>::reconstruct(const MaterialPoints<dim> &points,
+                                   MaterialPoints<dim>       &result) const
+  {
+    using Layout                    = PointLayout<dim>;
+    const SplineSpace<dim> &space   = points.space();
+    const auto             &lattice = space.lattice();
+    const Layout            from    = points.layout();
+    const Layout            to(0, false, from.has_load);
+    result.reinit(space, to);
+
+    double cell_volume = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      cell_volume *= lattice.cell_size(d);
+    const QGauss<dim>      quadrature(n_q);
+    constexpr unsigned int n_stress = Layout::n_stress;
+    const unsigned int     n_fields =
+      1 + dim + n_stress + (from.has_load ? dim : 0);
+    const unsigned int stride = points.stride();
+
+    std::vector<double>         values(to.size), psi;
+    std::vector<const double *> members;
+    std::vector<Tensor<1, dim>> positions;
+    for (const unsigned int cell : points.cells())
+      {
+        const auto center = lattice.cell_center(
+          multi_index<dim>(space.owned_cells()[cell], lattice.n_cells()));
+        members.clear();
+        positions.clear();
+        double       volume = 0.;
+        unsigned int n      = points.n_in_first_group(cell);
+        for (unsigned int g = points.first_group(cell);
+             g != MaterialPoints<dim>::none;
+             g = points.next_group(g), n = stride)
+          for (unsigned int lane = 0; lane < n; ++lane)
+            {
+              const double *p = points.group(g) + lane;
+              members.push_back(p);
+              Tensor<1, dim> t;
+              for (unsigned int d = 0; d < dim; ++d)
+                t[d] = (p[(Layout::position + d) * stride] - center[d]) /
+                       lattice.cell_size(d);
+              positions.push_back(t);
+              volume += p[Layout::volume0 * stride] * p[Layout::J * stride];
+            }
+
+        // Values of the quantities at the points, per volume, and their means.
+        const auto field = [&](const double *p, const unsigned int f) {
+          const double V = p[Layout::volume0 * stride] * p[Layout::J * stride];
+          const double rho = p[Layout::mass * stride] / V;
+          if (f == 0)
+            return rho;
+          if (f <= dim)
+            return rho * p[(Layout::velocity + f - 1) * stride];
+          if (f <= dim + n_stress)
+            return p[(Layout::stress + f - 1 - dim) * stride];
+          return rho * p[(from.load + f - 1 - dim - n_stress) * stride];
+        };
+
+        const Polynomials<dim> polynomials(positions);
+        const unsigned int     n_psi = polynomials.size();
+        bool is_full = volume >= full * cell_volume && members.size() > n_psi;
+        FullMatrix<double> coefficients(n_fields, n_psi + 1);
+        if (is_full)
+          {
+            psi.resize(n_psi);
+            for (const double *p : members)
+              for (unsigned int f = 0; f < n_fields; ++f)
+                coefficients(f, n_psi) += field(p, f) *
+                                          p[Layout::volume0 * stride] *
+                                          p[Layout::J * stride] / cell_volume;
+            FullMatrix<double> normal(n_psi, n_psi), right(n_psi, n_fields);
+            for (unsigned int k = 0; k < members.size(); ++k)
+              {
+                polynomials.evaluate(positions[k], psi);
+                for (unsigned int i = 0; i < n_psi; ++i)
+                  {
+                    for (unsigned int j = 0; j < n_psi; ++j)
+                      normal(i, j) += psi[i] * psi[j];
+                    for (unsigned int f = 0; f < n_fields; ++f)
+                      right(i, f) += psi[i] * (field(members[k], f) -
+                                               coefficients(f, n_psi));
+                  }
+              }
+            if (n_psi > 0)
+              normal.gauss_jordan();
+            for (unsigned int f = 0; f < n_fields; ++f)
+              for (unsigned int i = 0; i < n_psi; ++i)
+                for (unsigned int j = 0; j < n_psi; ++j)
+                  coefficients(f, i) += normal(i, j) * right(j, f);
+
+            // All densities have to be positive.
+            for (unsigned int q = 0; q < quadrature.size(); ++q)
+              {
+                Tensor<1, dim> t;
+                for (unsigned int d = 0; d < dim; ++d)
+                  t[d] = quadrature.point(q)[d] - 0.5;
+                polynomials.evaluate(t, psi);
+                double density = coefficients(0, n_psi);
+                for (unsigned int i = 0; i < n_psi; ++i)
+                  density += coefficients(0, i) * psi[i];
+                is_full = is_full && density > 0.;
+              }
+          }
+
+        std::fill(values.begin(), values.end(), 0.);
+        for (unsigned int d = 0; d < dim; ++d)
+          values[Layout::F + d * (dim + 1)] = 1.;
+        if (!is_full)
+          for (const double *p : members)
+            {
+              for (unsigned int k = 0; k < Layout::n_fixed; ++k)
+                values[k] = p[k * stride];
+              if (from.has_load)
+                for (unsigned int d = 0; d < dim; ++d)
+                  values[to.load + d] = p[(from.load + d) * stride];
+              result.insert(cell, make_array_view(values));
+            }
+        else
+          for (unsigned int q = 0; q < quadrature.size(); ++q)
+            {
+              Tensor<1, dim> t;
+              for (unsigned int d = 0; d < dim; ++d)
+                {
+                  t[d] = quadrature.point(q)[d] - 0.5;
+                  values[Layout::position + d] =
+                    center[d] + t[d] * lattice.cell_size(d);
+                }
+              polynomials.evaluate(t, psi);
+              std::vector<double> fields(n_fields);
+              for (unsigned int f = 0; f < n_fields; ++f)
+                {
+                  fields[f] = coefficients(f, n_psi);
+                  for (unsigned int i = 0; i < n_psi; ++i)
+                    fields[f] += coefficients(f, i) * psi[i];
+                }
+              values[Layout::volume0] = quadrature.weight(q) * cell_volume;
+              values[Layout::J]       = 1.;
+              values[Layout::mass]    = fields[0] * values[Layout::volume0];
+              for (unsigned int d = 0; d < dim; ++d)
+                values[Layout::velocity + d] = fields[1 + d] / fields[0];
+              for (unsigned int k = 0; k < n_stress; ++k)
+                values[Layout::stress + k] = fields[1 + dim + k];
+              if (from.has_load)
+                for (unsigned int d = 0; d < dim; ++d)
+                  values[to.load + d] =
+                    fields[1 + dim + n_stress + d] / fields[0];
+              result.insert(cell, make_array_view(values));
+            }
+      }
+  }
+
+
+
+  template class Reconstruction<2>;
+  template class Reconstruction<3>;
+} // namespace greville

@@ -1,0 +1,314 @@
+#include <greville/simulation/comparison.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    std::vector<Expression>
+    formulas_of(const std::string &text,
+                const std::string &name,
+                const unsigned int n)
+    {
+      if (text.empty())
+        return {};
+      return make_expressions(text,
+                              "Exact solution/" + name,
+                              dim == 2
+                                ? std::vector<std::string>{"X", "Y", "t"}
+                                : std::vector<std::string>{"X", "Y", "Z", "t"},
+                              n);
+    }
+
+
+
+    /**
+     * Errors of @p n numbers per point, which @p value gives.
+     */
+    template <int dim, typename Value>
+    std::optional<Errors>
+    errors_of(const std::vector<Expression> &formulas,
+              const std::vector<Body<dim>>  &bodies,
+              const double                   t,
+              const MPI_Comm                 comm,
+              const Value                   &value)
+    {
+      using Layout = PointLayout<dim>;
+      if (formulas.empty())
+        return {};
+      double error = 0., norm = 0., volume = 0., max_error = 0., max_norm = 0.;
+      for (const Body<dim> &body : bodies)
+        {
+          const unsigned int s = body.points.stride();
+          body.points.for_each([&](const unsigned int, const double *p) {
+            double arguments[dim + 1];
+            for (unsigned int d = 0; d < dim; ++d)
+              arguments[d] = p[(Layout::reference + d) * s];
+            arguments[dim]  = t;
+            const double V0 = p[Layout::volume0 * s];
+            double       e2 = 0., u2 = 0.;
+            for (unsigned int k = 0; k < formulas.size(); ++k)
+              {
+                const double exact =
+                  formulas[k](ArrayView<const double>(arguments, dim + 1));
+                e2 += std::pow(value(p, s, k) - exact, 2);
+                u2 += exact * exact;
+              }
+            error += V0 * e2;
+            norm += V0 * u2;
+            volume += V0;
+            max_error = std::max(max_error, e2);
+            max_norm  = std::max(max_norm, u2);
+          });
+        }
+      error               = Utilities::MPI::sum(error, comm);
+      norm                = Utilities::MPI::sum(norm, comm);
+      volume              = Utilities::MPI::sum(volume, comm);
+      max_error           = Utilities::MPI::max(max_error, comm);
+      max_norm            = Utilities::MPI::max(max_norm, comm);
+      const bool relative = max_norm > 0.;
+      return Errors{std::sqrt(error / (relative ? norm : volume)),
+                    std::sqrt(relative ? max_error / max_norm : max_error)};
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  ExactSolution<dim>::ExactSolution(const ExactParameters &parameters)
+    : displacement_formulas(
+        formulas_of<dim>(parameters.displacement, "Displacement", dim))
+    , velocity_formulas(formulas_of<dim>(parameters.velocity, "Velocity", dim))
+    , stress_formulas(formulas_of<dim>(parameters.stress,
+                                       "Stress",
+                                       PointLayout<dim>::n_stress))
+  {}
+
+
+
+  template <int dim>
+  std::optional<Errors>
+  ExactSolution<dim>::displacement(const std::vector<Body<dim>> &bodies,
+                                   const double                  t,
+                                   const MPI_Comm                comm) const
+  {
+    using Layout = PointLayout<dim>;
+    return errors_of<dim>(
+      displacement_formulas,
+      bodies,
+      t,
+      comm,
+      [](const double *p, const unsigned int s, const unsigned int d) {
+        return p[(Layout::position + d) * s] - p[(Layout::reference + d) * s];
+      });
+  }
+
+
+
+  template <int dim>
+  std::optional<Errors>
+  ExactSolution<dim>::velocity(const std::vector<Body<dim>> &bodies,
+                               const double                  t,
+                               const MPI_Comm                comm) const
+  {
+    return errors_of<dim>(velocity_formulas,
+                          bodies,
+                          t,
+                          comm,
+                          [](const double      *p,
+                             const unsigned int s,
+                             const unsigned int d) {
+                            return p[(PointLayout<dim>::velocity + d) * s];
+                          });
+  }
+
+
+
+  template <int dim>
+  std::optional<Errors>
+  ExactSolution<dim>::stress(const std::vector<Body<dim>> &bodies,
+                             const double                  t,
+                             const MPI_Comm                comm) const
+  {
+    return errors_of<dim>(stress_formulas,
+                          bodies,
+                          t,
+                          comm,
+                          [](const double      *p,
+                             const unsigned int s,
+                             const unsigned int k) {
+                            return p[(PointLayout<dim>::stress + k) * s];
+                          });
+  }
+
+
+
+  std::vector<std::vector<double>>
+  read_columns(const std::string &name,
+               const std::string &parameter,
+               const unsigned int n_columns)
+  {
+    std::ifstream file(name);
+    AssertThrow(file,
+                ExcMessage("Cannot read the file <" + name +
+                           "> of the parameter '" + parameter + "'."));
+    std::vector<std::vector<double>> result;
+    std::string                      line;
+    unsigned int                     line_number = 0;
+    bool                             has_header  = false;
+    while (std::getline(file, line))
+      {
+        ++line_number;
+        const auto first = line.find_first_not_of(" \t\r");
+        if (first == std::string::npos || line[first] == '#')
+          continue;
+        if (!has_header)
+          {
+            has_header = true;
+            continue;
+          }
+        std::vector<double> numbers;
+        try
+          {
+            numbers = Utilities::string_to_double(
+              Utilities::split_string_list(line, ','));
+          }
+        catch (const std::exception &)
+          {}
+        AssertThrow(numbers.size() == n_columns,
+                    ExcMessage("<" + name + ">, line " +
+                               std::to_string(line_number) + ": <" + line +
+                               "> has not " + std::to_string(n_columns) +
+                               " numbers."));
+        result.push_back(numbers);
+      }
+    AssertThrow(!result.empty(), ExcMessage("<" + name + "> has no numbers."));
+    return result;
+  }
+
+
+
+  template <int dim>
+  MeasuredData<dim>::MeasuredData(const SimulationParameters &all)
+    : parameters(all.reference)
+  {
+    if (!parameters.surface_file.empty())
+      surface = read_columns(all.path_of(parameters.surface_file),
+                             "Reference/Surface file",
+                             2);
+    if (!parameters.series_file.empty())
+      {
+        series           = read_columns(all.path_of(parameters.series_file),
+                              "Reference/Series file",
+                              2);
+        const auto names = Statistics<dim>::names();
+        const auto found =
+          std::find(names.begin(), names.end(), parameters.series_quantity);
+        std::string list;
+        for (const std::string &name : names)
+          list += (list.empty() ? "" : ", ") + name;
+        AssertThrow(found != names.end(),
+                    ExcMessage(
+                      "The parameter 'Reference/Series quantity' is <" +
+                      parameters.series_quantity + ">, none of " + list + "."));
+        quantity = found - names.begin();
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  MeasuredData<dim>::add(const Statistics<dim> &statistics)
+  {
+    if (series.empty())
+      return;
+    times.push_back(statistics.time / parameters.time_unit);
+    values.push_back(statistics.values()[quantity] / parameters.value_unit);
+  }
+
+
+
+  template <int dim>
+  Distance
+  MeasuredData<dim>::series_distance() const
+  {
+    Distance result;
+    double   sum = 0.;
+    for (const auto &row : series)
+      {
+        const auto next = std::lower_bound(times.begin(), times.end(), row[0]);
+        if (next == times.end() || next == times.begin())
+          continue;
+        const std::size_t k = next - times.begin();
+        const double      share =
+          (row[0] - times[k - 1]) / (times[k] - times[k - 1]);
+        const double value =
+          values[k - 1] + share * (values[k] - values[k - 1]);
+        const double distance = std::abs(value - row[1]);
+        result.mean += distance;
+        result.largest = std::max(result.largest, distance);
+        result.relative += distance / std::abs(row[1]);
+        sum += 1.;
+        ++result.n;
+      }
+    if (result.n > 0)
+      {
+        result.mean /= sum;
+        result.relative /= sum;
+      }
+    return result;
+  }
+
+
+
+  template <int dim>
+  Distance
+  MeasuredData<dim>::surface_distance(const std::vector<Body<dim>> &bodies,
+                                      const double                  h,
+                                      const double                  floor,
+                                      const MPI_Comm                comm) const
+  {
+    using Layout = PointLayout<dim>;
+    std::vector<double> heights(surface.size(), floor);
+    for (const Body<dim> &body : bodies)
+      {
+        const unsigned int s = body.points.stride();
+        body.points.for_each([&](const unsigned int, const double *p) {
+          const double x = p[Layout::position * s];
+          const double y =
+            p[(Layout::position + 1) * s] +
+            0.5 * std::pow(p[Layout::volume0 * s] * p[Layout::J * s], 1. / dim);
+          for (unsigned int k = 0; k < surface.size(); ++k)
+            if (std::abs(x - surface[k][0]) <= 0.5 * h)
+              heights[k] = std::max(heights[k], y);
+        });
+      }
+    Utilities::MPI::max(heights, comm, heights);
+    Distance result;
+    double   sum = 0.;
+    for (unsigned int k = 0; k < surface.size(); ++k)
+      {
+        const double distance = std::abs(heights[k] - surface[k][1]);
+        result.mean += distance / surface.size();
+        result.largest = std::max(result.largest, distance);
+        sum += std::abs(surface[k][1]) / surface.size();
+      }
+    result.n        = surface.size();
+    result.relative = result.mean / sum;
+    return result;
+  }
+
+
+
+  template class ExactSolution<2>;
+  template class ExactSolution<3>;
+  template class MeasuredData<2>;
+  template class MeasuredData<3>;
+} // namespace greville

@@ -1,0 +1,368 @@
+#include <deal.II/base/data_out_base.h>
+#include <deal.II/base/utilities.h>
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/numerics/data_out.h>
+
+#include <greville/base/parameters.h>
+#include <greville/simulation/output.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr unsigned int stress_components[6][2] = {
+      {0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+
+
+
+    /**
+     * Points as DataOutBase writes them: patches without extension.
+     */
+    template <int dim>
+    class PointsOut : public DataOutInterface<0, dim>
+    {
+    public:
+      PointsOut(const std::vector<Body<dim>> &bodies)
+      {
+        using Interpretation =
+          DataComponentInterpretation::DataComponentInterpretation;
+        const auto vector_valued = [&](const std::string &name) {
+          ranges.emplace_back(names.size(),
+                              names.size() + dim - 1,
+                              name,
+                              Interpretation::component_is_part_of_vector);
+          names.insert(names.end(), dim, name);
+        };
+        vector_valued("velocity");
+        vector_valued("displacement");
+        for (const char *name : {"stress_xx",
+                                 "stress_yy",
+                                 "stress_zz",
+                                 "stress_xy",
+                                 "stress_xz",
+                                 "stress_yz"})
+          if (dim == 3 || (name[8] != 'z' || name[7] == 'z'))
+            names.push_back(name);
+        for (const char *name :
+             {"pressure", "von_mises", "J", "density", "body", "id"})
+          names.push_back(name);
+
+        // A history variable is a field of all points: zero where a material
+        // does not have it.
+        std::vector<std::string> states;
+        for (const Body<dim> &body : bodies)
+          for (const std::string &name : body.material->state_names())
+            if (std::find(states.begin(), states.end(), name) == states.end())
+              states.push_back(name);
+        names.insert(names.end(), states.begin(), states.end());
+
+        for (unsigned int b = 0; b < bodies.size(); ++b)
+          add_points(bodies[b], b, states);
+      }
+
+    private:
+      void
+      add_points(const Body<dim>                &body,
+                 const unsigned int              number,
+                 const std::vector<std::string> &states)
+      {
+        using Layout              = PointLayout<dim>;
+        const Layout      &layout = body.points.layout();
+        const unsigned int s      = body.points.stride();
+        const auto         own    = body.material->state_names();
+        body.points.for_each([&](const unsigned int, const double *p) {
+          DataOutBase::Patch<0, dim> patch;
+          patch.data.reinit(names.size(), 1);
+          unsigned int k = 0;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              patch.vertices[0][d] = p[(Layout::position + d) * s];
+              patch.data(k++, 0)   = p[(Layout::velocity + d) * s];
+            }
+          for (unsigned int d = 0; d < dim; ++d)
+            patch.data(k++, 0) =
+              p[(Layout::position + d) * s] - p[(Layout::reference + d) * s];
+          double stress[6] = {};
+          for (unsigned int c = 0; c < Layout::n_stress; ++c)
+            patch.data(k++, 0) = stress[c] = p[(Layout::stress + c) * s];
+          const double pressure = -(stress[0] + stress[1] + stress[2]) / 3.;
+          double       square   = 0.;
+          for (unsigned int c = 0; c < 6; ++c)
+            square += (c < 3 ? 1.5 : 3.) *
+                      std::pow(stress[c] + (c < 3 ? pressure : 0.), 2);
+          const double J     = p[Layout::J * s];
+          patch.data(k++, 0) = pressure;
+          patch.data(k++, 0) = std::sqrt(square);
+          patch.data(k++, 0) = J;
+          patch.data(k++, 0) =
+            p[Layout::mass * s] / (p[Layout::volume0 * s] * J);
+          patch.data(k++, 0) = number;
+          patch.data(k++, 0) = p[Layout::id * s];
+          for (const std::string &name : states)
+            {
+              const auto found = std::find(own.begin(), own.end(), name);
+              patch.data(k++, 0) =
+                found == own.end()
+                  ? 0.
+                  : p[(layout.state + (found - own.begin())) * s];
+            }
+          patch.patch_index = patches.size();
+          patches.push_back(patch);
+        });
+      }
+
+      const std::vector<DataOutBase::Patch<0, dim>> &
+      get_patches() const override
+      {
+        return patches;
+      }
+
+      std::vector<std::string>
+      get_dataset_names() const override
+      {
+        return names;
+      }
+
+      std::vector<
+        std::tuple<unsigned int,
+                   unsigned int,
+                   std::string,
+                   DataComponentInterpretation::DataComponentInterpretation>>
+      get_nonscalar_data_ranges() const override
+      {
+        return ranges;
+      }
+
+      std::vector<DataOutBase::Patch<0, dim>> patches;
+      std::vector<std::string>                names;
+      std::vector<
+        std::tuple<unsigned int,
+                   unsigned int,
+                   std::string,
+                   DataComponentInterpretation::DataComponentInterpretation>>
+        ranges;
+    };
+
+
+
+    /**
+     * Each process writes its file, the first one the record of all.
+     */
+    template <typename DataOutType>
+    std::string
+    write_parallel(const DataOutType &data,
+                   const std::string &directory,
+                   const std::string &name,
+                   const unsigned int number,
+                   const MPI_Comm     comm)
+    {
+      return data.write_vtu_with_pvtu_record(
+        directory + "/", name, number, comm, 4);
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  FieldOutput<dim>::FieldOutput(const std::string &directory,
+                                const bool         with_grid)
+    : directory(directory)
+    , with_grid(with_grid)
+  {}
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::write_record(const unsigned int kind,
+                                 const std::string &name)
+  {
+    std::ostringstream text;
+    DataOutBase::write_pvd_record(text, times_and_names[kind]);
+    write_atomically(directory + "/" + name, text.str());
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::write(const double                   time,
+                          const std::vector<Body<dim>>  &bodies,
+                          DistributedTriangulation<dim> &triangulation,
+                          const SplineSpace<dim>        &space,
+                          const VectorField<dim>        &velocity,
+                          const VectorType              &mass)
+  {
+    const MPI_Comm     comm   = space.communicator();
+    const unsigned int number = n_written();
+    const bool         first  = Utilities::MPI::this_mpi_process(comm) == 0;
+
+    PointsOut<dim> points(bodies);
+    times_and_names[0].emplace_back(
+      time, write_parallel(points, directory, "points", number, comm));
+    if (first)
+      write_record(0, "points.pvd");
+    if (!with_grid)
+      return;
+
+    // Velocity and mass as a vector-valued space.
+    const SplineSpace<dim> all(triangulation, space.degree(), dim + 1);
+    VectorType             coefficients, bernstein;
+    all.initialize_vector(coefficients);
+    for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          coefficients.local_element(i * (dim + 1) + d) =
+            velocity[d].local_element(i);
+        coefficients.local_element(i * (dim + 1) + dim) = mass.local_element(i);
+      }
+    DoFHandler<dim> dof_handler(triangulation);
+    dof_handler.distribute_dofs(all.fe());
+    IndexSet relevant;
+    DoFTools::extract_locally_relevant_dofs(dof_handler, relevant);
+    bernstein.reinit(dof_handler.locally_owned_dofs(), relevant, comm);
+    all.extract(coefficients, dof_handler, bernstein);
+    bernstein.update_ghost_values();
+
+    std::vector<std::string> names(dim, "velocity");
+    names.push_back("mass");
+    std::vector<DataComponentInterpretation::DataComponentInterpretation>
+      interpretation(dim,
+                     DataComponentInterpretation::component_is_part_of_vector);
+    interpretation.push_back(DataComponentInterpretation::component_is_scalar);
+    DataOut<dim>          data_out;
+    DataOutBase::VtkFlags flags;
+    flags.write_higher_order_cells = true;
+    data_out.set_flags(flags);
+    data_out.add_data_vector(dof_handler, bernstein, names, interpretation);
+    data_out.build_patches(space.degree());
+    times_and_names[1].emplace_back(
+      time, write_parallel(data_out, directory, "grid", number, comm));
+    if (first)
+      write_record(1, "grid.pvd");
+  }
+
+
+
+  template <int dim>
+  Probes<dim>::Probes(const std::string            &text,
+                      const std::vector<Body<dim>> &bodies,
+                      const std::string            &file,
+                      const MPI_Comm                comm)
+    : comm(comm)
+  {
+    using Layout = PointLayout<dim>;
+    for (const std::string &position : Utilities::split_string_list(text, ';'))
+      {
+        std::vector<double> x;
+        try
+          {
+            x = Utilities::string_to_double(
+              Utilities::split_string_list(position, ','));
+          }
+        catch (const std::exception &)
+          {}
+        AssertThrow(x.size() == dim,
+                    ExcMessage("The parameter 'Output/Probes' takes positions "
+                               "of " +
+                               std::to_string(dim) +
+                               " numbers, separated by semicolons, not <" +
+                               position + ">."));
+
+        // The nearest point; of several the one of the first body and id.
+        double nearest = std::numeric_limits<double>::max();
+        Probe  probe{0, 0.};
+        for (unsigned int b = 0; b < bodies.size(); ++b)
+          {
+            const unsigned int s = bodies[b].points.stride();
+            bodies[b].points.for_each([&](const unsigned int, const double *p) {
+              double square = 0.;
+              for (unsigned int d = 0; d < dim; ++d)
+                square += std::pow(p[(Layout::reference + d) * s] - x[d], 2);
+              const double id = p[Layout::id * s];
+              if (square < nearest ||
+                  (square == nearest && b == probe.body && id < probe.id))
+                {
+                  nearest = square;
+                  probe   = {b, id};
+                }
+            });
+          }
+        const double best = Utilities::MPI::min(nearest, comm);
+        const double none = std::numeric_limits<double>::max();
+        probe.body        = Utilities::MPI::min<unsigned int>(
+          nearest == best ? probe.body : numbers::invalid_unsigned_int, comm);
+        probe.id = Utilities::MPI::min(nearest == best ? probe.id : none, comm);
+        probes.push_back(probe);
+      }
+    if (Utilities::MPI::this_mpi_process(comm) == 0)
+      {
+        out.open(file);
+        out << "time";
+        const char *axes[] = {"x", "y", "z"};
+        for (unsigned int k = 0; k < probes.size(); ++k)
+          {
+            const std::string probe = std::to_string(k);
+            for (const char *what : {"", "v"})
+              for (unsigned int d = 0; d < dim; ++d)
+                out << "," << what << axes[d] << probe;
+            for (const char *c : {"xx", "yy", "zz", "xy"})
+              out << ",stress_" << c << probe;
+          }
+        out << '\n';
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Probes<dim>::write(const double time, const std::vector<Body<dim>> &bodies)
+  {
+    if (probes.empty())
+      return;
+    using Layout             = PointLayout<dim>;
+    constexpr unsigned int n = 2 * dim + 4;
+    std::vector<double>    values(n * probes.size(), 0.);
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      {
+        const unsigned int s = bodies[b].points.stride();
+        bodies[b].points.for_each([&](const unsigned int, const double *p) {
+          for (unsigned int k = 0; k < probes.size(); ++k)
+            if (probes[k].body == b && probes[k].id == p[Layout::id * s])
+              {
+                for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    values[k * n + d]       = p[(Layout::position + d) * s];
+                    values[k * n + dim + d] = p[(Layout::velocity + d) * s];
+                  }
+                for (unsigned int c = 0; c < 4; ++c)
+                  values[k * n + 2 * dim + c] = p[(Layout::stress + c) * s];
+              }
+        });
+      }
+    Utilities::MPI::sum(values, comm, values);
+    if (out.is_open())
+      {
+        out.precision(12);
+        out << time;
+        for (const double value : values)
+          out << "," << value;
+        out << std::endl;
+      }
+  }
+
+
+
+  template class FieldOutput<2>;
+  template class FieldOutput<3>;
+  template class Probes<2>;
+  template class Probes<3>;
+} // namespace greville

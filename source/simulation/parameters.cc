@@ -1,0 +1,515 @@
+#include <greville/base/parameters.h>
+#include <greville/simulation/parameters.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace greville
+{
+  using namespace dealii;
+
+  GeneralParameters::GeneralParameters()
+    : ParameterAcceptor("Simulation")
+  {
+    add_parameter("Name",
+                  name,
+                  "Results go to output/NAME. Empty: the name of the file.");
+    add_parameter("Dimension",
+                  dimension,
+                  "2 (plane strain) or 3. Unit: none.",
+                  prm,
+                  Patterns::Integer(2, 3));
+    add_parameter("Bodies",
+                  bodies,
+                  "Names of bodies; each has a section 'Body NAME'.");
+    add_parameter("Materials",
+                  materials,
+                  "Names of materials; each has a section 'Material NAME'.");
+    add_parameter("Tractions",
+                  tractions,
+                  "Names of tractions; each has a section 'Traction NAME'.");
+  }
+
+
+
+  GridParameters::GridParameters()
+    : ParameterAcceptor("Grid")
+  {
+    add_parameter("Lower corner",
+                  lower,
+                  "Corner of the grid with the smallest coordinates. Unit: m.",
+                  prm,
+                  Patterns::List(Patterns::Double(), 2, 3));
+    add_parameter("Upper corner",
+                  upper,
+                  "Corner with the largest coordinates. Unit: m.",
+                  prm,
+                  Patterns::List(Patterns::Double(), 2, 3));
+    add_parameter("Cells",
+                  cells,
+                  "Cells in each direction. Unit: none.",
+                  prm,
+                  Patterns::List(Patterns::Integer(1), 2, 3));
+    add_parameter("Order",
+                  degree,
+                  "Order p of the B-splines. Unit: none.",
+                  prm,
+                  Patterns::Integer(1, SplineSpace<2>::max_degree));
+  }
+
+
+
+  TimeParameters::TimeParameters()
+    : ParameterAcceptor("Time")
+  {
+    add_parameter("End", end, "Unit: s.", prm, Patterns::Double(0.));
+    add_parameter(
+      "Step",
+      step,
+      "A formula of the smallest edge h of a cell (m) and the order "
+      "p. Empty: from the CFL number and the critical step. Unit: "
+      "s.");
+    add_parameter("CFL number",
+                  cfl,
+                  "An automatic step is at most this part of h / (c + |v|), "
+                  "with the speed c of pressure waves and v of points. Unit: "
+                  "none.",
+                  prm,
+                  Patterns::Double(0.));
+    add_parameter("Safety",
+                  safety,
+                  "An automatic step is at most this part of the critical "
+                  "step. Unit: none.",
+                  prm,
+                  Patterns::Double(0., 1.));
+    add_parameter("Too large step",
+                  too_large_step,
+                  "What to do about a given step above the critical one.",
+                  prm,
+                  Patterns::Selection("refuse|warn|ignore"));
+    add_parameter("Estimate every",
+                  estimate_every,
+                  "The critical step is estimated again after this number of "
+                  "steps; 0: in the beginning only. Unit: steps.",
+                  prm,
+                  Patterns::Integer(0));
+    add_parameter("Velocities at",
+                  velocities,
+                  "Velocities belong to the middle of a step (central "
+                  "differences, second order) or to its end (symplectic Euler, "
+                  "first order).",
+                  prm,
+                  Patterns::Selection("half steps|full steps"));
+    add_parameter("Maximum steps",
+                  max_steps,
+                  "A run ends after this number of steps; 0: no limit. Unit: "
+                  "steps.",
+                  prm,
+                  Patterns::Integer(0));
+  }
+
+
+
+  SchemeParameters::SchemeParameters()
+    : ParameterAcceptor("Scheme")
+  {
+    add_parameter("Mass",
+                  mass,
+                  "How M a = F is solved: lumped, fmpm-K, consistent (" +
+                    std::string("cg-p-multigrid") +
+                    "), or a solver by name: " + MassSolver<2>::names() + ".");
+    add_parameter("Stress update",
+                  stress_update,
+                  "When stresses are updated: last (USL), first (USF), or last "
+                  "with velocities of the grid made anew from the points "
+                  "(MUSL).",
+                  prm,
+                  Patterns::Selection("USL|USF|MUSL"));
+    add_parameter("Transfer",
+                  transfer,
+                  "How points take their velocity from the grid.",
+                  prm,
+                  Patterns::Selection("FLIP|PIC|APIC"));
+    add_parameter("FLIP share",
+                  flip,
+                  "1: all of FLIP, 0: all of PIC. Unit: none.",
+                  prm,
+                  Patterns::Double(0., 1.));
+    add_parameter(
+      "Quadrature",
+      quadrature,
+      "Integrals over the body by its points, or by Gauss points of "
+      "full cells with density, momentum and stress reconstructed "
+      "by Taylor least squares.",
+      prm,
+      Patterns::Selection("points|reconstruction"));
+    add_parameter("Points outside",
+                  outside,
+                  "What to do about points that leave the grid.",
+                  prm,
+                  Patterns::Selection("error|remove"));
+  }
+
+
+
+  const std::array<std::string, 6> WallParameters::names = {
+    {"Left", "Right", "Bottom", "Top", "Back", "Front"}};
+
+  WallParameters::WallParameters()
+    : ParameterAcceptor("Walls")
+  {
+    static const char *places[] = {"smallest x",
+                                   "largest x",
+                                   "smallest y",
+                                   "largest y",
+                                   "smallest z",
+                                   "largest z"};
+    for (unsigned int w = 0; w < 6; ++w)
+      {
+        type[w] = "free";
+        add_parameter(names[w],
+                      type[w],
+                      "The wall of " + std::string(places[w]) +
+                        ": free, fixed (sticks), sliding (without friction), "
+                        "moving (at the velocity below) or friction "
+                        "(sliding with the coefficient below).",
+                      prm,
+                      Patterns::Selection(
+                        "free|fixed|sliding|moving|friction"));
+        add_parameter(names[w] + " velocity",
+                      velocity[w],
+                      "Of a moving wall: formulas of t separated by "
+                      "semicolons. Unit: m / s.");
+        add_parameter(names[w] + " friction",
+                      friction[w],
+                      "Coefficient of Coulomb friction of a friction wall. "
+                      "Unit: none.",
+                      prm,
+                      Patterns::Double(0.));
+      }
+  }
+
+
+
+  LoadParameters::LoadParameters()
+    : ParameterAcceptor("Loads")
+  {
+    add_parameter("Gravity",
+                  gravity,
+                  "Formulas of t separated by semicolons; empty: none. Unit: m "
+                  "/ s^2.");
+    add_parameter("Body force",
+                  body_force,
+                  "Force per mass: formulas of x, y (, z), the positions in "
+                  "the beginning X, Y (, Z) and t, separated by semicolons; "
+                  "empty: none. Unit: m / s^2.");
+    add_parameter("Cundall damping",
+                  cundall,
+                  "Forces on the grid are reduced by this part where they "
+                  "speed it up and raised where they slow it down. Unit: none.",
+                  prm,
+                  Patterns::Double(0., 1.));
+    add_parameter("Kinetic damping",
+                  kinetic,
+                  "All points stop where the kinetic energy has a maximum.");
+    add_parameter("Damping end",
+                  damping_end,
+                  "Damping of both kinds ends at this time; negative: never. "
+                  "Unit: s.");
+  }
+
+
+
+  TractionParameters::TractionParameters(const std::string &section)
+    : ParameterAcceptor(section)
+  {
+    add_parameter("Shape",
+                  shape,
+                  "The points that carry the traction: inside this shape in "
+                  "the beginning (see Body/Shape; X is called x). Unit: m.");
+    add_parameter("Traction",
+                  traction,
+                  "Force per area: formulas of x, y (, z), the positions in "
+                  "the beginning X, Y (, Z) and t, separated by semicolons. "
+                  "Unit: Pa.");
+    add_parameter("Area",
+                  area,
+                  "The area of the surface, shared by its points as their "
+                  "volumes. Unit: m^2 (2D: m).",
+                  prm,
+                  Patterns::Double(0.));
+  }
+
+
+
+  ExactParameters::ExactParameters()
+    : ParameterAcceptor("Exact solution")
+  {
+    add_parameter(
+      "Displacement",
+      displacement,
+      "Formulas of the positions in the beginning X, Y (, Z) and t, "
+      "separated by semicolons; empty: unknown. Unit: m.");
+    add_parameter("Velocity", velocity, "Likewise. Unit: m / s.");
+    add_parameter("Stress",
+                  stress,
+                  "Likewise the Cauchy stress xx; yy; zz; xy (; xz; yz). Unit: "
+                  "Pa.");
+  }
+
+
+
+  SweepParameters::SweepParameters()
+    : ParameterAcceptor("Sweep")
+  {
+    add_parameter("Cells",
+                  cells,
+                  "Run with these numbers of cells in the direction that has "
+                  "most; others keep their ratio, one cell stays one cell. "
+                  "Empty: no sweep. Unit: none.",
+                  prm,
+                  Patterns::List(Patterns::Integer(1)));
+    add_parameter("Orders",
+                  degrees,
+                  "Orders p to run; empty: that of the grid. Unit: none.",
+                  prm,
+                  Patterns::List(
+                    Patterns::Integer(1, SplineSpace<2>::max_degree)));
+    add_parameter("Masses",
+                  masses,
+                  "Mass solvers to run; empty: that of the scheme.");
+    add_parameter("Quadratures",
+                  quadratures,
+                  "Quadratures to run; empty: that of the scheme.",
+                  prm,
+                  Patterns::List(Patterns::Selection("points|reconstruction")));
+  }
+
+
+
+  ReferenceParameters::ReferenceParameters()
+    : ParameterAcceptor("Reference")
+  {
+    add_parameter("Surface file",
+                  surface_file,
+                  "CSV beside the parameter file with the columns x, y of the "
+                  "free surface at the end. Unit: m.");
+    add_parameter("Series file",
+                  series_file,
+                  "CSV beside the parameter file with two columns: time and a "
+                  "value, in the units below.");
+    add_parameter("Series quantity",
+                  series_quantity,
+                  "The column of statistics.csv that the series is compared "
+                  "with.");
+    add_parameter("Time unit",
+                  time_unit,
+                  "Unit of the times of the series. Unit: s.",
+                  prm,
+                  Patterns::Double(0.));
+    add_parameter("Value unit",
+                  value_unit,
+                  "Unit of the values of the series, in that of the quantity.",
+                  prm,
+                  Patterns::Double(0.));
+  }
+
+
+
+  OutputParameters::OutputParameters()
+    : ParameterAcceptor("Output")
+  {
+    add_parameter("Directory",
+                  directory,
+                  "Where results go. Empty: output/NAME.");
+    add_parameter("Fields every",
+                  fields_every,
+                  "Time between two .pvtu files; 0: beginning and end only. "
+                  "Unit: s.",
+                  prm,
+                  Patterns::Double(0.));
+    add_parameter("Statistics every",
+                  statistics_every,
+                  "Time between two lines of statistics.csv; 0: each step. "
+                  "Unit: s.",
+                  prm,
+                  Patterns::Double(0.));
+    add_parameter("Grid fields", grid_fields, "Write the grid as well.");
+    add_parameter(
+      "Probes",
+      probes,
+      "Positions in the beginning, 'x, y; x, y; ...' (m): the point "
+      "nearest to each is followed in probes.csv.");
+    add_parameter("Print times",
+                  print_times,
+                  "Print what differs from run to run: progress and times.");
+  }
+
+
+
+  SimulationParameters::SimulationParameters(const std::string &file)
+    : directory(std::filesystem::path(file).parent_path().string())
+  {
+    // Consistent mass by default: a symmetric cycle for conjugate gradients.
+    multigrid.restriction = "transpose";
+    multigrid.smoother    = "ic0";
+
+    if (file.empty())
+      {
+        general.bodies = {"NAME"};
+        bodies["NAME"] = std::make_unique<BodyParameters>("Body NAME");
+        tractions["NAME"] =
+          std::make_unique<TractionParameters>("Traction NAME");
+        for (const std::string &model :
+             Utilities::split_string_list(material_names(), '|'))
+          materials[model] =
+            make_material(model, "Material NAME of model " + model, "Model");
+        return;
+      }
+    AssertThrow(std::filesystem::is_regular_file(file),
+                ExcMessage("There is no parameter file <" + file + ">."));
+    read_names(file);
+    for (const std::string &name : general.bodies)
+      bodies[name] = std::make_unique<BodyParameters>("Body " + name);
+    for (const std::string &name : general.tractions)
+      tractions[name] =
+        std::make_unique<TractionParameters>("Traction " + name);
+    for (const std::string &name : general.materials)
+      materials[name] = make_material(models.at(name),
+                                      "Material " + name,
+                                      "Material " + name + "/Model");
+
+    // make_material() declared no 'Model': it is declared here and known.
+    ParameterAcceptor::declare_all_parameters();
+    for (const auto &material : materials)
+      {
+        ParameterAcceptor::prm.enter_subsection("Material " + material.first);
+        ParameterAcceptor::prm.declare_entry("Model",
+                                             models.at(material.first),
+                                             Patterns::Selection(
+                                               material_names()),
+                                             "The constitutive law.");
+        ParameterAcceptor::prm.leave_subsection();
+      }
+    ParameterAcceptor::prm.parse_input(file);
+    ParameterAcceptor::parse_all_parameters();
+    check();
+    for (const auto &body : bodies)
+      if (!body.second->points_file.empty())
+        body.second->points_file = path_of(body.second->points_file);
+    for (const auto &material : materials)
+      material.second->reinit();
+  }
+
+
+
+  SimulationParameters::~SimulationParameters() = default;
+
+
+
+  void
+  SimulationParameters::read_names(const std::string &file)
+  {
+    ParameterHandler names;
+    names.enter_subsection("Simulation");
+    for (const char *list : {"Bodies", "Materials", "Tractions"})
+      names.declare_entry(list, "", Patterns::List(Patterns::Anything()));
+    names.leave_subsection();
+    names.parse_input(file, "", true);
+    names.enter_subsection("Simulation");
+    const auto list = [&](const char *entry) {
+      auto result = Utilities::split_string_list(names.get(entry), ',');
+      for (std::size_t i = 0; i < result.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          AssertThrow(result[i] != result[j],
+                      ExcMessage("The parameter 'Simulation/" +
+                                 std::string(entry) + "' has the name <" +
+                                 result[i] + "> twice."));
+      return result;
+    };
+    general.bodies    = list("Bodies");
+    general.materials = list("Materials");
+    general.tractions = list("Tractions");
+    names.leave_subsection();
+    AssertThrow(!general.bodies.empty(),
+                ExcMessage("The parameter 'Simulation/Bodies' is empty: a "
+                           "simulation needs a body."));
+
+    for (const std::string &material : general.materials)
+      {
+        names.enter_subsection("Material " + material);
+        names.declare_entry("Model", "", Patterns::Anything());
+        names.leave_subsection();
+      }
+    names.parse_input(file, "", true);
+    for (const std::string &material : general.materials)
+      {
+        names.enter_subsection("Material " + material);
+        models[material] = names.get("Model");
+        names.leave_subsection();
+      }
+  }
+
+
+
+  void
+  SimulationParameters::check() const
+  {
+    const unsigned int dim   = general.dimension;
+    const auto         needs = [&](const std::size_t  size,
+                           const std::string &name,
+                           const std::string &what) {
+      AssertThrow(size == dim,
+                  ExcMessage("The parameter '" + name + "' takes " +
+                             std::to_string(dim) + " " + what + " in " +
+                             std::to_string(dim) + "D, not " +
+                             std::to_string(size) + "."));
+    };
+    needs(grid.lower.size(), "Grid/Lower corner", "numbers");
+    needs(grid.upper.size(), "Grid/Upper corner", "numbers");
+    needs(grid.cells.size(), "Grid/Cells", "numbers");
+    for (unsigned int d = 0; d < dim; ++d)
+      AssertThrow(grid.lower[d] < grid.upper[d],
+                  ExcMessage("'Grid/Upper corner' has to be larger than "
+                             "'Grid/Lower corner' in all directions, but " +
+                             std::to_string(grid.upper[d]) + " is not above " +
+                             std::to_string(grid.lower[d]) + "."));
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      AssertThrow((walls.type[w] == "moving") == !walls.velocity[w].empty(),
+                  ExcMessage("The wall '" + WallParameters::names[w] + "' is " +
+                             walls.type[w] + ", and '" +
+                             WallParameters::names[w] + " velocity' is <" +
+                             walls.velocity[w] +
+                             ">: a moving wall has one, others have none."));
+
+    const std::string        mass   = scheme.mass;
+    std::vector<std::string> masses = sweep.masses;
+    masses.push_back(mass);
+    for (const std::string &name : masses)
+      if (name != "consistent")
+        MassSolver<2>::check_name(name);
+    for (const auto &body : bodies)
+      {
+        std::string known;
+        for (const std::string &name : general.materials)
+          known += (known.empty() ? "" : ", ") + name;
+        AssertThrow(materials.count(body.second->material) == 1,
+                    ExcMessage("The parameter 'Body " + body.first +
+                               "/Material' is <" + body.second->material +
+                               ">, which is none of the materials of "
+                               "'Simulation/Materials': " +
+                               known + "."));
+      }
+  }
+
+
+
+  std::string
+  SimulationParameters::path_of(const std::string &name) const
+  {
+    const std::filesystem::path path(name);
+    return path.is_absolute() || directory.empty()
+             ? name
+             : (std::filesystem::path(directory) / path).string();
+  }
+} // namespace greville

@@ -1,0 +1,402 @@
+#include <greville/base/parameters.h>
+#include <greville/simulation/run.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+#include <unistd.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    double
+    seconds_since(const std::chrono::steady_clock::time_point &begin)
+    {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() -
+                                           begin)
+        .count();
+    }
+
+
+
+    std::string
+    cells_text(const std::vector<unsigned int> &cells)
+    {
+      std::string result;
+      for (const unsigned int n : cells)
+        result += (result.empty() ? "" : " x ") + std::to_string(n);
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  SimulationRun<dim>::SimulationRun(const SimulationParameters &parameters,
+                                    const SimulationCase       &run_case,
+                                    const std::string          &directory,
+                                    std::ostream               &out,
+                                    const MPI_Comm              comm)
+    : parameters(parameters)
+    , run_case(run_case)
+    , directory(directory)
+    , out(out)
+    , comm(comm)
+    , is_first(Utilities::MPI::this_mpi_process(comm) == 0)
+    , simulation(parameters, run_case, comm)
+    , exact(parameters.exact)
+    , measured(parameters)
+    , fields(directory, parameters.output.grid_fields)
+    , probes(parameters.output.probes,
+             simulation.bodies(),
+             directory + "/probes.csv",
+             comm)
+    , is_terminal(isatty(STDOUT_FILENO) == 1)
+  {
+    if (is_first)
+      {
+        statistics_file.open(directory + "/statistics.csv");
+        const auto names = Statistics<dim>::names();
+        for (std::size_t k = 0; k < names.size(); ++k)
+          statistics_file << (k > 0 ? "," : "") << names[k];
+        statistics_file << '\n';
+        statistics_file.precision(14);
+      }
+  }
+
+
+
+  template <int dim>
+  RunSummary
+  SimulationRun<dim>::run()
+  {
+    print_header();
+    begin = last_shown = std::chrono::steady_clock::now();
+    write_due(false);
+    while (!simulation.is_finished())
+      {
+        try
+          {
+            simulation.step();
+          }
+        catch (const std::exception &)
+          {
+            if (is_terminal && parameters.output.print_times)
+              out << "\r\033[K" << std::flush;
+            write_fields();
+            throw;
+          }
+        for (const std::string &warning : simulation.take_warnings())
+          out << "Warning: " << warning << std::endl;
+        const bool is_last = simulation.is_finished();
+        write_due(is_last);
+        print_progress(is_last);
+      }
+
+    RunSummary summary;
+    summary.wall_time  = seconds_since(begin);
+    summary.n_removed  = simulation.n_removed();
+    summary.n_sent     = simulation.n_sent();
+    summary.n_steps    = simulation.n_steps();
+    summary.time       = simulation.time();
+    summary.critical   = simulation.critical();
+    summary.part_times = simulation.part_times();
+    summary.front      = largest_front;
+    for (const Body<dim> &body : simulation.bodies())
+      summary.n_points += body.n_points;
+    summary.bytes_per_point =
+      Utilities::MPI::sum(double(simulation.points_memory()), comm) /
+      summary.n_points;
+
+    const double t       = simulation.time();
+    summary.displacement = exact.displacement(simulation.bodies(), t, comm);
+    // Velocities at half steps are those of the middle of the last step.
+    const double half = parameters.time.velocities == "half steps"
+                          ? 0.5 * simulation.last_step()
+                          : 0.;
+    summary.velocity  = exact.velocity(simulation.bodies(), t - half, comm);
+    summary.stress    = exact.stress(simulation.bodies(), t, comm);
+    if (measured.has_surface())
+      summary.surface =
+        measured.surface_distance(simulation.bodies(),
+                                  simulation.space().lattice().cell_size(0),
+                                  simulation.space().lattice().lower(1),
+                                  comm);
+    if (measured.has_series())
+      summary.series = measured.series_distance();
+    print_summary(summary);
+    if (is_first)
+      write_summary(summary);
+    return summary;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_due(const bool is_last)
+  {
+    const OutputParameters &output = parameters.output;
+    const double            now    = simulation.time() * (1. + 1e-12);
+    if (is_last || now >= next_statistics)
+      {
+        write_statistics();
+        next_statistics += output.statistics_every;
+      }
+    if (is_last || now >= next_fields)
+      {
+        write_fields();
+        next_fields = output.fields_every > 0.
+                        ? next_fields + output.fields_every
+                        : std::numeric_limits<double>::infinity();
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_fields()
+  {
+    fields.write(simulation.time(),
+                 simulation.bodies(),
+                 simulation.triangulation(),
+                 simulation.space(),
+                 simulation.grid_velocity(),
+                 simulation.mass().lumped());
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_statistics()
+  {
+    const Statistics<dim> row = simulation.statistics();
+    largest_front             = std::max(largest_front, row.front);
+    measured.add(row);
+    probes.write(simulation.time(), simulation.bodies());
+    if (!is_first)
+      return;
+    const auto values = row.values();
+    for (std::size_t k = 0; k < values.size(); ++k)
+      statistics_file << (k > 0 ? "," : "") << values[k];
+    statistics_file << std::endl;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::print_header()
+  {
+    out << "Greville, " << dim << "D, " << Utilities::MPI::n_mpi_processes(comm)
+        << " process(es)\n\n"
+        << "  body             material         points\n";
+    for (const Body<dim> &body : simulation.bodies())
+      out << "  " << std::left << std::setw(16) << body.name << " "
+          << std::setw(16) << body.parameters->material << std::right
+          << std::setw(7) << body.n_points << '\n';
+    out << "\n  grid: " << cells_text(run_case.cells) << " cells, order "
+        << run_case.degree << "\n  mass: " << run_case.mass;
+    if (simulation.mass().solver() != run_case.mass)
+      out << " (" << simulation.mass().solver() << ")";
+    out << ", " << parameters.scheme.stress_update << ", "
+        << parameters.scheme.transfer << ", quadrature by "
+        << run_case.quadrature << "\n\n";
+
+    const auto &hierarchy = simulation.mass().hierarchy();
+    const bool  all =
+      MassSolver<dim>::uses_multigrid(simulation.mass().solver());
+    out << "  level  order   coefficients   used\n";
+    for (unsigned int l = hierarchy.n_levels(); l-- > 0;)
+      if (all || l + 1 == hierarchy.n_levels())
+        out << std::setw(7) << l << std::setw(7) << hierarchy[l].degree()
+            << std::setw(15) << hierarchy[l].n_dofs() << "   "
+            << (l == 0 && all                   ? "conjugate gradients"
+                : simulation.mass().is_lumped() ? "lumped"
+                : all                           ? parameters.multigrid.smoother
+                                                : simulation.mass().solver())
+            << '\n';
+    out << std::endl;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::print_progress(const bool is_last)
+  {
+    if (!parameters.output.print_times)
+      return;
+    const double end     = parameters.time.end;
+    const double elapsed = seconds_since(begin);
+    const double part    = simulation.time() / end;
+    // A terminal is refreshed five times a second, a file gets ten lines.
+    if (!is_last && (is_terminal ? seconds_since(last_shown) < 0.2
+                                 : part < last_shown_time + 0.1))
+      return;
+    last_shown             = std::chrono::steady_clock::now();
+    last_shown_time        = std::floor(10. * part) / 10.;
+    std::uint64_t n_points = 0;
+    for (const Body<dim> &body : simulation.bodies())
+      n_points += body.n_points;
+    std::ostringstream line;
+    line << std::setprecision(4) << "step " << simulation.n_steps()
+         << ", t = " << simulation.time() << " of " << end
+         << " s, dt = " << simulation.last_step() << " s";
+    if (simulation.n_iterations() > 0)
+      line << ", " << simulation.n_iterations() << " iterations";
+    line << ", " << std::setprecision(3)
+         << double(n_points) * simulation.n_steps() / elapsed * 1e-6
+         << " M points/s, " << std::ceil(elapsed / part * (1. - part))
+         << " s left";
+    if (is_terminal)
+      out << "\r\033[K" << line.str() << (is_last ? "\n" : "") << std::flush;
+    else
+      out << line.str() << std::endl;
+  }
+
+
+
+  namespace
+  {
+    void
+    print_errors(std::ostream                &out,
+                 const std::string           &what,
+                 const std::optional<Errors> &errors)
+    {
+      if (errors)
+        out << "  relative error of " << what << ": L2 " << std::setprecision(4)
+            << errors->l2 << ", largest " << errors->max << '\n';
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::print_summary(const RunSummary &summary)
+  {
+    out << "\n  " << summary.n_steps << " steps to t = " << std::setprecision(6)
+        << summary.time << " s, " << summary.n_points << " points";
+    if (summary.n_removed > 0)
+      out << ", of which " << summary.n_removed << " have left the grid";
+    out << '\n';
+    if (parameters.output.print_times)
+      {
+        out << std::setprecision(3) << "  " << summary.wall_time << " s, "
+            << summary.point_steps_per_second() * 1e-6
+            << " million points and steps per second, "
+            << summary.bytes_per_point << " bytes per point\n";
+        double sum = 0.;
+        for (const auto &part : summary.part_times)
+          sum += part.second;
+        for (const auto &part : summary.part_times)
+          out << "    " << std::left << std::setw(16) << part.first
+              << std::right << std::fixed << std::setprecision(2)
+              << std::setw(9) << part.second << " s" << std::setprecision(1)
+              << std::setw(7) << 100. * part.second / summary.wall_time
+              << " %\n"
+              << std::defaultfloat;
+        out << "    " << std::left << std::setw(16) << "output, other"
+            << std::right << std::fixed << std::setprecision(2) << std::setw(9)
+            << summary.wall_time - sum << " s" << std::setprecision(1)
+            << std::setw(7)
+            << 100. * (summary.wall_time - sum) / summary.wall_time << " %\n"
+            << std::defaultfloat;
+      }
+    print_errors(out, "displacement", summary.displacement);
+    print_errors(out, "velocity", summary.velocity);
+    print_errors(out, "stress", summary.stress);
+    if (summary.surface)
+      out << std::setprecision(3) << "  distance to the measured surface: mean "
+          << 1e3 * summary.surface->mean << " mm, largest "
+          << 1e3 * summary.surface->largest << " mm; run-out " << summary.front
+          << " m\n";
+    if (summary.series)
+      out << std::setprecision(3) << "  distance to the measured "
+          << parameters.reference.series_quantity << ": mean "
+          << 100. * summary.series->relative << " %, " << summary.series->n
+          << " values\n";
+    out << "  results: " << directory << std::endl;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_summary(const RunSummary &summary)
+  {
+    std::ostringstream json;
+    json.precision(12);
+    unsigned int n_cells = 1;
+    for (const unsigned int n : run_case.cells)
+      n_cells *= n;
+    json << "{\n  \"dimension\": " << dim
+         << ",\n  \"points\": " << summary.n_points
+         << ",\n  \"removed_points\": " << summary.n_removed
+         << ",\n  \"cells\": " << n_cells << ",\n  \"p\": " << run_case.degree
+         << ",\n  \"mass\": \"" << run_case.mass << "\",\n  \"quadrature\": \""
+         << run_case.quadrature
+         << "\",\n  \"processes\": " << Utilities::MPI::n_mpi_processes(comm)
+         << ",\n  \"steps\": " << summary.n_steps
+         << ",\n  \"time\": " << summary.time
+         << ",\n  \"wall_time\": " << summary.wall_time
+         << ",\n  \"point_steps_per_second\": "
+         << summary.point_steps_per_second()
+         << ",\n  \"bytes_per_point\": " << summary.bytes_per_point
+         << ",\n  \"points_sent\": " << summary.n_sent;
+    if (std::isfinite(summary.critical) && summary.critical > 0.)
+      json << ",\n  \"critical_step\": " << summary.critical;
+    json << ",\n  \"front\": " << summary.front << ",\n  \"parts\": {";
+    bool is_next = false;
+    for (const auto &part : summary.part_times)
+      {
+        json << (is_next ? "," : "") << "\n    \"" << part.first
+             << "\": " << part.second;
+        is_next = true;
+      }
+    json << "\n  },\n  \"errors\": {";
+    is_next           = false;
+    const auto errors = [&](const std::string           &name,
+                            const std::optional<Errors> &value) {
+      if (!value)
+        return;
+      json << (is_next ? "," : "") << "\n    \"" << name
+           << "\": {\"l2\": " << value->l2 << ", \"max\": " << value->max
+           << "}";
+      is_next = true;
+    };
+    errors("displacement", summary.displacement);
+    errors("velocity", summary.velocity);
+    errors("stress", summary.stress);
+    json << "\n  },\n  \"reference\": {";
+    is_next             = false;
+    const auto distance = [&](const std::string             &name,
+                              const std::optional<Distance> &value) {
+      if (!value)
+        return;
+      json << (is_next ? "," : "") << "\n    \"" << name
+           << "\": {\"mean\": " << value->mean
+           << ", \"largest\": " << value->largest
+           << ", \"relative\": " << value->relative
+           << ", \"values\": " << value->n << "}";
+      is_next = true;
+    };
+    distance("surface", summary.surface);
+    distance("series", summary.series);
+    json << "\n  }\n}\n";
+    write_atomically(directory + "/summary.json", json.str());
+  }
+
+
+
+  template class SimulationRun<2>;
+  template class SimulationRun<3>;
+} // namespace greville

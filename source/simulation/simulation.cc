@@ -1,0 +1,710 @@
+#include <greville/base/errors.h>
+#include <greville/simulation/critical_step.h>
+#include <greville/simulation/simulation.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Steps between two copies of the points, and between two sortings of their
+    // groups.
+    constexpr unsigned int remember_every   = 50;
+    constexpr unsigned int defragment_every = 200;
+
+
+
+    template <int dim>
+    std::vector<std::string>
+    load_variables()
+    {
+      return dim == 2
+               ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
+               : std::vector<std::string>{"x", "y", "z", "X", "Y", "Z", "t"};
+    }
+
+
+
+    template <int dim>
+    MultiIndex<dim>
+    to_multi_index(const std::vector<unsigned int> &numbers)
+    {
+      MultiIndex<dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = numbers[d];
+      return result;
+    }
+
+
+
+    template <int dim>
+    Point<dim>
+    to_point(const std::vector<double> &numbers)
+    {
+      Point<dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = numbers[d];
+      return result;
+    }
+  } // namespace
+
+
+
+  /**
+   * Adds the time of its life to a part.
+   */
+  template <int dim>
+  class Simulation<dim>::PartTimer
+  {
+  public:
+    PartTimer(Simulation &simulation, const std::string &part)
+      : sum(simulation.seconds[part])
+      , begin(std::chrono::steady_clock::now())
+    {}
+
+    ~PartTimer()
+    {
+      sum +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
+          .count();
+    }
+
+  private:
+    double                               &sum;
+    std::chrono::steady_clock::time_point begin;
+  };
+
+
+
+  template <int dim>
+  Simulation<dim>::Simulation(const SimulationParameters &parameters,
+                              const SimulationCase       &run_case,
+                              const MPI_Comm              comm)
+    : parameters(parameters)
+    , run_case(run_case)
+    , comm(comm)
+    , mesh(comm, Triangulation<dim>::none, mesh_settings<dim>)
+    , walls(parameters.walls)
+    , reconstruction(run_case.degree + 1)
+  {
+    AssertThrow(!(parameters.scheme.transfer == "APIC" &&
+                  run_case.quadrature == "reconstruction"),
+                ExcMessage("'Scheme/Quadrature' = reconstruction goes with "
+                           "'Scheme/Transfer' = FLIP or PIC, not APIC."));
+    create_box_mesh<dim>(mesh,
+                         to_point<dim>(parameters.grid.lower),
+                         to_point<dim>(parameters.grid.upper),
+                         to_multi_index<dim>(run_case.cells));
+    grid_mass = std::make_unique<GridMass<dim>>(
+      run_case.mass, run_case.degree, mesh, parameters, walls);
+    walls.reinit(space());
+    transfer.reinit(space());
+    transport.reinit(mesh, space());
+    space().initialize_vector(lumped_mass);
+    for (auto *field : {&momentum,
+                        &force,
+                        &velocity,
+                        &acceleration,
+                        &new_velocity,
+                        &mapped_velocity})
+      for (VectorType &component : *field)
+        space().initialize_vector(component);
+
+    if (!parameters.loads.gravity.empty())
+      gravity_formulas =
+        make_expressions(parameters.loads.gravity, "Loads/Gravity", {"t"}, dim);
+    if (!parameters.loads.body_force.empty())
+      body_force = make_expressions(parameters.loads.body_force,
+                                    "Loads/Body force",
+                                    load_variables<dim>(),
+                                    dim);
+    if (!parameters.time.step.empty())
+      step_formula.emplace(parameters.time.step,
+                           "Time/Step",
+                           std::vector<std::string>{"h", "p"});
+    make_bodies();
+    make_tractions();
+    remember_state();
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::make_bodies()
+  {
+    const bool has_load = !body_force.empty() || !parameters.tractions.empty();
+    for (const std::string &name : parameters.general.bodies)
+      {
+        Body<dim> body;
+        body.name       = name;
+        body.parameters = parameters.bodies.at(name).get();
+        body.material =
+          parameters.materials.at(body.parameters->material).get();
+        make_points(body,
+                    space(),
+                    gravity(0.),
+                    parameters.scheme.transfer == "APIC",
+                    has_load);
+        n_all_points += body.n_points;
+
+        const Moduli moduli = body.material->moduli();
+        const double c      = std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) /
+                                   body.material->density);
+        const unsigned int s = body.points.stride();
+        body.points.for_each([&](const unsigned int, const double *p) {
+          double v2 = 0.;
+          for (unsigned int d = 0; d < dim; ++d)
+            v2 += std::pow(p[(PointLayout<dim>::velocity + d) * s], 2);
+          fastest_signal = std::max(fastest_signal, c + std::sqrt(v2));
+        });
+        all_bodies.push_back(std::move(body));
+      }
+    fastest_signal = Utilities::MPI::max(fastest_signal, comm);
+    left_cells.resize(all_bodies.size());
+    reconstructed.resize(all_bodies.size());
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::make_tractions()
+  {
+    using Layout = PointLayout<dim>;
+    for (const std::string &name : parameters.general.tractions)
+      {
+        const TractionParameters &given   = *parameters.tractions.at(name);
+        const std::string         section = "Traction " + name;
+        Traction traction{Shape<dim>(given.shape, section + "/Shape"),
+                          make_expressions(given.traction,
+                                           section + "/Traction",
+                                           load_variables<dim>(),
+                                           dim),
+                          0.};
+        double   volume = 0.;
+        for (const Body<dim> &body : all_bodies)
+          {
+            const unsigned int s = body.points.stride();
+            body.points.for_each([&](const unsigned int, const double *p) {
+              Point<dim> X;
+              for (unsigned int d = 0; d < dim; ++d)
+                X[d] = p[(Layout::reference + d) * s];
+              if (traction.shape.contains(X))
+                volume += p[Layout::volume0 * s];
+            });
+          }
+        volume = Utilities::MPI::sum(volume, comm);
+        AssertThrow(volume > 0.,
+                    ExcMessage("The parameter '" + section + "/Shape' is <" +
+                               given.shape + ">: no point is in it."));
+        traction.area_per_volume0 = given.area / volume;
+        tractions.push_back(std::move(traction));
+      }
+  }
+
+
+
+  template <int dim>
+  Tensor<1, dim>
+  Simulation<dim>::gravity(const double at_time) const
+  {
+    Tensor<1, dim> result;
+    for (unsigned int d = 0; d < gravity_formulas.size(); ++d)
+      result[d] = gravity_formulas[d](ArrayView<const double>(&at_time, 1));
+    return result;
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::is_finished() const
+  {
+    const double end = parameters.time.end;
+    return t >= end * (1. - 1e-12) || (parameters.time.max_steps > 0 &&
+                                       steps >= parameters.time.max_steps);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::estimate_critical_step()
+  {
+    const PartTimer                timer(*this, "critical step");
+    std::vector<const Body<dim> *> bodies;
+    for (const Body<dim> &body : all_bodies)
+      bodies.push_back(&body);
+    transfer.points_to_grid(quadrature_points(),
+                            &lumped_mass,
+                            &momentum,
+                            nullptr);
+    grid_mass->update(lumped_mass, summed_points, transfer);
+    critical_dt = critical_step<dim>(*grid_mass, transfer, bodies, walls);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::choose_step()
+  {
+    const TimeParameters &time = parameters.time;
+    double                h    = std::numeric_limits<double>::max();
+    for (unsigned int d = 0; d < dim; ++d)
+      h = std::min(h, space().lattice().cell_size(d));
+
+    // A given step is estimated only to warn.
+    const bool is_given  = step_formula.has_value();
+    const bool is_due    = steps == 0 || (time.estimate_every > 0 &&
+                                       steps % time.estimate_every == 0);
+    const bool is_wanted = !is_given || time.too_large_step != "ignore";
+    if (is_due && is_wanted)
+      estimate_critical_step();
+
+    double next;
+    if (is_given)
+      {
+        const double arguments[2] = {h, double(run_case.degree)};
+        next = (*step_formula)(ArrayView<const double>(arguments, 2));
+        AssertThrow(next > 0. && std::isfinite(next),
+                    ExcMessage("The parameter 'Time/Step' is <" + time.step +
+                               ">, which gives " + std::to_string(next) +
+                               " s: it has to be positive."));
+        if (is_due && is_wanted && next > critical_dt)
+          {
+            std::ostringstream message;
+            message << "The parameter 'Time/Step' is <" << time.step
+                    << ">: the step of " << next
+                    << " s is above the critical step of " << critical_dt
+                    << " s at t = " << t << " s";
+            AssertThrow(time.too_large_step != "refuse",
+                        ExcMessage(message.str() +
+                                   " ('Time/Too large step' = warn goes on)."));
+            warnings.push_back(message.str() + ".");
+          }
+      }
+    else
+      next = std::min(time.cfl * h / fastest_signal, time.safety * critical_dt);
+    AssertThrow(std::isfinite(next),
+                ExcMessage("Nothing limits the time step: give "
+                           "'Time/Step'."));
+
+    // Equal steps to the end where a step is given; a last one that is not tiny
+    // otherwise.
+    const double left = time.end - t;
+    if (is_given)
+      next = left / std::max(1., std::ceil(left / next - 1e-9));
+    else if (next >= left)
+      next = left;
+    else if (next > 0.5 * left)
+      next = 0.5 * left;
+    velocity_dt = time.velocities == "half steps" ? 0.5 * (dt + next) : next;
+    dt          = next;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::set_loads()
+  {
+    using Layout = PointLayout<dim>;
+    if (body_force.empty() && tractions.empty())
+      return;
+    const PartTimer timer(*this, "loads");
+    for (Body<dim> &body : all_bodies)
+      {
+        const unsigned int s    = body.points.stride();
+        const unsigned int load = body.points.layout().load;
+        body.points.for_each([&](const unsigned int, double *p) {
+          double     arguments[2 * dim + 1];
+          Point<dim> X;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              arguments[d]       = p[(Layout::position + d) * s];
+              arguments[dim + d] = p[(Layout::reference + d) * s];
+              X[d]               = arguments[dim + d];
+            }
+          arguments[2 * dim] = t;
+          const ArrayView<const double> view(arguments, 2 * dim + 1);
+          Tensor<1, dim>                sum;
+          for (unsigned int d = 0; d < body_force.size(); ++d)
+            sum[d] = body_force[d](view);
+          for (const Traction &traction : tractions)
+            if (traction.shape.contains(X))
+              for (unsigned int d = 0; d < dim; ++d)
+                sum[d] += traction.formulas[d](view) *
+                          traction.area_per_volume0 * p[Layout::volume0 * s] /
+                          p[Layout::mass * s];
+          for (unsigned int d = 0; d < dim; ++d)
+            p[(load + d) * s] = sum[d];
+        });
+      }
+  }
+
+
+
+  template <int dim>
+  const std::vector<const MaterialPoints<dim> *> &
+  Simulation<dim>::quadrature_points()
+  {
+    summed_points.clear();
+    for (unsigned int b = 0; b < all_bodies.size(); ++b)
+      if (run_case.quadrature == "points")
+        summed_points.push_back(&all_bodies[b].points);
+      else
+        {
+          reconstruction.reconstruct(all_bodies[b].points, reconstructed[b]);
+          summed_points.push_back(&reconstructed[b]);
+        }
+    return summed_points;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::add_grid_forces()
+  {
+    const Tensor<1, dim> g = gravity(t);
+    for (unsigned int d = 0; d < dim; ++d)
+      if (g[d] != 0.)
+        for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
+          force[d].local_element(i) += g[d] * lumped_mass.local_element(i);
+    walls.add_friction(momentum, force, velocity_dt);
+
+    const LoadParameters &loads = parameters.loads;
+    if (loads.cundall > 0. && (loads.damping_end < 0. || t < loads.damping_end))
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
+          {
+            double      &f = force[d].local_element(i);
+            const double v = velocity[d].local_element(i);
+            if (v != 0.)
+              f -= loads.cundall * std::copysign(std::abs(f), v);
+          }
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::solve_velocity(VectorField<dim>       &field,
+                                  const VectorField<dim> &right_hand_side,
+                                  const double            at_time)
+  {
+    const PartTimer timer(*this, "solve");
+    for (VectorType &component : field)
+      component = 0.;
+    walls.hold_velocity(field, at_time);
+    grid_mass->solve(field, right_hand_side);
+    iterations = std::max(iterations, grid_mass->n_iterations());
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::update_points(const VectorField<dim> *acceleration,
+                                 const VectorField<dim> *velocity,
+                                 const VectorField<dim> *deformation,
+                                 const bool              move)
+  {
+    const PartTimer  timer(*this, "grid to points");
+    PointUpdate<dim> update;
+    update.acceleration  = acceleration;
+    update.velocity      = velocity;
+    update.deformation   = deformation;
+    update.move          = move;
+    update.velocity_step = velocity_dt;
+    update.step          = dt;
+    update.flip =
+      parameters.scheme.transfer == "PIC" ? 0. : parameters.scheme.flip;
+    update.apic = parameters.scheme.transfer == "APIC";
+    for (unsigned int b = 0; b < all_bodies.size(); ++b)
+      {
+        Body<dim> &body = all_bodies[b];
+        if (!body.imposed_velocity.empty())
+          {
+            if (!move)
+              continue;
+            const unsigned int s = body.points.stride();
+            body.points.for_each([&](const unsigned int cell, double *p) {
+              for (unsigned int d = 0; d < dim; ++d)
+                p[(PointLayout<dim>::position + d) * s] +=
+                  dt * p[(PointLayout<dim>::velocity + d) * s];
+              if (!body.points.is_inside(cell, p, s) &&
+                  (left_cells[b].empty() || left_cells[b].back() != cell))
+                left_cells[b].push_back(cell);
+            });
+            continue;
+          }
+        update.material          = body.material;
+        const PointReport report = transfer.grid_to_points(body.points, update);
+        fastest_signal = std::max(fastest_signal, report.fastest_signal);
+        if (move)
+          left_cells[b] = report.left_cells;
+        if (report.bad_point >= 0 && problem.empty())
+          problem = "point " + std::to_string(report.bad_point) +
+                    " of the body '" + body.name + "': " + report.bad_reason;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::transport_points()
+  {
+    const PartTimer timer(*this, "transport");
+    std::uint64_t   counts[2] = {0, 0};
+    for (unsigned int b = 0; b < all_bodies.size(); ++b)
+      {
+        const auto result = transport.move(all_bodies[b].points, left_cells[b]);
+        left_cells[b].clear();
+        n_own_sent += result.n_sent;
+        counts[0] += all_bodies[b].points.n_points();
+        counts[1] += result.n_removed;
+        if (result.n_removed > 0 && problem.empty() &&
+            (parameters.scheme.outside == "error" ||
+             !std::isfinite(result.outside_position.norm())))
+          {
+            std::ostringstream message;
+            message << "point " << result.outside << " of the body '"
+                    << all_bodies[b].name << "' has left the grid: it is at ("
+                    << result.outside_position << ") m";
+            problem = message.str();
+          }
+        if (steps % defragment_every == defragment_every - 1)
+          all_bodies[b].points.defragment();
+      }
+    Utilities::MPI::sum(ArrayView<const std::uint64_t>(counts, 2),
+                        comm,
+                        ArrayView<std::uint64_t>(counts, 2));
+    n_all_removed += counts[1];
+    AssertThrow(counts[0] + n_all_removed == n_all_points,
+                ExcMessage(
+                  "Points got lost: there are " + std::to_string(counts[0]) +
+                  " and " + std::to_string(n_all_removed) +
+                  " were removed, of " + std::to_string(n_all_points) + "."));
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::damp_kinetically()
+  {
+    const LoadParameters &loads = parameters.loads;
+    if (!loads.kinetic || (loads.damping_end >= 0. && t >= loads.damping_end))
+      return;
+    const double kinetic = kinetic_energy<dim>(all_bodies, comm);
+    if (kinetic < last_kinetic)
+      {
+        for (Body<dim> &body : all_bodies)
+          {
+            const unsigned int s = body.points.stride();
+            body.points.for_each([&](const unsigned int, double *p) {
+              for (unsigned int d = 0; d < dim; ++d)
+                p[(PointLayout<dim>::velocity + d) * s] = 0.;
+            });
+          }
+        last_kinetic = 0.;
+      }
+    else
+      last_kinetic = kinetic;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::remember_state()
+  {
+    remembered.t     = t;
+    remembered.dt    = dt;
+    remembered.steps = steps;
+    remembered.points.resize(all_bodies.size());
+    for (unsigned int b = 0; b < all_bodies.size(); ++b)
+      remembered.points[b] = all_bodies[b].points;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::check(const std::string &message)
+  {
+    if (Utilities::MPI::max<unsigned int>(!message.empty(), comm) == 0)
+      return;
+    std::ostringstream where;
+    where << "Step " << steps + 1 << " at t = " << t << " s, dt = " << dt
+          << " s: ";
+    t     = remembered.t;
+    dt    = remembered.dt;
+    steps = remembered.steps;
+    for (unsigned int b = 0; b < all_bodies.size(); ++b)
+      all_bodies[b].points = remembered.points[b];
+    where << (message.empty() ? "" : message) << ". The state of step " << steps
+          << ", t = " << t << " s, is the last good one that was kept.";
+    throw_on_all(message.empty() ? "" : where.str(), comm);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::step()
+  {
+    if (steps > 0 && steps % remember_every == 0)
+      remember_state();
+    choose_step();
+    iterations = 0;
+
+    // Imposed velocities are those of the middle of the step.
+    const double middle = t + 0.5 * dt;
+    for (Body<dim> &body : all_bodies)
+      if (!body.imposed_velocity.empty())
+        {
+          Tensor<1, dim> v;
+          for (unsigned int d = 0; d < dim; ++d)
+            v[d] =
+              body.imposed_velocity[d](ArrayView<const double>(&middle, 1));
+          const unsigned int s = body.points.stride();
+          body.points.for_each([&](const unsigned int, double *p) {
+            for (unsigned int d = 0; d < dim; ++d)
+              p[(PointLayout<dim>::velocity + d) * s] = v[d];
+          });
+        }
+
+    const std::string &order = parameters.scheme.stress_update;
+    set_loads();
+    {
+      const PartTimer timer(*this, "points to grid");
+      transfer.points_to_grid(quadrature_points(),
+                              &lumped_mass,
+                              &momentum,
+                              order == "USF" ? nullptr : &force);
+    }
+    {
+      const PartTimer timer(*this, "mass");
+      grid_mass->update(lumped_mass, summed_points, transfer);
+    }
+    solve_velocity(velocity, momentum, t);
+    fastest_signal = 0.;
+    if (order == "USF")
+      {
+        update_points(nullptr, nullptr, &velocity, false);
+        const PartTimer timer(*this, "points to grid");
+        transfer.points_to_grid(quadrature_points(), nullptr, nullptr, &force);
+      }
+    add_grid_forces();
+    {
+      const PartTimer timer(*this, "solve");
+      for (VectorType &component : acceleration)
+        component = 0.;
+      walls.hold_acceleration(acceleration, t, velocity_dt);
+      grid_mass->solve(acceleration, force);
+      iterations = std::max(iterations, grid_mass->n_iterations());
+    }
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        new_velocity[d] = velocity[d];
+        new_velocity[d].add(velocity_dt, acceleration[d]);
+      }
+
+    if (order == "USL")
+      update_points(&acceleration, &new_velocity, &new_velocity, true);
+    else if (order == "USF")
+      update_points(&acceleration, &new_velocity, nullptr, true);
+    else
+      {
+        update_points(&acceleration, &new_velocity, nullptr, false);
+        {
+          const PartTimer timer(*this, "points to grid");
+          transfer.points_to_grid(quadrature_points(),
+                                  &lumped_mass,
+                                  &momentum,
+                                  nullptr);
+        }
+        solve_velocity(mapped_velocity, momentum, t + dt);
+        update_points(nullptr, &new_velocity, &mapped_velocity, true);
+      }
+    transport_points();
+    check(problem);
+    fastest_signal = Utilities::MPI::max(fastest_signal, comm);
+    t += dt;
+    ++steps;
+    damp_kinetically();
+  }
+
+
+
+  template <int dim>
+  Statistics<dim>
+  Simulation<dim>::statistics() const
+  {
+    Statistics<dim> result =
+      compute_statistics<dim>(all_bodies, transfer, gravity(t), comm);
+    result.time       = t;
+    result.step       = dt;
+    result.iterations = iterations;
+    result.active     = grid_mass->n_active();
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::uint64_t
+  Simulation<dim>::n_sent() const
+  {
+    return Utilities::MPI::sum(n_own_sent, comm);
+  }
+
+
+
+  template <int dim>
+  std::uint64_t
+  Simulation<dim>::n_removed() const
+  {
+    return n_all_removed;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  Simulation<dim>::take_warnings()
+  {
+    std::vector<std::string> result;
+    result.swap(warnings);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  Simulation<dim>::points_memory() const
+  {
+    std::size_t n = 0;
+    for (unsigned int b = 0; b < all_bodies.size(); ++b)
+      n += all_bodies[b].points.memory_consumption() +
+           remembered.points[b].memory_consumption();
+    return n;
+  }
+
+
+
+  template class Simulation<2>;
+  template class Simulation<3>;
+} // namespace greville

@@ -1,0 +1,221 @@
+#include <greville/simulation/statistics.h>
+
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  std::vector<std::string>
+  Statistics<dim>::names()
+  {
+    const std::vector<std::string> axes =
+      dim == 2 ? std::vector<std::string>{"x", "y"}
+               : std::vector<std::string>{"x", "y", "z"};
+    std::vector<std::string> result = {"time", "dt", "mass"};
+    for (const std::string &axis : axes)
+      result.push_back("momentum_" + axis);
+    if (dim == 2)
+      result.push_back("angular_momentum");
+    else
+      for (const std::string &axis : axes)
+        result.push_back("angular_momentum_" + axis);
+    for (const char *name :
+         {"kinetic", "strain", "dissipation", "gravitational", "total"})
+      result.push_back(name);
+    for (const std::string &axis : axes)
+      result.push_back("center_" + axis);
+    for (const char *name :
+         {"front", "height", "iterations", "largest_speed", "active", "points"})
+      result.push_back(name);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<double>
+  Statistics<dim>::values() const
+  {
+    std::vector<double> result = {time, step, mass};
+    for (unsigned int d = 0; d < dim; ++d)
+      result.push_back(momentum[d]);
+    for (unsigned int d = 0; d < (dim == 2 ? 1 : 3); ++d)
+      result.push_back(angular_momentum[d]);
+    for (const double energy : {kinetic,
+                                strain,
+                                dissipation,
+                                gravitational,
+                                kinetic + strain + gravitational})
+      result.push_back(energy);
+    for (unsigned int d = 0; d < dim; ++d)
+      result.push_back(center[d]);
+    for (const double value : {front,
+                               height,
+                               double(iterations),
+                               largest_speed,
+                               double(active),
+                               double(n_points)})
+      result.push_back(value);
+    return result;
+  }
+
+
+
+  template <int dim>
+  MaterialPoint
+  material_point(const double           *values,
+                 const unsigned int      stride,
+                 const PointLayout<dim> &layout)
+  {
+    using Layout = PointLayout<dim>;
+    MaterialPoint point;
+    point.increment = unit_symmetric_tensor<3>();
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        point.F[i][j] = values[(Layout::F + i * dim + j) * stride];
+    if (dim == 2)
+      point.F[2][2] = values[(Layout::F + 4) * stride];
+    point.J = values[Layout::J * stride];
+    for (unsigned int i = 0; i < 3; ++i)
+      point.stress[i][i] = values[(Layout::stress + i) * stride];
+    point.stress[0][1] = values[(Layout::stress + 3) * stride];
+    if (dim == 3)
+      {
+        point.stress[0][2] = values[(Layout::stress + 4) * stride];
+        point.stress[1][2] = values[(Layout::stress + 5) * stride];
+      }
+    for (unsigned int k = 0; k < layout.n_state; ++k)
+      point.state[k] = values[(layout.state + k) * stride];
+    return point;
+  }
+
+
+
+  template <int dim>
+  Statistics<dim>
+  compute_statistics(const std::vector<Body<dim>> &bodies,
+                     const PointTransfer<dim>     &transfer,
+                     const Tensor<1, dim>         &gravity,
+                     const MPI_Comm                comm)
+  {
+    using Layout = PointLayout<dim>;
+    Statistics<dim>       result;
+    std::array<double, 2> largest = {{-1e300, -1e300}};
+    Tensor<1, dim>        first_moment;
+    for (const Body<dim> &body : bodies)
+      {
+        const Layout      &layout = body.points.layout();
+        const unsigned int s      = body.points.stride();
+        body.points.for_each([&](const unsigned int cell, const double *p) {
+          const double   m  = p[Layout::mass * s];
+          const double   V0 = p[Layout::volume0 * s];
+          Tensor<1, 3>   x, v;
+          Point<dim>     position;
+          Tensor<1, dim> velocity;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              position[d] = x[d] = p[(Layout::position + d) * s];
+              velocity[d] = v[d] = p[(Layout::velocity + d) * s];
+            }
+          result.mass += m;
+          result.momentum += m * velocity;
+          first_moment += m * position;
+          result.angular_momentum += m * cross_product_3d(x, v);
+          if (layout.has_affine)
+            {
+              // m C D, whose skew part is a spin
+              const auto   D = transfer.spread(cell, position);
+              Tensor<2, 3> B;
+              for (unsigned int i = 0; i < dim; ++i)
+                for (unsigned int j = 0; j < dim; ++j)
+                  B[i][j] = p[(layout.affine + i * dim + j) * s] * D[j];
+              result.angular_momentum[0] += m * (B[2][1] - B[1][2]);
+              result.angular_momentum[1] += m * (B[0][2] - B[2][0]);
+              result.angular_momentum[2] += m * (B[1][0] - B[0][1]);
+            }
+          result.kinetic += 0.5 * m * velocity.norm_square();
+          result.gravitational -= m * (gravity * Tensor<1, dim>(position));
+          if (body.imposed_velocity.empty())
+            {
+              const MaterialPoint point = material_point<dim>(p, s, layout);
+              result.strain += V0 * body.material->strain_energy(point);
+              result.dissipation += V0 * body.material->dissipation(point);
+            }
+          result.largest_speed =
+            std::max(result.largest_speed, velocity.norm());
+          const double half_size =
+            0.5 * std::pow(V0 * p[Layout::J * s], 1. / dim);
+          largest[0] = std::max(largest[0], position[0] + half_size);
+          largest[1] = std::max(largest[1], position[1] + half_size);
+          ++result.n_points;
+        });
+      }
+    // In 2D the spin has one component.
+    if (dim == 2)
+      {
+        result.angular_momentum[0] = result.angular_momentum[2];
+        result.angular_momentum[1] = result.angular_momentum[2] = 0.;
+      }
+
+    result.mass     = Utilities::MPI::sum(result.mass, comm);
+    result.momentum = Utilities::MPI::sum(result.momentum, comm);
+    result.angular_momentum =
+      Utilities::MPI::sum(result.angular_momentum, comm);
+    result.kinetic       = Utilities::MPI::sum(result.kinetic, comm);
+    result.strain        = Utilities::MPI::sum(result.strain, comm);
+    result.dissipation   = Utilities::MPI::sum(result.dissipation, comm);
+    result.gravitational = Utilities::MPI::sum(result.gravitational, comm);
+    result.largest_speed = Utilities::MPI::max(result.largest_speed, comm);
+    result.front         = Utilities::MPI::max(largest[0], comm);
+    result.height        = Utilities::MPI::max(largest[1], comm);
+    result.n_points      = Utilities::MPI::sum(result.n_points, comm);
+    if (result.mass > 0.)
+      result.center = Utilities::MPI::sum(first_moment, comm) / result.mass;
+    return result;
+  }
+
+
+
+  template <int dim>
+  double
+  kinetic_energy(const std::vector<Body<dim>> &bodies, const MPI_Comm comm)
+  {
+    using Layout = PointLayout<dim>;
+    double sum   = 0.;
+    for (const Body<dim> &body : bodies)
+      {
+        const unsigned int s = body.points.stride();
+        body.points.for_each([&](const unsigned int, const double *p) {
+          for (unsigned int d = 0; d < dim; ++d)
+            sum += 0.5 * p[Layout::mass * s] *
+                   std::pow(p[(Layout::velocity + d) * s], 2);
+        });
+      }
+    return Utilities::MPI::sum(sum, comm);
+  }
+
+
+
+  template struct Statistics<2>;
+  template struct Statistics<3>;
+  template Statistics<2>
+  compute_statistics<2>(const std::vector<Body<2>> &,
+                        const PointTransfer<2> &,
+                        const Tensor<1, 2> &,
+                        const MPI_Comm);
+  template Statistics<3>
+  compute_statistics<3>(const std::vector<Body<3>> &,
+                        const PointTransfer<3> &,
+                        const Tensor<1, 3> &,
+                        const MPI_Comm);
+  template double
+  kinetic_energy<2>(const std::vector<Body<2>> &, const MPI_Comm);
+  template double
+  kinetic_energy<3>(const std::vector<Body<3>> &, const MPI_Comm);
+  template MaterialPoint
+  material_point<2>(const double *, const unsigned int, const PointLayout<2> &);
+  template MaterialPoint
+  material_point<3>(const double *, const unsigned int, const PointLayout<3> &);
+} // namespace greville

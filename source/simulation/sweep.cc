@@ -1,0 +1,204 @@
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/simulation/run.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * A run of a sweep and what it found.
+     */
+    struct SweepRow
+    {
+      SimulationCase run_case;
+      unsigned int   cells = 0;
+      Errors         errors;
+      /// Of the L2 error, against the row before of the same kind.
+      double order = std::numeric_limits<double>::quiet_NaN();
+    };
+
+
+
+    bool
+    same_kind(const SimulationCase &a, const SimulationCase &b)
+    {
+      return a.degree == b.degree && a.mass == b.mass &&
+             a.quadrature == b.quadrature;
+    }
+
+
+
+    std::vector<SweepRow>
+    make_rows(const SimulationParameters &parameters)
+    {
+      const SweepParameters &sweep   = parameters.sweep;
+      const auto             degrees = sweep.degrees.empty()
+                                         ? std::vector<unsigned int>{parameters.grid.degree}
+                                         : sweep.degrees;
+      const auto             masses  = sweep.masses.empty()
+                                         ? std::vector<std::string>{parameters.scheme.mass}
+                                         : sweep.masses;
+      const auto             quadratures =
+        sweep.quadratures.empty()
+                      ? std::vector<std::string>{parameters.scheme.quadrature}
+                      : sweep.quadratures;
+      const auto        &base = parameters.grid.cells;
+      const unsigned int most = *std::max_element(base.begin(), base.end());
+
+      std::vector<SweepRow> rows;
+      for (const std::string &mass : masses)
+        for (const std::string &quadrature : quadratures)
+          for (const unsigned int degree : degrees)
+            for (const unsigned int n : sweep.cells)
+              {
+                SweepRow row;
+                row.cells    = n;
+                row.run_case = {base, degree, mass, quadrature};
+                for (unsigned int &cells : row.run_case.cells)
+                  {
+                    AssertThrow(cells == 1 || cells * n % most == 0,
+                                ExcMessage(
+                                  "The parameter 'Sweep/Cells' has the entry " +
+                                  std::to_string(n) +
+                                  ", with which 'Grid/Cells' cannot keep "
+                                  "their ratio."));
+                    if (cells > 1)
+                      cells = cells * n / most;
+                  }
+                rows.push_back(row);
+              }
+      return rows;
+    }
+
+
+
+    void
+    write_table(const std::vector<SweepRow> &rows,
+                const std::string           &directory,
+                std::ostream                &out,
+                const bool                   is_first)
+    {
+      std::ostringstream csv;
+      csv << "mass,quadrature,p,cells,error_l2,error_max,order\n";
+      csv.precision(10);
+      out << "  relative error of displacement\n"
+          << "  mass             quadrature      p  cells         L2"
+          << "    largest  order\n";
+      for (const SweepRow &row : rows)
+        {
+          csv << row.run_case.mass << "," << row.run_case.quadrature << ","
+              << row.run_case.degree << "," << row.cells << "," << row.errors.l2
+              << "," << row.errors.max << ",";
+          out << "  " << std::left << std::setw(16) << row.run_case.mass << " "
+              << std::setw(14) << row.run_case.quadrature << std::right
+              << std::setw(3) << row.run_case.degree << std::setw(7)
+              << row.cells << std::scientific << std::setprecision(3)
+              << std::setw(11) << row.errors.l2 << std::setw(11)
+              << row.errors.max << std::defaultfloat;
+          if (std::isfinite(row.order))
+            {
+              csv << row.order;
+              out << std::fixed << std::setprecision(2) << std::setw(7)
+                  << row.order << std::defaultfloat;
+            }
+          csv << '\n';
+          out << '\n';
+        }
+      out << "  results: " << directory << std::endl;
+      if (is_first)
+        write_atomically(directory + "/convergence.csv", csv.str());
+    }
+
+
+
+    template <int dim>
+    void
+    run_sweep(const SimulationParameters &parameters,
+              const std::string          &directory,
+              std::ostream               &out,
+              const MPI_Comm              comm)
+    {
+      const bool is_first = Utilities::MPI::this_mpi_process(comm) == 0;
+      AssertThrow(!parameters.exact.displacement.empty(),
+                  ExcMessage("A sweep needs 'Exact solution/Displacement'."));
+      auto rows = make_rows(parameters);
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        {
+          SweepRow          &row    = rows[k];
+          const std::string &mass   = row.run_case.mass;
+          const std::string  folder = directory + "/" + mass + "_" +
+                                     row.run_case.quadrature + "_p" +
+                                     std::to_string(row.run_case.degree) + "_" +
+                                     std::to_string(row.cells);
+          if (is_first)
+            std::filesystem::create_directories(folder);
+          MPI_Barrier(comm);
+          const RunSummary summary =
+            SimulationRun<dim>(parameters, row.run_case, folder, out, comm)
+              .run();
+          row.errors = *summary.displacement;
+          if (k > 0 && same_kind(row.run_case, rows[k - 1].run_case) &&
+              row.cells != rows[k - 1].cells)
+            row.order = std::log(rows[k - 1].errors.l2 / row.errors.l2) /
+                        std::log(double(row.cells) / rows[k - 1].cells);
+          out << std::endl;
+        }
+      write_table(rows, directory, out, is_first);
+    }
+  } // namespace
+
+
+
+  void
+  run_simulations(const std::string &file, const MPI_Comm comm)
+  {
+    const SimulationParameters parameters(file);
+    const bool    is_first = Utilities::MPI::this_mpi_process(comm) == 0;
+    std::ostream  nowhere(nullptr);
+    std::ostream &out = is_first ? std::cout : nowhere;
+
+    const std::string name      = parameters.general.name.empty()
+                                    ? std::filesystem::path(file).stem().string()
+                                    : parameters.general.name;
+    const std::string directory = parameters.output.directory.empty()
+                                    ? "output/" + name
+                                    : parameters.output.directory;
+    run_on_all(
+      [&]() {
+        if (!is_first)
+          return;
+        std::filesystem::create_directories(directory);
+        std::ostringstream used;
+        ParameterAcceptor::prm.print_parameters(used, ParameterHandler::Text);
+        write_atomically(directory + "/parameters.prm", used.str());
+      },
+      comm);
+
+    const bool is_sweep = !parameters.sweep.cells.empty();
+    if (is_sweep && parameters.general.dimension == 2)
+      run_sweep<2>(parameters, directory, out, comm);
+    else if (is_sweep)
+      run_sweep<3>(parameters, directory, out, comm);
+    else
+      {
+        const SimulationCase run_case = {parameters.grid.cells,
+                                         parameters.grid.degree,
+                                         parameters.scheme.mass,
+                                         parameters.scheme.quadrature};
+        if (parameters.general.dimension == 2)
+          SimulationRun<2>(parameters, run_case, directory, out, comm).run();
+        else
+          SimulationRun<3>(parameters, run_case, directory, out, comm).run();
+      }
+  }
+} // namespace greville

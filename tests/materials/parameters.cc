@@ -1,0 +1,181 @@
+// The list of materials, messages for wrong input, and that every parameter
+// of every material changes what the material does.
+
+#include "materials.h"
+#include <sstream>
+
+namespace
+{
+  // What a material says and does: moduli, and stress, energy, heat and wave
+  // modulus along a motion that yields, softens, is torn and flows.
+  std::vector<double>
+  behaviour(const Material &material)
+  {
+    const Moduli        moduli = material.moduli();
+    std::vector<double> result = {moduli.bulk,
+                                  moduli.shear,
+                                  moduli.viscosity,
+                                  material.density};
+    for (const double volume : {-1e-4, 2e-4})
+      {
+        MaterialPoint point = rest(material);
+        Tensor2       f     = (1 + volume) * one_tensor();
+        f[0][1]             = 1e-3;
+        f[2][2] -= 2e-4;
+        for (unsigned int n = 0; n < 100; ++n)
+          step(material, point, f, 1e-3);
+        for (unsigned int i = 0; i < 6; ++i)
+          result.push_back(point.stress.access_raw_entry(i));
+        result.insert(result.end(),
+                      {point.wave_modulus,
+                       material.strain_energy(point),
+                       material.dissipation(point)});
+      }
+    return result;
+  }
+
+
+
+  // Change one parameter after the other in a material with @p settings.
+  void
+  test_effects(const std::string              &name,
+               const std::vector<std::string> &settings,
+               std::vector<std::string>        changes)
+  {
+    print() << name << std::endl;
+    const auto   before   = behaviour(*make(name, settings));
+    unsigned int declared = 0;
+    // Each declared parameter is among the changes.
+    std::stringstream parameters;
+    ParameterAcceptor::prm.print_parameters(parameters,
+                                            ParameterHandler::ShortText);
+    for (std::string line; std::getline(parameters, line);)
+      declared += line.find("set ") != std::string::npos;
+    changes.push_back("Density = 1234");
+    check("  parameters", declared == changes.size());
+    for (const std::string &change : changes)
+      {
+        auto changed = settings;
+        changed.push_back(change);
+        const auto after  = behaviour(*make(name, changed));
+        bool       differ = false;
+        for (unsigned int i = 0; i < after.size(); ++i)
+          differ = differ ||
+                   std::abs(after[i] - before[i]) > 1e-6 * std::abs(before[i]);
+        check("  " + change + " has an effect", differ);
+      }
+  }
+
+
+
+  void
+  bad(const std::string &name, const std::vector<std::string> &settings)
+  {
+    print_message([&]() { make(name, settings); });
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  print() << material_names() << std::endl;
+
+  const std::vector<std::string> elastic = {"Youngs modulus = 2e6",
+                                            "Poissons ratio = 0.2"};
+  test_effects("linear-elastic", {}, elastic);
+  test_effects("neo-hookean", {}, elastic);
+  test_effects(
+    "von-mises",
+    {},
+    {elastic[0], elastic[1], "Yield stress = 2e3", "Hardening modulus = 1e3"});
+  test_effects("drucker-prager",
+               {"Cohesion = 2e3", "Dilatancy angle = 5"},
+               {elastic[0],
+                elastic[1],
+                "Friction angle = 25",
+                "Dilatancy angle = 10",
+                "Cohesion = 1e3",
+                "Tension cut-off = 500",
+                "Cone = outer"});
+  test_effects("drucker-prager",
+               {"Cohesion = 2e3", "Dilatancy angle = 5", "Cone = outer"},
+               {elastic[0],
+                elastic[1],
+                "Friction angle = 25",
+                "Dilatancy angle = 10",
+                "Cohesion = 1e3",
+                "Tension cut-off = 0",
+                "Cone = inner"});
+  test_effects("mohr-coulomb",
+               {"Cohesion = 2e3",
+                "Residual cohesion = 1e3",
+                "Dilatancy angle = 5"},
+               {elastic[0],
+                elastic[1],
+                "Cohesion = 3e3",
+                "Residual cohesion = 500",
+                "Friction angle = 35",
+                "Residual friction angle = 20",
+                "Dilatancy angle = 10",
+                "Softening = exponential",
+                "Softening strain = 0.2"});
+  const std::vector<std::string> tait = {"Sound speed = 20",
+                                         "Exponent = 1",
+                                         "Bulk viscosity = 1",
+                                         "Allow tension = true"};
+  test_effects("newtonian-fluid",
+               {},
+               {tait[0], tait[1], tait[2], tait[3], "Viscosity = 1"});
+  test_effects("bingham",
+               {},
+               {tait[0],
+                tait[1],
+                tait[2],
+                tait[3],
+                "Yield stress = 1",
+                "Plastic viscosity = 1",
+                "Regularization = 2"});
+
+  // Wrong input.
+  print_message([]() { make_material("jelly", "Material", "Law"); });
+  bad("linear-elastic", {"Poissons ratio = 0.5"});
+  bad("neo-hookean", {"Poissons ratio = -1"});
+  bad("drucker-prager", {"Dilatancy angle = 31"});
+  bad("drucker-prager", {"Friction angle = 0"});
+  bad("drucker-prager", {"Cohesion = 1e3", "Tension cut-off = 1e4"});
+  bad("mohr-coulomb", {"Residual cohesion = 2e3"});
+  bad("mohr-coulomb", {"Residual friction angle = 31"});
+  bad("mohr-coulomb", {"Residual friction angle = 20", "Dilatancy angle = 25"});
+  bad("mohr-coulomb", {"Residual cohesion = 0", "Residual friction angle = 0"});
+
+  // Values that the patterns exclude: refused when they are read.
+  for (const auto &[name, setting] :
+       std::vector<std::pair<std::string, std::string>>{
+         {"linear-elastic", "Density = 0"},
+         {"linear-elastic", "Youngs modulus = 0"},
+         {"linear-elastic", "Poissons ratio = 0.6"},
+         {"von-mises", "Yield stress = 0"},
+         {"von-mises", "Hardening modulus = -1"},
+         {"drucker-prager", "Friction angle = 90"},
+         {"drucker-prager", "Cone = round"},
+         {"mohr-coulomb", "Softening strain = 0"},
+         {"newtonian-fluid", "Sound speed = 0"},
+         {"newtonian-fluid", "Exponent = 0.5"},
+         {"newtonian-fluid", "Viscosity = -1"},
+         {"bingham", "Regularization = 0"}})
+    {
+      bool refused = false;
+      try
+        {
+          make(name, {setting});
+        }
+      catch (const std::exception &)
+        {
+          refused = true;
+        }
+      check(name + ", " + setting + " is refused", refused);
+    }
+}
