@@ -36,9 +36,10 @@ namespace greville
                   "m^3 (2D: m^2). Lines with # are comments.");
     add_parameter("Points per direction",
                   points_per_direction,
-                  "Points per cell and direction. Unit: none.",
+                  "Points per cell in each direction; one number for all. "
+                  "Unit: none.",
                   prm,
-                  Patterns::Integer(1, 12));
+                  Patterns::List(Patterns::Integer(1, 12), 1, 3));
     add_parameter("Placement",
                   placement,
                   "Points of a cell at equal distances with equal volumes, or "
@@ -56,10 +57,16 @@ namespace greville
                   "Of the random numbers of the jitter. Unit: none.",
                   prm,
                   Patterns::Integer(0));
+    add_parameter("Displacement",
+                  displacement,
+                  "In the beginning, from the positions of the shape: formulas "
+                  "of x, y (, z) separated by semicolons, which also give the "
+                  "deformation gradient and the stress; empty: none. Unit: m.");
     add_parameter("Velocity",
                   velocity,
-                  "In the beginning: formulas of x, y (, z) separated by "
-                  "semicolons; empty: at rest. Unit: m / s.");
+                  "In the beginning: formulas of the positions of the shape x, "
+                  "y (, z) separated by semicolons; empty: at rest. Unit: m / "
+                  "s.");
     add_parameter("Stress",
                   stress,
                   "Cauchy stress in the beginning: formulas of x, y (, z) for "
@@ -276,14 +283,24 @@ namespace greville
                     const std::string      &section,
                     const SplineSpace<dim> &space)
     {
-      const Shape<dim>   shape(parameters.shape, section + "/Shape");
-      const auto        &lattice = space.lattice();
-      const unsigned int n       = parameters.points_per_direction;
-      const bool         gauss   = parameters.placement == "Gauss";
-      const QGauss<1>    quadrature(n);
-      MultiIndex<dim>    extents;
-      extents.fill(n);
-      const unsigned int n_in_cell = Utilities::fixed_power<dim>(n);
+      const Shape<dim> shape(parameters.shape, section + "/Shape");
+      const auto      &lattice = space.lattice();
+      const bool       gauss   = parameters.placement == "Gauss";
+      const auto      &given   = parameters.points_per_direction;
+      AssertThrow(given.size() == 1 || given.size() == dim,
+                  ExcMessage("The parameter '" + section +
+                             "/Points per direction' takes 1 or " +
+                             std::to_string(dim) + " numbers, not " +
+                             std::to_string(given.size()) + "."));
+      MultiIndex<dim>        extents;
+      std::vector<QGauss<1>> quadratures;
+      unsigned int           n_in_cell = 1;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          extents[d] = given[given.size() == 1 ? 0 : d];
+          n_in_cell *= extents[d];
+          quadratures.emplace_back(extents[d]);
+        }
 
       std::vector<NewPoint<dim>> result;
       for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
@@ -303,7 +320,8 @@ namespace greville
               std::uniform_real_distribution<double> uniform(-1., 1.);
               for (unsigned int d = 0; d < dim; ++d)
                 {
-                  double xi = gauss ? quadrature.point(local[d])(0)
+                  const unsigned int n = extents[d];
+                  double xi = gauss ? quadratures[d].point(local[d])(0)
                                     : (local[d] + 0.5) / n;
                   if (parameters.jitter > 0.)
                     xi += parameters.jitter * uniform(random) * 0.5 / n;
@@ -311,7 +329,7 @@ namespace greville
                   point.x[d] = corner[d] + xi * lattice.cell_size(d);
                   point.volume *=
                     lattice.cell_size(d) *
-                    (gauss ? quadrature.weight(local[d]) : 1. / n);
+                    (gauss ? quadratures[d].weight(local[d]) : 1. / n);
                 }
               if (shape.contains(point.x))
                 result.push_back(point);
@@ -497,6 +515,65 @@ namespace greville
 
 
 
+    /**
+     * Displacement of the beginning: it moves a point, deforms it, and lets the
+     * material find the stress.
+     */
+    template <int dim>
+    class InitialDisplacement
+    {
+    public:
+      InitialDisplacement(const BodyParameters &parameters,
+                          const std::string    &section,
+                          const Lattice<dim>   &lattice)
+      {
+        if (!parameters.displacement.empty())
+          formulas = make_expressions(parameters.displacement,
+                                      section + "/Displacement",
+                                      coordinates<dim>(),
+                                      dim);
+        for (unsigned int d = 0; d < dim; ++d)
+          steps[d] = 2e-3 * lattice.cell_size(d);
+      }
+
+      void
+      apply(Point<dim> &x, MaterialPoint &state, const Material &material) const
+      {
+        if (formulas.empty())
+          return;
+        // Differences of sixth order
+        static constexpr double weights[3] = {3. / 4., -3. / 20., 1. / 60.};
+        Tensor<2, 3>            increment  = unit_symmetric_tensor<3>();
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            for (int k = 1; k <= 3; ++k)
+              for (const int side : {-1, 1})
+                {
+                  Point<dim> shifted = x;
+                  shifted[j] += side * k * steps[j];
+                  increment[i][j] += side * weights[k - 1] / steps[j] *
+                                     formulas[i](view(shifted));
+                }
+        Point<dim> moved = x;
+        for (unsigned int d = 0; d < dim; ++d)
+          moved[d] += formulas[d](view(x));
+        x               = moved;
+        state.increment = increment;
+        state.F         = increment * state.F;
+        state.J *= determinant(increment);
+        state.dt = 1.;
+        AssertThrow(state.J > 0.,
+                    ExcMessage("the displacement turns the body inside out."));
+        material.update(ArrayView<MaterialPoint>(&state, 1));
+      }
+
+    private:
+      std::vector<Expression> formulas;
+      std::array<double, dim> steps;
+    };
+
+
+
     template <int dim>
     void
     insert_points(Body<dim>                        &body,
@@ -504,15 +581,17 @@ namespace greville
                   const std::string                &section,
                   const Tensor<1, dim>             &gravity)
     {
-      using Layout                        = PointLayout<dim>;
-      const BodyParameters    &parameters = *body.parameters;
-      const Material          &material   = *body.material;
-      const Layout            &layout     = body.points.layout();
-      const InitialStress<dim> stress(parameters,
+      using Layout                              = PointLayout<dim>;
+      const BodyParameters          &parameters = *body.parameters;
+      const Material                &material   = *body.material;
+      const Layout                  &layout     = body.points.layout();
+      const InitialStress<dim>       stress(parameters,
                                       section,
                                       gravity,
                                       material.density);
-      std::vector<Expression>  velocity;
+      const InitialDisplacement<dim> displacement(
+        parameters, section, body.points.space().lattice());
+      std::vector<Expression> velocity;
       if (!parameters.velocity.empty())
         velocity = make_expressions(parameters.velocity,
                                     section + "/Velocity",
@@ -524,10 +603,14 @@ namespace greville
         {
           std::fill(values.begin(), values.end(), 0.);
           MaterialPoint state;
-          state.F = unit_symmetric_tensor<3>();
+          Point<dim>    x          = point.x;
+          double        J_of_shape = 1.;
+          state.F                  = unit_symmetric_tensor<3>();
           try
             {
               material.initialize(state, stress(point.x));
+              J_of_shape = state.J;
+              displacement.apply(x, state, material);
             }
           catch (const std::exception &error)
             {
@@ -538,7 +621,7 @@ namespace greville
             }
           for (unsigned int d = 0; d < dim; ++d)
             {
-              values[Layout::position + d]  = point.x[d];
+              values[Layout::position + d]  = x[d];
               values[Layout::reference + d] = point.x[d];
               if (!velocity.empty())
                 values[Layout::velocity + d] = velocity[d](view(point.x));
@@ -548,7 +631,7 @@ namespace greville
           if (dim == 2)
             values[Layout::F + 4] = state.F[2][2];
           values[Layout::mass]    = material.density * point.volume;
-          values[Layout::volume0] = point.volume / state.J;
+          values[Layout::volume0] = point.volume / J_of_shape;
           values[Layout::J]       = state.J;
           for (unsigned int d = 0; d < 3; ++d)
             values[Layout::stress + d] = state.stress[d][d];
@@ -569,7 +652,7 @@ namespace greville
 
 
   template <int dim>
-  void
+  std::vector<unsigned int>
   make_points(Body<dim>              &body,
               const SplineSpace<dim> &space,
               const Tensor<1, dim>   &gravity,
@@ -610,19 +693,21 @@ namespace greville
                      ? "there is no point inside <" + parameters.shape +
                          "> in the grid; are its cells too large?"
                      : "<" + parameters.points_file + "> has no point.")));
+    return parameters.displacement.empty() ? std::vector<unsigned int>()
+                                           : body.points.cells();
   }
 
 
 
   template class Shape<2>;
   template class Shape<3>;
-  template void
+  template std::vector<unsigned int>
   make_points<2>(Body<2> &,
                  const SplineSpace<2> &,
                  const Tensor<1, 2> &,
                  const bool,
                  const bool);
-  template void
+  template std::vector<unsigned int>
   make_points<3>(Body<3> &,
                  const SplineSpace<3> &,
                  const Tensor<1, 3> &,

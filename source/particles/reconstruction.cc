@@ -93,6 +93,7 @@ namespace greville
     std::vector<double>         values(to.size), psi;
     std::vector<const double *> members;
     std::vector<Tensor<1, dim>> positions;
+    std::vector<unsigned int>   full_cells;
     for (const unsigned int cell : points.cells())
       {
         const auto center = lattice.cell_center(
@@ -129,6 +130,10 @@ namespace greville
           return rho * p[(from.load + f - 1 - dim - n_stress) * stride];
         };
 
+        const auto fits_constant = [&](const unsigned int f) {
+          return !conserves_in_cells || (f > dim && f <= dim + n_stress);
+        };
+
         const Polynomials<dim> polynomials(positions);
         const unsigned int     n_psi = polynomials.size();
         bool is_full = volume >= full * cell_volume && members.size() > n_psi;
@@ -141,25 +146,59 @@ namespace greville
                 coefficients(f, n_psi) += field(p, f) *
                                           p[Layout::volume0 * stride] *
                                           p[Layout::J * stride] / cell_volume;
-            FullMatrix<double> normal(n_psi, n_psi), right(n_psi, n_fields);
+            // With positions and values relative to their means, the
+            // constant is fitted as well.
+            std::vector<double> mean_psi(n_psi, 0.), mean_field(n_fields, 0.);
+            for (unsigned int k = 0; k < members.size(); ++k)
+              {
+                polynomials.evaluate(positions[k], psi);
+                for (unsigned int i = 0; i < n_psi; ++i)
+                  mean_psi[i] += psi[i] / members.size();
+                for (unsigned int f = 0; f < n_fields; ++f)
+                  mean_field[f] += field(members[k], f) / members.size();
+              }
+            FullMatrix<double> normal(n_psi, n_psi), centered(n_psi, n_psi),
+              right(n_psi, n_fields);
             for (unsigned int k = 0; k < members.size(); ++k)
               {
                 polynomials.evaluate(positions[k], psi);
                 for (unsigned int i = 0; i < n_psi; ++i)
                   {
+                    const double centered_psi = psi[i] - mean_psi[i];
                     for (unsigned int j = 0; j < n_psi; ++j)
-                      normal(i, j) += psi[i] * psi[j];
+                      {
+                        normal(i, j) += psi[i] * psi[j];
+                        centered(i, j) += centered_psi * (psi[j] - mean_psi[j]);
+                      }
                     for (unsigned int f = 0; f < n_fields; ++f)
-                      right(i, f) += psi[i] * (field(members[k], f) -
-                                               coefficients(f, n_psi));
+                      right(i, f) +=
+                        fits_constant(f)
+                          ? centered_psi *
+                              (field(members[k], f) - mean_field[f])
+                          : psi[i] *
+                              (field(members[k], f) - coefficients(f, n_psi));
                   }
               }
             if (n_psi > 0)
-              normal.gauss_jordan();
+              {
+                normal.gauss_jordan();
+                centered.gauss_jordan();
+              }
             for (unsigned int f = 0; f < n_fields; ++f)
-              for (unsigned int i = 0; i < n_psi; ++i)
-                for (unsigned int j = 0; j < n_psi; ++j)
-                  coefficients(f, i) += normal(i, j) * right(j, f);
+              {
+                if (fits_constant(f))
+                  coefficients(f, n_psi) = mean_field[f];
+                for (unsigned int i = 0; i < n_psi; ++i)
+                  {
+                    for (unsigned int j = 0; j < n_psi; ++j)
+                      coefficients(f, i) +=
+                        (fits_constant(f) ? centered : normal)(i, j) *
+                        right(j, f);
+                    if (fits_constant(f))
+                      coefficients(f, n_psi) -=
+                        coefficients(f, i) * mean_psi[i];
+                  }
+              }
 
             // All densities have to be positive.
             for (unsigned int q = 0; q < quadrature.size(); ++q)
@@ -189,37 +228,85 @@ namespace greville
               result.insert(cell, make_array_view(values));
             }
         else
-          for (unsigned int q = 0; q < quadrature.size(); ++q)
-            {
-              Tensor<1, dim> t;
-              for (unsigned int d = 0; d < dim; ++d)
-                {
-                  t[d] = quadrature.point(q)[d] - 0.5;
-                  values[Layout::position + d] =
-                    center[d] + t[d] * lattice.cell_size(d);
-                }
-              polynomials.evaluate(t, psi);
-              std::vector<double> fields(n_fields);
-              for (unsigned int f = 0; f < n_fields; ++f)
-                {
-                  fields[f] = coefficients(f, n_psi);
-                  for (unsigned int i = 0; i < n_psi; ++i)
-                    fields[f] += coefficients(f, i) * psi[i];
-                }
-              values[Layout::volume0] = quadrature.weight(q) * cell_volume;
-              values[Layout::J]       = 1.;
-              values[Layout::mass]    = fields[0] * values[Layout::volume0];
-              for (unsigned int d = 0; d < dim; ++d)
-                values[Layout::velocity + d] = fields[1 + d] / fields[0];
-              for (unsigned int k = 0; k < n_stress; ++k)
-                values[Layout::stress + k] = fields[1 + dim + k];
-              if (from.has_load)
+          {
+            full_cells.push_back(cell);
+            for (unsigned int q = 0; q < quadrature.size(); ++q)
+              {
+                Tensor<1, dim> t;
                 for (unsigned int d = 0; d < dim; ++d)
-                  values[to.load + d] =
-                    fields[1 + dim + n_stress + d] / fields[0];
-              result.insert(cell, make_array_view(values));
-            }
+                  {
+                    t[d] = quadrature.point(q)[d] - 0.5;
+                    values[Layout::position + d] =
+                      center[d] + t[d] * lattice.cell_size(d);
+                  }
+                polynomials.evaluate(t, psi);
+                std::vector<double> fields(n_fields);
+                for (unsigned int f = 0; f < n_fields; ++f)
+                  {
+                    fields[f] = coefficients(f, n_psi);
+                    for (unsigned int i = 0; i < n_psi; ++i)
+                      fields[f] += coefficients(f, i) * psi[i];
+                  }
+                values[Layout::volume0] = quadrature.weight(q) * cell_volume;
+                values[Layout::J]       = 1.;
+                values[Layout::mass]    = fields[0] * values[Layout::volume0];
+                for (unsigned int d = 0; d < dim; ++d)
+                  values[Layout::velocity + d] = fields[1 + d] / fields[0];
+                for (unsigned int k = 0; k < n_stress; ++k)
+                  values[Layout::stress + k] = fields[1 + dim + k];
+                if (from.has_load)
+                  for (unsigned int d = 0; d < dim; ++d)
+                    values[to.load + d] =
+                      fields[1 + dim + n_stress + d] / fields[0];
+                result.insert(cell, make_array_view(values));
+              }
+          }
       }
+    if (!conserves_in_cells)
+      conserve(points, full_cells, result);
+  }
+
+
+
+  template <int dim>
+  void
+  Reconstruction<dim>::conserve(const MaterialPoints<dim>       &points,
+                                const std::vector<unsigned int> &cells,
+                                MaterialPoints<dim>             &result) const
+  {
+    using Layout             = PointLayout<dim>;
+    constexpr unsigned int s = MaterialPoints<dim>::stride();
+    std::vector<bool>      is_full(points.space().owned_cells().size(), false);
+    for (const unsigned int cell : cells)
+      is_full[cell] = true;
+
+    // Mass and momentum of the points and of the Gauss points
+    std::vector<double> sums(2 * (dim + 1), 0.);
+    const auto          add =
+      [&](const unsigned int cell, const double *p, const unsigned int first) {
+        if (!is_full[cell])
+          return;
+        const double m = p[Layout::mass * s];
+        sums[first] += m;
+        for (unsigned int d = 0; d < dim; ++d)
+          sums[first + 1 + d] += m * p[(Layout::velocity + d) * s];
+      };
+    points.for_each(
+      [&](const unsigned int cell, const double *p) { add(cell, p, 0); });
+    result.for_each(
+      [&](const unsigned int cell, double *p) { add(cell, p, dim + 1); });
+    Utilities::MPI::sum(sums, points.space().communicator(), sums);
+    if (!(sums[dim + 1] > 0.))
+      return;
+    const double factor = sums[0] / sums[dim + 1];
+    result.for_each([&](const unsigned int cell, double *p) {
+      if (!is_full[cell])
+        return;
+      p[Layout::mass * s] *= factor;
+      for (unsigned int d = 0; d < dim; ++d)
+        p[(Layout::velocity + d) * s] +=
+          (sums[1 + d] - factor * sums[dim + 2 + d]) / sums[0];
+    });
   }
 
 

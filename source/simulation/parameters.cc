@@ -266,7 +266,9 @@ namespace greville
                   cells,
                   "Run with these numbers of cells in the direction that has "
                   "most; others keep their ratio, one cell stays one cell. "
-                  "Empty: no sweep. Unit: none.",
+                  "Empty: those of the grid. A run for each combination of "
+                  "this section's entries; no sweep if all are empty. Unit: "
+                  "none.",
                   prm,
                   Patterns::List(Patterns::Integer(1)));
     add_parameter("Orders",

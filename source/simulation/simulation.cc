@@ -91,12 +91,15 @@ namespace greville
     , comm(comm)
     , mesh(comm, Triangulation<dim>::none, mesh_settings<dim>)
     , walls(parameters.walls)
-    , reconstruction(run_case.degree + 1)
+    , reconstruction(run_case.degree + 1,
+                     run_case.quadrature == "taylor-least-squares",
+                     parameters.scheme.full_cell)
   {
     AssertThrow(!(parameters.scheme.transfer == "APIC" &&
-                  run_case.quadrature == "reconstruction"),
-                ExcMessage("'Scheme/Quadrature' = reconstruction goes with "
-                           "'Scheme/Transfer' = FLIP or PIC, not APIC."));
+                  run_case.quadrature != "points"),
+                ExcMessage("'Scheme/Transfer' = APIC goes with "
+                           "'Scheme/Quadrature' = points, not <" +
+                           run_case.quadrature + ">."));
     create_box_mesh<dim>(mesh,
                          to_point<dim>(parameters.grid.lower),
                          to_point<dim>(parameters.grid.upper),
@@ -147,11 +150,15 @@ namespace greville
         body.parameters = parameters.bodies.at(name).get();
         body.material =
           parameters.materials.at(body.parameters->material).get();
-        make_points(body,
-                    space(),
-                    gravity(0.),
-                    parameters.scheme.transfer == "APIC",
-                    has_load);
+        const auto left  = make_points(body,
+                                      space(),
+                                      gravity(0.),
+                                      parameters.scheme.transfer == "APIC",
+                                      has_load);
+        const auto moved = transport.move(body.points, left);
+        AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
+                    ExcMessage("The parameter 'Body " + name +
+                               "/Displacement' moves points out of the grid."));
         n_all_points += body.n_points;
 
         const Moduli moduli = body.material->moduli();

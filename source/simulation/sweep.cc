@@ -23,6 +23,8 @@ namespace greville
       SimulationCase run_case;
       unsigned int   cells = 0;
       Errors         errors;
+      /// Empty, or why the run did not come to its end.
+      std::string failure;
       /// Of the L2 error, against the row before of the same kind.
       double order = std::numeric_limits<double>::quiet_NaN();
     };
@@ -55,11 +57,13 @@ namespace greville
       const auto        &base = parameters.grid.cells;
       const unsigned int most = *std::max_element(base.begin(), base.end());
 
+      const auto cells =
+        sweep.cells.empty() ? std::vector<unsigned int>{most} : sweep.cells;
       std::vector<SweepRow> rows;
       for (const std::string &mass : masses)
         for (const std::string &quadrature : quadratures)
           for (const unsigned int degree : degrees)
-            for (const unsigned int n : sweep.cells)
+            for (const unsigned int n : cells)
               {
                 SweepRow row;
                 row.cells    = n;
@@ -96,6 +100,8 @@ namespace greville
           << "    largest  order\n";
       for (const SweepRow &row : rows)
         {
+          if (!row.failure.empty())
+            continue;
           csv << row.run_case.mass << "," << row.run_case.quadrature << ","
               << row.run_case.degree << "," << row.cells << "," << row.errors.l2
               << "," << row.errors.max << ",";
@@ -128,10 +134,9 @@ namespace greville
               std::ostream               &out,
               const MPI_Comm              comm)
     {
-      const bool is_first = Utilities::MPI::this_mpi_process(comm) == 0;
-      AssertThrow(!parameters.exact.displacement.empty(),
-                  ExcMessage("A sweep needs 'Exact solution/Displacement'."));
-      auto rows = make_rows(parameters);
+      const bool is_first  = Utilities::MPI::this_mpi_process(comm) == 0;
+      const bool has_exact = !parameters.exact.displacement.empty();
+      auto       rows      = make_rows(parameters);
       for (std::size_t k = 0; k < rows.size(); ++k)
         {
           SweepRow          &row    = rows[k];
@@ -143,17 +148,38 @@ namespace greville
           if (is_first)
             std::filesystem::create_directories(folder);
           MPI_Barrier(comm);
-          const RunSummary summary =
-            SimulationRun<dim>(parameters, row.run_case, folder, out, comm)
-              .run();
-          row.errors = *summary.displacement;
-          if (k > 0 && same_kind(row.run_case, rows[k - 1].run_case) &&
+          SimulationRun<dim> run(parameters, row.run_case, folder, out, comm);
+          try
+            {
+              const RunSummary summary = run.run();
+              if (has_exact)
+                row.errors = *summary.displacement;
+            }
+          catch (const std::exception &error)
+            {
+              // Others may hold what this one does not.
+              row.failure = message_of(error);
+              out << "  failed: " << row.failure << std::endl;
+            }
+          if (has_exact && row.failure.empty() && k > 0 &&
+              rows[k - 1].failure.empty() &&
+              same_kind(row.run_case, rows[k - 1].run_case) &&
               row.cells != rows[k - 1].cells)
             row.order = std::log(rows[k - 1].errors.l2 / row.errors.l2) /
                         std::log(double(row.cells) / rows[k - 1].cells);
           out << std::endl;
         }
-      write_table(rows, directory, out, is_first);
+      if (has_exact)
+        write_table(rows, directory, out, is_first);
+      std::string failures;
+      for (const SweepRow &row : rows)
+        if (!row.failure.empty())
+          failures += "\n  " + row.run_case.mass + ", " +
+                      row.run_case.quadrature + ", order " +
+                      std::to_string(row.run_case.degree) + ", " +
+                      std::to_string(row.cells) + " cells: " + row.failure;
+      AssertThrow(failures.empty(),
+                  ExcMessage("Runs of the sweep failed:" + failures));
     }
   } // namespace
 
@@ -184,7 +210,9 @@ namespace greville
       },
       comm);
 
-    const bool is_sweep = !parameters.sweep.cells.empty();
+    const SweepParameters &sweep = parameters.sweep;
+    const bool is_sweep = !sweep.cells.empty() || !sweep.degrees.empty() ||
+                          !sweep.masses.empty() || !sweep.quadratures.empty();
     if (is_sweep && parameters.general.dimension == 2)
       run_sweep<2>(parameters, directory, out, comm);
     else if (is_sweep)

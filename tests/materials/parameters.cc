@@ -139,6 +139,22 @@ main(int argc, char **argv)
                 "Plastic viscosity = 1",
                 "Regularization = 2"});
 
+  // A state of zeros is the stress-free one; impossible deformations give
+  // results that are not finite.
+  for (const std::string &name :
+       Utilities::split_string_list(material_names(), '|'))
+    {
+      const auto    material = make(name);
+      MaterialPoint point;
+      point.F = one_tensor();
+      step(*material, point, one_tensor());
+      check(name + ", zeros are stress-free", point.stress.norm(), 0.);
+      Tensor2 f = one_tensor();
+      f[0][0]   = -0.5;
+      step(*material, point, f);
+      check("  J < 0 is not finite", !std::isfinite(point.stress.norm()));
+    }
+
   // Wrong input.
   print_message([]() { make_material("jelly", "Material", "Law"); });
   bad("linear-elastic", {"Poissons ratio = 0.5"});

@@ -66,10 +66,9 @@ namespace
           e[0][0] = e[1][1] * (1 + 1e-3 * random());
         if (k % 7 == 0) // almost isotropic extension
           e = 0.03 * deviator(e) + e.norm() * one;
-        const Tensor2 f =
-          one_tensor() +
-          (plane ? random.matrix(0.01, true) : random.matrix(0.01, false)) +
-          Tensor2(e);
+        const Tensor2 f = one_tensor() +
+                          random.matrix(k % 7 == 0 ? 1e-4 : 0.01, plane) +
+                          Tensor2(e);
         const MaterialPoint before = point;
         SymmetricTensor2    b      = one;
         for (unsigned int i = 0; i < 6; ++i)

@@ -6,9 +6,21 @@
 #include <greville/materials/parameter_checks.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace greville
 {
+  /**
+   * 1 / J, not a number for J <= 0 (b = F F^T does not see the sign).
+   */
+  inline double
+  inverse_of_volume(const double J)
+  {
+    return J > 0. ? 1. / J : std::numeric_limits<double>::quiet_NaN();
+  }
+
+
+
   /**
    * Isotropic linear elasticity between principal logarithmic strains eps_a
    * and principal Kirchhoff stresses tau_a, Pa (H. Hencky 1928; de Souza Neto,
@@ -85,11 +97,11 @@ namespace greville
      * rho c^2 = (K + 4 G / 3 - tau_a) / J; here the largest of the three.
      */
     double
-    wave_modulus(const Principal &tau, const double J) const
+    wave_modulus(const Principal &tau, const double inverse_J) const
     {
       return (bulk + 4. / 3. * shear -
-              std::min(tau[0], std::min(tau[1], tau[2]))) /
-             J;
+              std::min(tau[0], std::min(tau[1], tau[2]))) *
+             inverse_J;
     }
 
     Moduli
@@ -137,7 +149,7 @@ namespace greville
       e                  = spectrum.assemble(stretches_less_one(eps));
       point.F            = spectrum.assemble(stretch);
       point.stress       = sigma;
-      point.wave_modulus = wave_modulus(tau, point.J);
+      point.wave_modulus = wave_modulus(tau, 1. / point.J);
       return tau;
     }
 

@@ -98,8 +98,8 @@ namespace greville
         }
       set_elastic(point, e);
 
-      const double inverse_J = 1. / point.J;
-      point.wave_modulus     = elastic.wave_modulus(tau, point.J);
+      const double inverse_J = inverse_of_volume(point.J);
+      point.wave_modulus     = elastic.wave_modulus(tau, inverse_J);
       for (double &t : tau)
         t *= inverse_J;
       point.stress = spectrum.assemble(tau);

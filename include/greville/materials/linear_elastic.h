@@ -48,8 +48,8 @@ namespace greville
     {
       const SpectralDecomposition spectrum(left_cauchy_green_less_one(point.F));
       Principal    tau = elastic.stress(logarithmic_strains(spectrum.values));
-      const double inverse_J = 1. / point.J;
-      point.wave_modulus     = elastic.wave_modulus(tau, point.J);
+      const double inverse_J = inverse_of_volume(point.J);
+      point.wave_modulus     = elastic.wave_modulus(tau, inverse_J);
       for (double &t : tau)
         t *= inverse_J;
       point.stress = spectrum.assemble(tau);

@@ -241,7 +241,7 @@ namespace greville
           r[2] = t[2] + lower * (g1 + g2);
           r[0] = r[1] = 0.5 * (r[0] + r[1]);
         }
-      if (phi == 0. || r[0] >= r[2])
+      if (phi == 0. || !(r[0] < r[2])) // also what is not a number
         return r;
       return {{s.apex, s.apex, s.apex}};
     }

@@ -21,19 +21,20 @@ namespace greville
   public:
     BodyParameters(const std::string &section);
 
-    std::string  material;
-    std::string  shape;
-    bool         clip = false;
-    std::string  points_file;
-    unsigned int points_per_direction = 2;
-    std::string  placement            = "equidistant";
-    double       jitter               = 0.;
-    unsigned int seed                 = 1;
-    std::string  velocity;
-    std::string  stress;
-    double       K0 = -1.;
-    std::string  surface;
-    std::string  imposed_velocity;
+    std::string               material;
+    std::string               shape;
+    bool                      clip = false;
+    std::string               points_file;
+    std::vector<unsigned int> points_per_direction = {2};
+    std::string               placement            = "equidistant";
+    double                    jitter               = 0.;
+    unsigned int              seed                 = 1;
+    std::string               displacement;
+    std::string               velocity;
+    std::string               stress;
+    double                    K0 = -1.;
+    std::string               surface;
+    std::string               imposed_velocity;
   };
 
 
@@ -90,10 +91,12 @@ namespace greville
    * procedure. Throws dealii::ExcMessage for a body that is empty or sticks out
    * of the grid, for wrong formulas, files and stresses.
    *
-   * The points, and their ids, do not depend on the number of processes.
+   * The points, and their ids, do not depend on the number of processes. Where
+   * they have a displacement in the beginning, they still lie in the cells of
+   * their positions before: returns the cells that points have to leave.
    */
   template <int dim>
-  void
+  std::vector<unsigned int>
   make_points(Body<dim>                    &body,
               const SplineSpace<dim>       &space,
               const dealii::Tensor<1, dim> &gravity,
