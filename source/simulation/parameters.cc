@@ -140,9 +140,17 @@ namespace greville
       quadrature,
       "Integrals over the body by its points, or by Gauss points of "
       "full cells with density, momentum and stress reconstructed "
-      "by Taylor least squares.",
+      "by least squares, or by Taylor least squares, which conserve "
+      "mass and momentum cell by cell.",
       prm,
-      Patterns::Selection("points|reconstruction"));
+      Patterns::Selection("points|least-squares|taylor-least-squares"));
+    add_parameter("Full cell",
+                  full_cell,
+                  "For reconstructions: cells are full where their points have "
+                  "this part of their volume. Others are integrated by points. "
+                  "Unit: none.",
+                  prm,
+                  Patterns::Double(0., 2.));
     add_parameter("Points outside",
                   outside,
                   "What to do about points that leave the grid.",
@@ -284,7 +292,8 @@ namespace greville
                   quadratures,
                   "Quadratures to run; empty: that of the scheme.",
                   prm,
-                  Patterns::List(Patterns::Selection("points|reconstruction")));
+                  Patterns::List(Patterns::Selection(
+                    "points|least-squares|taylor-least-squares")));
   }
 
 

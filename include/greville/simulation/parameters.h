@@ -80,6 +80,7 @@ namespace greville
     std::string transfer      = "FLIP";
     double      flip          = 1.;
     std::string quadrature    = "points";
+    double      full_cell     = 0.5;
     std::string outside       = "error";
   };
 
