@@ -152,6 +152,17 @@ namespace greville
 
 
 
+    DataOutBase::VtkFlags
+    fast_compression()
+    {
+      // The enumeration has other names in other versions of deal.II.
+      DataOutBase::VtkFlags flags;
+      flags.compression_level = decltype(flags.compression_level)::best_speed;
+      return flags;
+    }
+
+
+
     /**
      * Each process writes its file, the first one the record of all.
      */
@@ -205,6 +216,7 @@ namespace greville
     const bool         first  = Utilities::MPI::this_mpi_process(comm) == 0;
 
     PointsOut<dim> points(bodies);
+    points.set_flags(fast_compression());
     times_and_names[0].emplace_back(
       time, write_parallel(points, directory, "points", number, comm));
     if (first)
@@ -238,10 +250,23 @@ namespace greville
                      DataComponentInterpretation::component_is_part_of_vector);
     interpretation.push_back(DataComponentInterpretation::component_is_scalar);
     DataOut<dim>          data_out;
-    DataOutBase::VtkFlags flags;
+    DataOutBase::VtkFlags flags    = fast_compression();
     flags.write_higher_order_cells = true;
     data_out.set_flags(flags);
     data_out.add_data_vector(dof_handler, bernstein, names, interpretation);
+    // Only cells with mass: of the functions that do not vanish there.
+    VectorType ghosted_mass(mass);
+    ghosted_mass.update_ghost_values();
+    data_out.set_cell_selection(
+      [&](const typename Triangulation<dim>::cell_iterator &cell) {
+        if (!cell->is_active() || !cell->is_locally_owned())
+          return false;
+        for (const unsigned int i :
+             space.cell_functions(space.cell_number(cell)))
+          if (ghosted_mass.local_element(i) > 0.)
+            return true;
+        return false;
+      });
     data_out.build_patches(space.degree());
     times_and_names[1].emplace_back(
       time, write_parallel(data_out, directory, "grid", number, comm));

@@ -104,6 +104,20 @@ namespace greville
                          to_point<dim>(parameters.grid.lower),
                          to_point<dim>(parameters.grid.upper),
                          to_multi_index<dim>(run_case.cells));
+    if (!parameters.loads.gravity.empty())
+      gravity_formulas =
+        make_expressions(parameters.loads.gravity, "Loads/Gravity", {"t"}, dim);
+    if (!parameters.loads.body_force.empty())
+      body_force = make_expressions(parameters.loads.body_force,
+                                    "Loads/Body force",
+                                    load_variables<dim>(),
+                                    dim);
+    if (!parameters.time.step.empty())
+      step_formula.emplace(parameters.time.step,
+                           "Time/Step",
+                           std::vector<std::string>{"h", "p"});
+    balance_load();
+
     grid_mass = std::make_unique<GridMass<dim>>(
       run_case.mass, run_case.degree, mesh, parameters, walls);
     walls.reinit(space());
@@ -119,21 +133,48 @@ namespace greville
       for (VectorType &component : *field)
         space().initialize_vector(component);
 
-    if (!parameters.loads.gravity.empty())
-      gravity_formulas =
-        make_expressions(parameters.loads.gravity, "Loads/Gravity", {"t"}, dim);
-    if (!parameters.loads.body_force.empty())
-      body_force = make_expressions(parameters.loads.body_force,
-                                    "Loads/Body force",
-                                    load_variables<dim>(),
-                                    dim);
-    if (!parameters.time.step.empty())
-      step_formula.emplace(parameters.time.step,
-                           "Time/Step",
-                           std::vector<std::string>{"h", "p"});
     make_bodies();
     make_tractions();
     remember_state();
+  }
+
+
+
+  template <int dim>
+  Body<dim>
+  Simulation<dim>::make_body(const std::string &name) const
+  {
+    Body<dim> body;
+    body.name       = name;
+    body.parameters = parameters.bodies.at(name).get();
+    body.material   = parameters.materials.at(body.parameters->material).get();
+    return body;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::balance_load()
+  {
+    if (Utilities::MPI::n_mpi_processes(comm) == 1)
+      return;
+    // The work of a point is about four times that of an empty cell.
+    const SplineSpace<dim>    cells(mesh, 1);
+    std::vector<unsigned int> weights(cells.owned_cells().size(), 1);
+    for (const std::string &name : parameters.general.bodies)
+      {
+        Body<dim> body = make_body(name);
+        make_points(body, cells, gravity(0.), false, false);
+        for (const unsigned int cell : body.points.cells())
+          weights[cell] += 4 * body.points.n_points(cell);
+      }
+    const auto connection =
+      mesh.signals.weight.connect([&](const auto &cell, const auto) {
+        return weights[cells.cell_number(cell)];
+      });
+    mesh.repartition();
+    connection.disconnect();
   }
 
 
@@ -145,11 +186,7 @@ namespace greville
     const bool has_load = !body_force.empty() || !parameters.tractions.empty();
     for (const std::string &name : parameters.general.bodies)
       {
-        Body<dim> body;
-        body.name       = name;
-        body.parameters = parameters.bodies.at(name).get();
-        body.material =
-          parameters.materials.at(body.parameters->material).get();
+        Body<dim>  body  = make_body(name);
         const auto left  = make_points(body,
                                       space(),
                                       gravity(0.),

@@ -203,6 +203,18 @@ namespace greville
 
     class PartTimer;
 
+    /**
+     * A body without points.
+     */
+    Body<dim>
+    make_body(const std::string &name) const;
+
+    /**
+     * Give each process the same share of points and cells.
+     */
+    void
+    balance_load();
+
     void
     make_bodies();
 
