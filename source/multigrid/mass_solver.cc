@@ -104,23 +104,25 @@ namespace greville
                                                    "cg-tensor-product",
                                                    "tensor-product",
                                                    "lumped"};
-
-    /**
-     * K of "fmpm-K", 0 for other names.
-     */
-    unsigned int
-    order_of_fmpm(const std::string &name)
-    {
-      const std::string prefix = "fmpm-";
-      if (name.compare(0, prefix.size(), prefix) != 0)
-        return 0;
-      const std::string number = name.substr(prefix.size());
-      if (number.empty() || number.size() > 6 ||
-          number.find_first_not_of("0123456789") != std::string::npos)
-        return 0;
-      return std::stoi(number);
-    }
   } // namespace
+
+
+
+  template <int dim>
+  unsigned int
+  MassSolver<dim>::fmpm_order_of(const std::string &name)
+  {
+    if (name == "lumped")
+      return 1;
+    const std::string prefix = "fmpm-";
+    if (name.compare(0, prefix.size(), prefix) != 0)
+      return 0;
+    const std::string number = name.substr(prefix.size());
+    if (number.empty() || number.size() > 6 ||
+        number.find_first_not_of("0123456789") != std::string::npos)
+      return 0;
+    return std::stoi(number);
+  }
 
 
 
@@ -147,7 +149,7 @@ namespace greville
     , parameters(parameters)
     , multigrid_parameters(multigrid_parameters)
     , smoother_parameters(smoother_parameters)
-    , fmpm_order(name == "lumped" ? 1 : order_of_fmpm(name))
+    , fmpm_order(fmpm_order_of(name))
   {
     check_name(name);
   }
@@ -159,7 +161,7 @@ namespace greville
   MassSolver<dim>::check_name(const std::string &name)
   {
     AssertThrow(
-      order_of_fmpm(name) > 0 ||
+      fmpm_order_of(name) > 0 ||
         std::count(solver_names.begin(), solver_names.end(), name) == 1,
       ExcMessage("The solver <" + name + "> is none of " + names() + "."));
   }

@@ -67,6 +67,7 @@ namespace greville
                 PointTransfer<dim>                   &transfer,
                 const std::vector<const Body<dim> *> &bodies,
                 const Walls<dim>                     &walls,
+                const std::string                    &stress_update,
                 const unsigned int                    max_iterations)
   {
     const SplineSpace<dim> &space = mass.space();
@@ -89,12 +90,31 @@ namespace greville
         for (const auto &line : held.get_lines())
           keep[d](line.index) = 0.;
       }
-    const auto solve = [&](VectorField<dim> &x, const VectorField<dim> &b) {
-      for (unsigned int d = 0; d < dim; ++d)
-        x[d] = 0.;
+    VectorField<dim> M_x, y;
+    for (auto *field : {&M_x, &y})
+      for (VectorType &component : *field)
+        space.initialize_vector(component);
+    const auto solve_mass = [&](VectorField<dim>       &x,
+                                const VectorField<dim> &b) {
+      for (VectorType &component : x)
+        component = 0.;
       mass.solve(x, b);
       for (unsigned int d = 0; d < dim; ++d)
         x[d].scale(keep[d]);
+    };
+    const bool is_usl   = stress_update == "USL";
+    const bool is_other = stress_update == "USF" || stress_update == "MUSL";
+    const auto solve    = [&](VectorField<dim> &x, const VectorField<dim> &b) {
+      solve_mass(x, b);
+      if (mass.is_consistent() || !(is_usl || is_other))
+        return;
+      mass.multiply(M_x, x);
+      solve_mass(y, M_x);
+      for (unsigned int d = 0; d < dim; ++d)
+        if (is_usl)
+          x[d].sadd(2., -1., y[d]);
+        else
+          x[d] = y[d];
     };
 
     // Begin with a force that has all frequencies and does not depend on the
@@ -186,11 +206,13 @@ namespace greville
                    PointTransfer<2> &,
                    const std::vector<const Body<2> *> &,
                    const Walls<2> &,
+                   const std::string &,
                    const unsigned int);
   template double
   critical_step<3>(GridMass<3> &,
                    PointTransfer<3> &,
                    const std::vector<const Body<3> *> &,
                    const Walls<3> &,
+                   const std::string &,
                    const unsigned int);
 } // namespace greville

@@ -291,7 +291,10 @@ namespace greville
                             &momentum,
                             nullptr);
     grid_mass->update(lumped_mass, summed_points, transfer);
-    critical_dt = critical_step<dim>(*grid_mass, transfer, bodies, walls);
+    if (!grid_mass->is_consistent())
+      grid_mass->prepare_product(summed_points, transfer);
+    critical_dt = critical_step<dim>(
+      *grid_mass, transfer, bodies, walls, parameters.scheme.stress_update);
   }
 
 
@@ -423,7 +426,6 @@ namespace greville
       if (g[d] != 0.)
         for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
           force[d].local_element(i) += g[d] * lumped_mass.local_element(i);
-    walls.add_friction(momentum, force, velocity_dt);
 
     const LoadParameters &loads = parameters.loads;
     if (loads.cundall > 0. && (loads.damping_end < 0. || t < loads.damping_end))
@@ -646,6 +648,7 @@ namespace greville
     fastest_signal = 0.;
     if (order == "USF")
       {
+        walls.stop(velocity);
         update_points(nullptr, nullptr, &velocity, false);
         const PartTimer timer(*this, "points to grid");
         transfer.points_to_grid(quadrature_points(), nullptr, nullptr, &force);
@@ -664,6 +667,7 @@ namespace greville
         new_velocity[d] = velocity[d];
         new_velocity[d].add(velocity_dt, acceleration[d]);
       }
+    walls.add_contact(new_velocity, acceleration, velocity_dt);
 
     if (order == "USL")
       update_points(&acceleration, &new_velocity, &new_velocity, true);
@@ -680,6 +684,7 @@ namespace greville
                                   nullptr);
         }
         solve_velocity(mapped_velocity, momentum, t + dt);
+        walls.stop(mapped_velocity);
         update_points(nullptr, &new_velocity, &mapped_velocity, true);
       }
     transport_points();

@@ -61,7 +61,7 @@ namespace greville
   Walls<dim>::holds(const unsigned int wall, const unsigned int component) const
   {
     return type[wall] == "fixed" || type[wall] == "moving" ||
-           (type[wall] != "free" && wall / 2 == component);
+           (type[wall] == "sliding" && wall / 2 == component);
   }
 
 
@@ -154,31 +154,50 @@ namespace greville
 
   template <int dim>
   void
-  Walls<dim>::add_friction(const VectorField<dim> &momentum,
-                           VectorField<dim>       &force,
-                           const double            dt) const
+  Walls<dim>::add_contact(VectorField<dim> &v,
+                          VectorField<dim> &acceleration,
+                          const double      dt) const
   {
     for (unsigned int w = 0; w < 2 * dim; ++w)
-      if (type[w] == "friction" && friction[w] > 0. && dt > 0.)
+      if (type[w] == "friction")
         {
           const unsigned int normal = w / 2;
           const double       sign   = w % 2 == 0 ? -1. : 1.;
           for (const unsigned int i : coefficients[w])
             {
-              const double push =
-                std::max(0., sign * force[normal].local_element(i));
-              Tensor<1, dim> slip;
+              const double v_n = sign * v[normal].local_element(i);
+              if (v_n <= 0.)
+                continue;
+              Tensor<1, dim> change, v_t;
               for (unsigned int c = 0; c < dim; ++c)
                 if (c != normal)
-                  slip[c] = momentum[c].local_element(i) / dt +
-                            force[c].local_element(i);
-              const double size = slip.norm();
-              if (size > 0.)
-                for (unsigned int c = 0; c < dim; ++c)
-                  force[c].local_element(i) -=
-                    std::min(friction[w] * push, size) / size * slip[c];
+                  v_t[c] = v[c].local_element(i);
+              change[normal] = -sign * v_n;
+              if (v_t.norm() > 0.)
+                change -= std::min(friction[w] * v_n / v_t.norm(), 1.) * v_t;
+              for (unsigned int c = 0; c < dim; ++c)
+                {
+                  v[c].local_element(i) += change[c];
+                  if (dt > 0.)
+                    acceleration[c].local_element(i) += change[c] / dt;
+                }
             }
         }
+  }
+
+
+
+  template <int dim>
+  void
+  Walls<dim>::stop(VectorField<dim> &v) const
+  {
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (type[w] == "friction")
+        for (const unsigned int i : coefficients[w])
+          {
+            double &v_n = v[w / 2].local_element(i);
+            v_n         = w % 2 == 0 ? std::max(0., v_n) : std::min(0., v_n);
+          }
   }
 
 

@@ -18,7 +18,7 @@ main(int argc, char **argv)
 
   std::vector<std::filesystem::path> files;
   for (const auto &entry :
-       std::filesystem::recursive_directory_iterator(root / "prm"))
+       std::filesystem::recursive_directory_iterator(root / "prm" / "mass"))
     if (entry.path().extension() == ".prm")
       files.push_back(entry.path());
   std::sort(files.begin(), files.end());

@@ -113,6 +113,12 @@ namespace greville
     names();
 
     /**
+     * K of "fmpm-K", 1 for "lumped", 0 for other names.
+     */
+    static unsigned int
+    fmpm_order_of(const std::string &name);
+
+    /**
      * Throws dealii::ExcMessage for a name that is none of names().
      */
     static void

@@ -31,8 +31,8 @@ namespace greville
    *
    *   M, P, F     from the points                             (points to grid)
    *   M v  = P    the velocity of the grid
-   *   M a  = F    with gravity, friction and damping
-   *   v'   = v + dt' a
+   *   M a  = F    with gravity and damping
+   *   v'   = v + dt' a, and contact with friction walls
    *   points are kicked by a (FLIP) or take v' (PIC, APIC), and are moved by v'
    *   F, J, stress from the gradient of w                     (grid to points)
    *
@@ -240,7 +240,7 @@ namespace greville
     quadrature_points();
 
     /**
-     * Gravity, friction and damping.
+     * Gravity and damping.
      */
     void
     add_grid_forces();

@@ -12,16 +12,15 @@ namespace greville
    * The walls of the grid. On open knot vectors only the functions of the first
    * or last index of a direction do not vanish at a wall, and the value there
    * is that of their coefficients. So a wall holds these coefficients, of all
-   * components (fixed, moving) or of the normal one (sliding, friction), and is
-   * sharp: for all orders, without help by the user.
+   * components (fixed, moving) or of the normal one (sliding), and is sharp:
+   * for all orders, without help by the user. The body does not separate from
+   * such a wall.
    *
-   * A friction wall pushes with N_i = max(0, F_i . n), the force of the body
-   * onto the wall at function i with the outward normal n, and drags along it
-   * with the force
-   *   T_i = -min(mu N_i, |P_i + dt F_i| / dt) (P_i + dt F_i) / |P_i + dt F_i|
-   * (tangential parts), which is Coulomb's law: no more than would stop it.
-   * Walls neither let go of the body: it does not separate from fixed, sliding
-   * and friction walls that it touches.
+   * A friction wall is touched from one side. A coefficient v of the new
+   * velocity that goes into the wall with the speed v_n is stopped, and slowed
+   * down along the wall by Coulomb's law for the two parts of the impulse, v <-
+   * v - v_n n - min(mu v_n, |v_t|) v_t / |v_t|; others are left alone. The
+   * acceleration changes accordingly.
    */
   template <int dim>
   class Walls
@@ -33,7 +32,7 @@ namespace greville
     Walls(const WallParameters &parameters);
 
     /**
-     * The order for which hold() and add_friction() work. The space is kept by
+     * The order of the fields that other functions get. The space is kept by
      * reference.
      */
     void
@@ -73,10 +72,20 @@ namespace greville
                       const double      t,
                       const double      dt) const;
 
+    /**
+     * Friction walls: change the new velocity and the acceleration that led to
+     * it in the time @p dt.
+     */
     void
-    add_friction(const VectorField<dim> &momentum,
-                 VectorField<dim>       &force,
-                 const double            dt) const;
+    add_contact(VectorField<dim> &velocity,
+                VectorField<dim> &acceleration,
+                const double      dt) const;
+
+    /**
+     * Friction walls: stop what goes into them, without friction.
+     */
+    void
+    stop(VectorField<dim> &velocity) const;
 
   private:
     bool

@@ -1,0 +1,205 @@
+// With weights of material points at 2 p + 1 Gauss points per direction, the
+// mass operator is the sum over the points.
+
+#include <greville/multigrid/mass_matrix.h>
+#include <greville/particles/point_transfer.h>
+
+#include "points.h"
+
+// Constraints of the coefficients at the lower wall in x and the upper one in
+// y.
+template <int dim>
+bool
+is_held(const SplineSpace<dim> &space, const std::uint64_t position)
+{
+  const auto index = multi_index<dim>(position, space.n_functions());
+  return index[0] == 0 || index[1] + 1 == space.n_functions()[1];
+}
+
+
+
+// The largest difference of two vectors, relative to the second.
+double
+max_difference(const VectorType &a, const VectorType &b)
+{
+  VectorType d(a);
+  d -= b;
+  return d.linfty_norm() / b.linfty_norm();
+}
+
+
+
+template <int dim>
+void
+test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
+{
+  using Layout = PointLayout<dim>;
+  Box<dim>               box(cells);
+  const SplineSpace<dim> space(box.mesh, p);
+  print() << dim << "D, p = " << p << (part ? ", a part of the cells" : "")
+          << std::endl;
+  MaterialPoints<dim> a, b;
+  random_points<dim>(
+    a, space, Layout(0, false, false), cube<dim>(3), 0.9, 1, 0.3);
+  random_points<dim>(
+    b, space, Layout(1, true, true), cube<dim>(2), 0.9, 2, 0.5);
+  if (part)
+    // Only the lower half keeps points.
+    for (MaterialPoints<dim> *points : {&a, &b})
+      {
+        MaterialPoints<dim> some;
+        some.reinit(space, points->layout());
+        points->for_each([&](const unsigned int cell, const double *q) {
+          if (index_of(space, cell)[1] < cells[1] / 2)
+            some.insert(cell, make_array_view(numbers_of(*points, q)));
+        });
+        *points = some;
+      }
+  PointTransfer<dim> transfer;
+  transfer.reinit(space);
+  DensityWeights<dim> weights(space, 2 * p + 1);
+  // What was there before is overwritten.
+  transfer.mass_weights({&a, &a}, weights);
+  transfer.mass_weights({&a, &b}, weights);
+
+  // Direct sums: lumped mass, diagonal, and the product with a vector x, all of
+  // it and without what is held.
+  DirectSums<dim> sums(space, 4);
+  double          total = 0.;
+  for (const MaterialPoints<dim> *points : {&a, &b})
+    points->for_each([&](const unsigned int, const double *q) {
+      const double     m = at(q, Layout::mass);
+      const Point<dim> x = position_of<dim>(q);
+      double           u = 0., u_free = 0.;
+      total += m;
+      for_each_function<dim>(
+        space,
+        x,
+        [&](const std::uint64_t f,
+            const Point<dim> &,
+            const double N,
+            const Tensor<1, dim> &) {
+          u += N * pseudo_random(f);
+          u_free += is_held(space, f) ? 0. : N * pseudo_random(f);
+        });
+      for_each_function<dim>(space,
+                             x,
+                             [&](const std::uint64_t f,
+                                 const Point<dim> &,
+                                 const double N,
+                                 const Tensor<1, dim> &) {
+                               sums(f, 0) += m * N;
+                               sums(f, 1) += m * N * N;
+                               sums(f, 2) += m * N * u;
+                               sums(f, 3) += m * N * u_free;
+                             });
+    });
+  sums.add_processes();
+  total = Utilities::MPI::sum(total, MPI_COMM_WORLD);
+  double largest_diagonal = 0.;
+  for (std::size_t f = 0; f < space.n_dofs(); ++f)
+    largest_diagonal = std::max(largest_diagonal, sums(f, 1));
+
+  const VectorType x = pseudo_random_vector(space);
+  for (const bool with_constraints : {false, true})
+    {
+      Constraints constraints;
+      constraints.reinit(space.locally_owned_dofs());
+      const auto first = space.partitioner()->local_range().first;
+      for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
+        if (with_constraints && is_held(space, space.owned_functions()[i]))
+          constraints.add_line(first + i);
+      constraints.close();
+      const MassOperator<dim> mass(space, weights, constraints);
+
+      // Inactive is what is held or meets no mass (as far as double precision
+      // can tell).
+      std::vector<bool> inactive(space.owned_functions().size(), false);
+      for (const unsigned int i : mass.inactive())
+        inactive[i] = true;
+      bool       right_ones = true;
+      VectorType lumped(x), diagonal(x), product(x);
+      for (unsigned int i = 0; i < inactive.size(); ++i)
+        {
+          const std::uint64_t f    = space.owned_functions()[i];
+          const bool          held = with_constraints && is_held(space, f);
+          if (held || sums(f, 1) == 0.)
+            right_ones &= inactive[i];
+          else if (inactive[i])
+            right_ones &= sums(f, 1) <= 1e-14 * largest_diagonal;
+          lumped.local_element(i) =
+            inactive[i] ? largest_diagonal : sums(f, 0);
+          diagonal.local_element(i) =
+            inactive[i] ? largest_diagonal : sums(f, 1);
+          product.local_element(i) =
+            inactive[i] ? largest_diagonal * x.local_element(i) :
+                          sums(f, with_constraints ? 3 : 2);
+        }
+      VectorType y(x), z(x);
+      mass.vmult(y, x);
+      const std::string name =
+        with_constraints ? "  held at walls, " : "  free, ";
+      check(name + "product", max_difference(y, product), 1e-13);
+      check(name + "lumped mass",
+            max_difference(mass.lumped(), lumped),
+            1e-13);
+      check(name + "diagonal",
+            max_difference(mass.diagonal(), diagonal),
+            1e-13);
+      check(name + "inactive coefficients", on_all(right_ones));
+      if (!with_constraints)
+        {
+          // The largest entries of held coefficients would hide what is small:
+          // the mass.
+          VectorType sums_of_rows(x);
+          mass.cross_mass().row_sums(sums_of_rows);
+          double sum = 0.;
+          for (unsigned int i = 0; i < sums_of_rows.locally_owned_size(); ++i)
+            sum += sums_of_rows.local_element(i);
+          sum = Utilities::MPI::sum(sum, MPI_COMM_WORLD);
+          check(name + "total mass", std::abs(sum / total - 1.), 1e-13);
+          print() << "  inactive: "
+                  << space.n_dofs() - mass.n_active() << " of "
+                  << space.n_dofs() << std::endl;
+        }
+
+      MassMatrix<dim> matrix;
+      matrix.reinit(space);
+      matrix.assemble(weights);
+      matrix.assemble(weights, constraints);
+      matrix.vmult(z, x);
+      check(name + "assembled", max_difference(z, product), 1e-13);
+
+      // Rows and columns of held coefficients.
+      if (with_constraints)
+        {
+          VectorType held(x);
+          for (unsigned int i = 0; i < inactive.size(); ++i)
+            held.local_element(i) =
+              is_held(space, space.owned_functions()[i]) ? 1. : 0.;
+          VectorType expected(held);
+          expected *= largest_diagonal;
+          mass.vmult(y, held);
+          matrix.vmult(z, held);
+          check(name + "columns",
+                std::max(max_difference(y, expected),
+                         max_difference(z, expected)),
+                1e-13);
+        }
+    }
+}
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  for (unsigned int p = 1; p <= 4; ++p)
+    {
+      test<2>({{6, 5}}, p, false);
+      test<2>({{5, 8}}, p, true);
+    }
+  for (unsigned int p = 1; p <= 3; ++p)
+    test<3>({{3, 4, 2}}, p, p == 2);
+}

@@ -1,0 +1,79 @@
+// Mass and momentum of a spinning and translating disk, in each step; with APIC
+// and the functions of the interior also the spin. Points cross process
+// borders.
+#include "simulation.h"
+
+template <int dim>
+void
+test(const std::string &name, const Text &text, const bool conserves_spin)
+{
+  Simulated<dim> run(text);
+  auto           before = run->statistics();
+  const double   L      = before.angular_momentum.norm();
+  const double   P      = before.momentum.norm();
+  double         mass = 0., momentum = 0., spin = 0.;
+  std::uint64_t  sent        = 0;
+  unsigned int   quiet_steps = 0;
+  const bool     several = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1;
+  while (!run->is_finished())
+    {
+      run->step();
+      const auto after = run->statistics();
+      mass = std::max(mass, std::abs(after.mass / before.mass - 1.));
+      momentum =
+        std::max(momentum, (after.momentum - before.momentum).norm() / P);
+      spin =
+        std::max(spin,
+                 (after.angular_momentum - before.angular_momentum).norm() / L);
+      before = after;
+      if (several)
+        {
+          const std::uint64_t now = run->n_sent();
+          quiet_steps += now == sent;
+          sent = now;
+        }
+    }
+  check(name + ", mass", mass, 1e-12);
+  check(name + ", momentum", momentum, 1e-12);
+  if (conserves_spin)
+    check(name + ", angular momentum", spin, 1e-12);
+  else
+    check(name + ", angular momentum", spin, 1e-2);
+  check(name + ", points go to other processes in most steps",
+        !several || quiet_steps < run->n_steps() / 2);
+}
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const Text                       disk =
+    block_2d("ball(0.5, 0.5, 0.25)", 20)
+      .with("Body body",
+            {"Velocity = 0.5 - 8 * (y - 0.5); 0.1 + 8 * (x - 0.5)",
+             "Points per direction = 3"})
+      .with("Time", {"End = 0.1", "Step = 0.001"});
+  for (const unsigned int p : {2, 3})
+    {
+      const Text order = disk.with("Grid", {"Order = " + std::to_string(p)});
+      test<2>("order " + std::to_string(p) + ", APIC",
+              order.with("Scheme", {"Transfer = APIC"}),
+              true);
+      test<2>("order " + std::to_string(p) + ", FLIP, MUSL",
+              order.with("Scheme", {"Stress update = MUSL"}),
+              false);
+      test<2>("order " + std::to_string(p) + ", APIC, USF",
+              order.with("Scheme", {"Transfer = APIC", "Stress update = USF"}),
+              true);
+    }
+  test<2>("fmpm-2", disk.with("Scheme", {"Mass = fmpm-2"}), false);
+  test<3>("ball, APIC",
+          block_3d("ball(0.5, 0.5, 0.5, 0.2)", 12)
+            .with("Body body",
+                  {"Velocity = 0.5 - 8 * (y - 0.5); 8 * (x - 0.5); 0.3"})
+            .with("Time", {"End = 0.03", "Step = 0.001"})
+            .with("Scheme", {"Transfer = APIC"}),
+          true);
+}

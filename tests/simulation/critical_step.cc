@@ -1,0 +1,150 @@
+// The critical step: Courant numbers of full boxes beside those that were
+// computed from the eigenvalues of assembled matrices, and what happens on both
+// sides of it.
+#include "simulation.h"
+
+Text
+full_box(const unsigned int p, const std::string &mass)
+{
+  return block_2d("box(0, 0, 1, 1)", 16)
+    .with("Grid", {"Order = " + std::to_string(p)})
+    .with("Scheme", {"Mass = " + mass})
+    .with("Body body", {"Points per direction = 3"})
+    .with("Time", {"End = 1e-9", "Step = 1e-9", "Too large step = warn"});
+}
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  // lambda + 2 G of E = 100, nu = 0.3, rho = 1
+  const double c       = std::sqrt(100. * 0.7 / (1.3 * 0.4));
+  const auto   courant = [&](const Text &text) {
+    Simulated<2> run(text);
+    run->step();
+    return run->critical() * 16. * c;
+  };
+  const auto between = [&](const std::string &name,
+                           const double       value,
+                           const double       lower,
+                           const double       upper) {
+    check(name, value >= lower && value <= upper);
+    if (!(value >= lower && value <= upper))
+      print() << value << std::endl;
+  };
+  // M_L^-1 K alone has 0.81; USL and MUSL take the mapping into account.
+  const auto lumped = [&](const std::string &order) {
+    return courant(
+      full_box(2, "lumped").with("Scheme", {"Stress update = " + order}));
+  };
+  between("lumped, p = 2, USL", lumped("USL"), 0.57, 0.75);
+  check("lumped, p = 2, MUSL", lumped("MUSL") > 0.81);
+  between("lumped, p = 2, USF is MUSL",
+          lumped("USF") / lumped("MUSL"),
+          0.999,
+          1.001);
+  between("consistent, p = 2: 0.32",
+          courant(full_box(2, "consistent")),
+          0.29,
+          0.35);
+  between("consistent, p = 3: 0.19",
+          courant(full_box(3, "consistent")),
+          0.17,
+          0.21);
+
+  // Viscosity shortens the step.
+  const auto fluid = [&](const std::string &viscosity) {
+    Text text = full_box(2, "lumped");
+    text.content =
+      text.content.substr(0, text.content.find("subsection Material"));
+    return courant(
+      text
+        .add("Material solid",
+             {"Model = newtonian-fluid",
+              "Density = 1",
+              "Sound speed = 11.6",
+              "Viscosity = " + viscosity})
+        .add("Time", {"End = 1e-9", "Step = 1e-9", "Too large step = warn"}));
+  };
+  check("viscosity", fluid("1") < 0.8 * fluid("0"));
+
+  // On both sides of it: a small disturbance stays small, or grows.
+  const std::pair<std::string, std::string> schemes[] = {{"lumped", "USL"},
+                                                         {"lumped", "MUSL"},
+                                                         {"fmpm-3", "USL"},
+                                                         {"consistent", "USL"}};
+  for (const auto &scheme : schemes)
+    {
+      const Text box = full_box(2, scheme.first)
+                         .with("Scheme", {"Stress update = " + scheme.second});
+      const std::string name          = scheme.first + ", " + scheme.second;
+      const double      limit         = courant(box) / (16. * c);
+      const auto        largest_speed = [&](const double part) {
+        std::ostringstream step;
+        step.precision(12);
+        step << part * limit;
+        Simulated<2> run(
+          box
+            .with("Body body",
+                  {"Velocity = 1e-6 * sin(50 * x * y); 1e-6 * cos(30 * x)"})
+            .with("Time",
+                  {"End = 1e3",
+                   "Maximum steps = 150",
+                   "Step = " + step.str(),
+                   "Too large step = ignore"}));
+        try
+          {
+            run.run();
+          }
+        catch (const std::exception &)
+          {
+            return 1.;
+          }
+        return run->statistics().largest_speed;
+      };
+      check(name + ", 0.95 of the critical step is stable",
+            largest_speed(0.95),
+            1e-4);
+      check(name + ", 1.3 of it is not", largest_speed(1.3) > 1e-4);
+    }
+
+  // What the parameter says.
+  const auto outcome = [&](const std::string &what, const std::string &step) {
+    Simulated<2> run(full_box(2, "lumped")
+                       .with("Time",
+                             {"End = 1",
+                              "Maximum steps = 1",
+                              "Step = " + step,
+                              "Too large step = " + what}));
+    try
+      {
+        run->step();
+      }
+    catch (const std::exception &)
+      {
+        return std::string("refused");
+      }
+    return std::string(run->take_warnings().empty() ? "silent" : "warned");
+  };
+  check("refuse", outcome("refuse", "1") == "refused");
+  check("warn", outcome("warn", "1") == "warned");
+  check("ignore", outcome("ignore", "1") == "silent");
+  check("a small step is not refused",
+        outcome("refuse", "0.5 * h / 12 / p") == "silent");
+
+  // Automatic steps: both factors.
+  const auto automatic = [&](const std::string &cfl,
+                             const std::string &safety) {
+    Simulated<2> run(
+      full_box(2, "consistent")
+        .with(
+          "Time",
+          {"End = 1", "Step =", "CFL number = " + cfl, "Safety = " + safety}));
+    run->step();
+    return run->last_step() * 16. * c;
+  };
+  between("CFL number", automatic("0.1", "1"), 0.0999, 0.1001);
+  between("safety", automatic("1", "0.5"), 0.145, 0.175);
+}

@@ -1,0 +1,94 @@
+// Coarse runs of the experiments: the granular collapse of Bui et al. and the
+// dam break of Martin and Moyce, against the measured data; grid crossing.
+#include <greville/simulation/run.h>
+
+#include "simulation.h"
+
+template <int dim>
+RunSummary
+run(const std::string &name, const std::vector<unsigned int> &cells)
+{
+  ParameterAcceptor::clear();
+  SimulationParameters parameters(std::string(SOURCE_DIR) +
+                                  "/../../prm/simulation/" + name + ".prm");
+  parameters.output.fields_every = 0.;
+  parameters.output.grid_fields  = false;
+  parameters.output.print_times  = false;
+  const std::string directory    = name + "_results";
+  if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    std::filesystem::create_directories(directory);
+  MPI_Barrier(MPI_COMM_WORLD);
+  std::ostream nowhere(nullptr);
+  return SimulationRun<dim>(parameters,
+                            {cells,
+                             parameters.grid.degree,
+                             parameters.scheme.mass,
+                             parameters.scheme.quadrature},
+                            directory,
+                            nowhere,
+                            MPI_COMM_WORLD)
+    .run();
+}
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const RunSummary collapse = run<2>("granular_collapse", {120, 24});
+  check("collapse: mean distance to the surface, mm",
+        1e3 * collapse.surface->mean,
+        4.);
+  check("collapse: run-out", std::abs(collapse.front / 0.44 - 1.), 0.1);
+  check("collapse: all data", collapse.surface->n == 12);
+
+  const RunSummary dam = run<2>("dam_break", {100, 50});
+  check("dam break: mean distance of the front", dam.series->relative, 0.08);
+  check("dam break: all data", dam.series->n == 15);
+
+  // Large amplitude: with p = 1 the stress jumps where points cross cells, with
+  // p >= 2 it does not.
+  const auto roughness = [](const unsigned int p) {
+    Simulated<2> bar(block_2d("box(0, 0, 25, 1)")
+                       .with("Grid",
+                             {"Upper corner = 25, 1",
+                              "Cells = 16, 1",
+                              "Order = " + std::to_string(p)})
+                       .with("Material solid", {"Poissons ratio = 0"})
+                       .with("Walls",
+                             {"Left = sliding",
+                              "Right = sliding",
+                              "Bottom = sliding",
+                              "Top = sliding"})
+                       .with("Body body",
+                             {"Points per direction = 4",
+                              "Velocity = 5 * sin(pi * x / 25); 0"})
+                       .with("Time", {"End = 2.5", "CFL number = 0.1"}));
+    bar.run();
+    // Stress against that of the smallest distance behind it.
+    std::map<double, double> stress;
+    for (const auto &body : bar->bodies())
+      {
+        const unsigned int s = body.points.stride();
+        body.points.for_each([&](const unsigned int, const double *q) {
+          stress[q[PointLayout<2>::reference * s]] =
+            q[PointLayout<2>::stress * s];
+        });
+      }
+    double jump = 0., largest = 0., last = stress.begin()->second;
+    for (const auto &entry : stress)
+      {
+        jump    = std::max(jump, std::abs(entry.second - last));
+        largest = std::max(largest, std::abs(entry.second));
+        last    = entry.second;
+      }
+    return jump / largest;
+  };
+  const double linear = roughness(1), quadratic = roughness(2),
+               cubic = roughness(3);
+  check("grid crossing: p = 1 jumps", linear > 0.3);
+  check("grid crossing: p = 2 does not", quadratic, 0.5 * linear);
+  check("grid crossing: p = 3 does not", cubic, 0.5 * linear);
+  print() << linear << ' ' << quadratic << ' ' << cubic << std::endl;
+}

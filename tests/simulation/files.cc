@@ -1,0 +1,164 @@
+// What a run and a sweep leave.
+#include <greville/simulation/run.h>
+
+#include "simulation.h"
+#include <boost/property_tree/json_parser.hpp>
+
+namespace
+{
+  std::vector<std::string>
+  lines_of(const std::string &file)
+  {
+    std::ifstream            in(file);
+    std::vector<std::string> result;
+    for (std::string line; std::getline(in, line);)
+      result.push_back(line);
+    return result;
+  }
+
+  void
+  run(const Text &text, const std::string &directory)
+  {
+    const bool first = Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+    if (first)
+      {
+        std::filesystem::remove_all(directory);
+        std::ofstream("run.prm")
+          << text
+               .with("Output",
+                     {"Directory = " + directory, "Print times = false"})
+               .content;
+      }
+    MPI_Barrier(MPI_COMM_WORLD);
+    ParameterAcceptor::clear();
+    run_simulations("run.prm", MPI_COMM_WORLD);
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const Text                       text =
+    block_2d("box(0.25, 0.25, 0.75, 0.75)", 4)
+      .with("Loads", {"Gravity = 0; -1"})
+      .with("Time", {"End = 0.1", "Step = 0.005"})
+      .with("Exact solution",
+            {"Displacement = 0; -0.5 * t^2", "Velocity = 0; -t"});
+
+  run(text.with("Output",
+                {"Fields every = 0.05",
+                 "Statistics every = 0.02",
+                 "Probes = 0.3, 0.3; 0.7, 0.7"}),
+      "results");
+  for (const std::string file : {"parameters.prm",
+                                 "statistics.csv",
+                                 "probes.csv",
+                                 "summary.json",
+                                 "points.pvd",
+                                 "grid.pvd",
+                                 "points_0002.pvtu",
+                                 "grid_0002.pvtu"})
+    check(file, std::filesystem::exists("results/" + file));
+  check("no more fields than asked for",
+        !std::filesystem::exists("results/points_0003.pvtu"));
+  const auto statistics = lines_of("results/statistics.csv");
+  print() << statistics[0] << std::endl;
+  check("lines of statistics", statistics.size() == 7);
+  const auto probes = lines_of("results/probes.csv");
+  print() << probes[0] << std::endl;
+  check("lines of probes", probes.size() == 7);
+  {
+    unsigned int n = 0;
+    for (const std::string &line : lines_of("results/points.pvd"))
+      n += line.find("points_000") != std::string::npos;
+    check("points.pvd names three times", n == 3);
+  }
+  {
+    boost::property_tree::ptree json;
+    boost::property_tree::read_json("results/summary.json", json);
+    check("steps", json.get<int>("steps") == 20);
+    check("points", json.get<int>("points") == 16);
+    check("cells", json.get<int>("cells") == 16);
+    check("p", json.get<int>("p") == 2);
+    check("processes",
+          json.get<unsigned int>("processes") ==
+            Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD));
+    check("wall time", json.get<double>("wall_time") > 0.);
+    check("rate", json.get<double>("point_steps_per_second") > 0.);
+    check("parts", json.get_child("parts").size() >= 5);
+    check("displacement error",
+          json.get<double>("errors.displacement.l2"),
+          1e-10);
+    check("velocity error", json.get<double>("errors.velocity.max"), 1e-10);
+  }
+
+  // The copy of the parameters runs and gives the same.
+  if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    std::filesystem::copy_file(
+      "results/parameters.prm",
+      "copy.prm",
+      std::filesystem::copy_options::overwrite_existing);
+  MPI_Barrier(MPI_COMM_WORLD);
+  ParameterAcceptor::clear();
+  run_simulations("copy.prm", MPI_COMM_WORLD);
+  MPI_Barrier(MPI_COMM_WORLD);
+  check("a copy gives the same statistics",
+        lines_of("results/statistics.csv") == statistics);
+
+  // Without grid fields; each step in the statistics.
+  run(text.with("Output", {"Grid fields = false"}), "no_grid");
+  check("no grid fields", !std::filesystem::exists("no_grid/grid.pvd"));
+  check("each step", lines_of("no_grid/statistics.csv").size() == 22);
+
+  // Sweep
+  run(text
+        .with("Sweep",
+              {"Cells = 4, 8",
+               "Orders = 1, 2",
+               "Masses = lumped, fmpm-2",
+               "Quadratures = points, least-squares"})
+        .with("Exact solution", {"Displacement = 0; -0.4 * t^2"}),
+      "sweep");
+  const auto convergence = lines_of("sweep/convergence.csv");
+  print() << convergence[0] << std::endl;
+  check("rows of the sweep", convergence.size() == 17);
+  check("first row", convergence[1].rfind("lumped,points,1,4,", 0) == 0);
+  check("last row", convergence[16].rfind("fmpm-2,least-squares,2,8,", 0) == 0);
+  check("statistics of each",
+        std::filesystem::exists("sweep/fmpm-2_points_p2_8/statistics.csv"));
+
+  // A measured series and surface: free fall against itself and shifted.
+  if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    {
+      std::ofstream series("series.csv");
+      series << "# free fall\nt,height\n";
+      for (unsigned int k = 1; k < 10; ++k)
+        series << k << "," << (0.75 - 0.5 * std::pow(0.01 * k, 2)) * 100. + 1.
+               << '\n';
+      std::ofstream("surface.csv") << "x,y\n0.3,0.755\n0.6,0.755\n0.9,0\n";
+    }
+  MPI_Barrier(MPI_COMM_WORLD);
+  run(text.with("Reference",
+                {"Series file = series.csv",
+                 "Series quantity = height",
+                 "Time unit = 0.01",
+                 "Value unit = 0.01",
+                 "Surface file = surface.csv"}),
+      "reference");
+  {
+    boost::property_tree::ptree json;
+    boost::property_tree::read_json("reference/summary.json", json);
+    check("distance to the series",
+          std::abs(json.get<double>("reference.series.mean") - 1.),
+          0.01);
+    check("values of the series",
+          json.get<int>("reference.series.values") == 9);
+    check("distance to the surface",
+          std::abs(json.get<double>("reference.surface.largest") - 0.01),
+          1e-6);
+  }
+}

@@ -1,0 +1,127 @@
+// Loads, imposed velocities and damping.
+#include "simulation.h"
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const Text block = block_2d("box(0.25, 0.25, 0.75, 0.75)")
+                       .with("Time", {"End = 0.1", "Step = 0.005"});
+  const auto momentum = [](const Text &text) {
+    Simulated<2> run(text);
+    run.run();
+    // Velocities at half steps: half a step of force is missing.
+    const auto s = run->statistics();
+    return std::make_pair(s.momentum, s.mass);
+  };
+
+  // A ramp of gravity: the sum of g(t_n) dt, with half of the first step.
+  {
+    const auto P =
+      momentum(block.with("Loads", {"Gravity = 0; -min(1, t / 0.05)"}));
+    double sum = 0.;
+    for (unsigned int n = 0; n < 20; ++n)
+      sum -= std::min(1., 0.005 * n / 0.05) * (n == 0 ? 0.0025 : 0.005);
+    check("gravity with a ramp",
+          std::abs(P.first[1] / P.second / sum - 1.),
+          1e-10);
+  }
+  // Body forces of x, X and t.
+  {
+    const auto P =
+      momentum(block.with("Loads", {"Body force = 1 + (X > 0.5); 2 * t"}));
+    check("body force of X",
+          std::abs(P.first[0] / P.second / 0.14625 - 1.),
+          1e-10);
+    const auto Q = momentum(block.with("Loads", {"Body force = y < 0.5; 0"}));
+    check("body force of x",
+          std::abs(Q.first[0] / Q.second / 0.04875 - 1.),
+          0.05);
+  }
+  // Traction times area is the force.
+  {
+    const auto P = momentum(block.with("Simulation", {"Tractions = pull"})
+                              .with("Traction pull",
+                                    {"Shape = half_space(-1, 0, -0.7)",
+                                     "Traction = 3; -1",
+                                     "Area = 0.5"}));
+    check("traction, x", std::abs(P.first[0] / (1.5 * 0.0975) - 1.), 1e-10);
+    check("traction, y", std::abs(P.first[1] / (-0.5 * 0.0975) - 1.), 1e-10);
+  }
+  // A body with an imposed velocity goes where it is told and pushes the other.
+  {
+    Simulated<2> run(
+      Text(block)
+        .with("Simulation", {"Bodies = body, ram", "Materials = solid, steel"})
+        .with("Body ram",
+              {"Material = steel",
+               "Shape = box(0.0625, 0.25, 0.25, 0.75)",
+               "Imposed velocity = 0.5; 0"})
+        .with("Material steel",
+              {"Model = linear-elastic",
+               "Density = 100",
+               "Youngs modulus = 100",
+               "Poissons ratio = 0"})
+        .with("Time", {"End = 0.2"}));
+    run.run();
+    double worst = 0., momentum = 0.;
+    for (const auto &body : run->bodies())
+      {
+        const unsigned int s = body.points.stride();
+        body.points.for_each([&](const unsigned int, const double *p) {
+          if (body.name == "ram")
+            worst =
+              std::max(worst,
+                       std::abs(p[0] - p[PointLayout<2>::reference * s] - 0.1));
+          else
+            momentum +=
+              p[PointLayout<2>::mass * s] * p[PointLayout<2>::velocity * s];
+        });
+      }
+    check("imposed velocity", max_all(worst), 1e-12);
+    check("it pushes the other body",
+          Utilities::MPI::sum(momentum, MPI_COMM_WORLD) > 0.05);
+  }
+  // Damping brings a column to rest, at half of its largest deflection.
+  const Text column =
+    block_2d("box(0, 0, 1, 1)", 4)
+      .with("Walls", {"Left = sliding", "Right = sliding", "Bottom = sliding"})
+      .with("Loads", {"Gravity = 0; -0.1"})
+      .with("Time", {"End = 3", "CFL number = 0.4"})
+      .with("Material solid", {"Poissons ratio = 0"})
+      .with("Exact solution", {"Displacement = 0; -0.001 * (Y - Y^2 / 2)"});
+  const auto kinetic_and_error =
+    [&](const std::vector<std::string> &lines,
+        const std::vector<std::string> &time = {}) {
+      Simulated<2> run(column.with("Loads", lines).with("Time", time));
+      run.run();
+      return std::make_pair(run->statistics().kinetic,
+                            run.displacement_error().l2);
+    };
+  const auto free = kinetic_and_error({}, {"End = 0.1"});
+  check("without damping it moves", free.first > 1e-6);
+  const auto cundall = kinetic_and_error({"Cundall damping = 0.5"});
+  check("Cundall damping: rest", cundall.first / free.first, 1e-4);
+  check("Cundall damping: settlement", cundall.second, 0.02);
+  const auto kinetic = kinetic_and_error({"Kinetic damping = true"});
+  check("kinetic damping: rest", kinetic.first / free.first, 1e-3);
+  check("kinetic damping: settlement", kinetic.second, 0.05);
+  const auto ended =
+    kinetic_and_error({"Cundall damping = 0.5", "Damping end = 0"},
+                      {"End = 0.1"});
+  check("damping ends", std::abs(ended.first / free.first - 1.), 1e-12);
+  // PIC takes energy away, FLIP does not: relative to that of the settlement.
+  const auto loss = [&](const std::vector<std::string> &scheme) {
+    Simulated<2> run(column.with("Scheme", scheme).with("Time", {"End = 1"}));
+    const auto   start = run->statistics();
+    run.run();
+    const auto end = run->statistics();
+    return (start.gravitational + start.strain + start.kinetic -
+            end.gravitational - end.strain - end.kinetic) /
+           (0.01 / 600.);
+  };
+  const double flip = loss({});
+  check("FLIP keeps the energy", std::abs(flip), 0.05);
+  check("PIC damps", loss({"Transfer = PIC"}) > 0.2);
+  check("FLIP share", loss({"FLIP share = 0.5"}) > 0.1);
+}

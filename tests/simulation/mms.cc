@@ -1,0 +1,58 @@
+// The axis-aligned manufactured solution (benchmark A8) of the shipped files,
+// on coarser grids.
+#include "simulation.h"
+
+template <int dim>
+double
+error_of(const std::string &file,
+         const unsigned int n,
+         const unsigned int p,
+         const std::string &mass,
+         const std::string &quadrature)
+{
+  ParameterAcceptor::clear();
+  SimulationParameters parameters(file);
+  Simulation<dim>      simulation(
+    parameters, {std::vector<unsigned int>(dim, n), p, mass, quadrature});
+  while (!simulation.is_finished())
+    simulation.step();
+  return ExactSolution<dim>(parameters.exact)
+    .displacement(simulation.bodies(), simulation.time(), MPI_COMM_WORLD)
+    ->l2;
+}
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const std::string                folder =
+    std::string(SOURCE_DIR) + "/../../prm/simulation/axis_aligned_mms_";
+  for (const unsigned int p : {2, 3})
+    {
+      const double coarse =
+        error_of<2>(folder + "2d.prm", 4, p, "consistent", "least-squares");
+      const double fine =
+        error_of<2>(folder + "2d.prm", 8, p, "consistent", "least-squares");
+      check("2D, least squares, p = " + std::to_string(p) +
+              ": order at least 1.5",
+            std::log2(coarse / fine) > 1.5);
+      check("2D, least squares, p = " + std::to_string(p), fine, 5e-3);
+    }
+  const double points =
+    error_of<2>(folder + "2d.prm", 8, 2, "consistent", "points");
+  check("2D, points", points, 1e-2);
+  const double lumped_4 =
+    error_of<2>(folder + "2d.prm", 8, 2, "lumped", "points");
+  const double lumped_8 =
+    error_of<2>(folder + "2d.prm", 16, 2, "lumped", "points");
+  check("2D, lumped: order at least 1.5", std::log2(lumped_4 / lumped_8) > 1.5);
+  check(
+    "2D, Taylor least squares",
+    error_of<2>(folder + "2d.prm", 8, 2, "consistent", "taylor-least-squares"),
+    0.1);
+  check("3D, least squares",
+        error_of<3>(folder + "3d.prm", 4, 2, "consistent", "least-squares"),
+        3e-2);
+}

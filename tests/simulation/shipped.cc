@@ -1,0 +1,53 @@
+// Every shipped parameter file parses, its files are there, its points can be
+// made on a coarse grid, and doc/simulation_parameters.md is what the program
+// says.
+#include "simulation.h"
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const std::filesystem::path      root =
+    std::filesystem::path(SOURCE_DIR).parent_path().parent_path();
+  std::vector<std::filesystem::path> files;
+  for (const auto &entry :
+       std::filesystem::directory_iterator(root / "prm" / "simulation"))
+    if (entry.path().extension() == ".prm")
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  for (const auto &file : files)
+    try
+      {
+        ParameterAcceptor::clear();
+        const SimulationParameters parameters(file.string());
+        if (parameters.general.dimension == 2)
+          {
+            const MeasuredData<2>  measured(parameters);
+            const ExactSolution<2> exact(parameters.exact);
+            Simulation<2>          simulation(parameters, case_of(parameters));
+            simulation.step();
+          }
+        else
+          {
+            const ExactSolution<3> exact(parameters.exact);
+            Simulation<3>          simulation(parameters, case_of(parameters));
+            simulation.step();
+          }
+        check(file.filename().string(), true);
+      }
+    catch (const std::exception &error)
+      {
+        print() << file.filename().string() << ": " << message_of(error)
+                << std::endl;
+      }
+
+  ParameterAcceptor::clear();
+  const SimulationParameters all("");
+  std::ostringstream         generated;
+  print_parameter_reference(generated, "greville");
+  std::ifstream      page(root / "doc" / "simulation_parameters.md");
+  std::ostringstream content;
+  content << page.rdbuf();
+  check("doc/simulation_parameters.md is up to date",
+        content.str() == generated.str());
+}

@@ -1,0 +1,155 @@
+#ifndef greville_tests_simulation_simulation_h
+#define greville_tests_simulation_simulation_h
+
+// What the tests of simulations share: parameter files as text.
+
+#include <greville/simulation/comparison.h>
+#include <greville/simulation/simulation.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <tests.h>
+
+/**
+ * Parameters from sections: add("Grid", "Order = 2").
+ */
+class Text
+{
+public:
+  Text() = default;
+
+  /**
+   * From a whole file.
+   */
+  explicit Text(const std::string &content)
+    : content(content)
+  {}
+
+  Text &
+  add(const std::string &section, const std::vector<std::string> &lines)
+  {
+    content += "subsection " + section + "\n";
+    for (const std::string &line : lines)
+      content += "  set " + line + "\n";
+    content += "end\n";
+    return *this;
+  }
+
+  /**
+   * Later lines win.
+   */
+  Text
+  with(const std::string &section, const std::vector<std::string> &lines) const
+  {
+    Text result = *this;
+    return result.add(section, lines);
+  }
+
+  std::unique_ptr<SimulationParameters>
+  parse(const std::string &file = "case.prm") const
+  {
+    if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      std::ofstream(file) << content;
+    MPI_Barrier(MPI_COMM_WORLD);
+    ParameterAcceptor::clear();
+    auto result = std::make_unique<SimulationParameters>(file);
+    MPI_Barrier(MPI_COMM_WORLD);
+    return result;
+  }
+
+  std::string content;
+};
+
+
+
+inline SimulationCase
+case_of(const SimulationParameters &parameters)
+{
+  return {parameters.grid.cells,
+          parameters.grid.degree,
+          parameters.scheme.mass,
+          parameters.scheme.quadrature};
+}
+
+
+
+/**
+ * Parameters and the simulation that refers to them.
+ */
+template <int dim>
+struct Simulated
+{
+  explicit Simulated(const Text &text, const MPI_Comm comm = MPI_COMM_WORLD)
+    : parameters(text.parse())
+    , simulation(*parameters, case_of(*parameters), comm)
+  {}
+
+  Simulated &
+  run()
+  {
+    while (!simulation.is_finished())
+      simulation.step();
+    return *this;
+  }
+
+  Simulation<dim> *
+  operator->()
+  {
+    return &simulation;
+  }
+
+  Errors
+  displacement_error()
+  {
+    return *ExactSolution<dim>(parameters->exact)
+              .displacement(simulation.bodies(),
+                            simulation.time(),
+                            MPI_COMM_WORLD);
+  }
+
+  Errors
+  stress_error()
+  {
+    return *ExactSolution<dim>(parameters->exact)
+              .stress(simulation.bodies(), simulation.time(), MPI_COMM_WORLD);
+  }
+
+  std::unique_ptr<SimulationParameters> parameters;
+  Simulation<dim>                       simulation;
+};
+
+
+
+/**
+ * A body of the unit density in a grid, at rest and without loads.
+ */
+inline Text
+block_2d(const std::string &shape, const unsigned int n = 8)
+{
+  return Text()
+    .add("Simulation", {"Bodies = body", "Materials = solid"})
+    .add("Grid", {"Cells = " + std::to_string(n) + ", " + std::to_string(n)})
+    .add("Body body", {"Material = solid", "Shape = " + shape})
+    .add("Material solid",
+         {"Model = linear-elastic",
+          "Density = 1",
+          "Youngs modulus = 100",
+          "Poissons ratio = 0.3"});
+}
+
+inline Text
+block_3d(const std::string &shape, const unsigned int n = 4)
+{
+  const std::string N = std::to_string(n);
+  return block_2d(shape)
+    .with("Simulation", {"Dimension = 3"})
+    .with("Grid",
+          {"Lower corner = 0, 0, 0",
+           "Upper corner = 1, 1, 1",
+           "Cells = " + N + ", " + N + ", " + N});
+}
+
+#endif

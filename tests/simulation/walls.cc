@@ -1,0 +1,108 @@
+// Walls: what they hold, moving ones, Coulomb friction.
+#include "simulation.h"
+
+template <int dim>
+Tensor<1, dim>
+mean_velocity(Simulated<dim> &run)
+{
+  const auto s = run->statistics();
+  return s.momentum / s.mass;
+}
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+
+  // A block that fills the grid and moves along a wall: sliding walls let it,
+  // fixed ones do not, free ones do not touch it.
+  const Text block = block_2d("box(0, 0, 1, 1)", 4)
+                       .with("Body body", {"Velocity = 0.01; 0"})
+                       .with("Time", {"End = 0.02", "Step = 0.002"});
+  for (const std::string mass : {"lumped", "consistent"})
+    {
+      const auto velocity = [&](const std::string &bottom) {
+        Simulated<2> run(block.with("Walls", {"Bottom = " + bottom})
+                           .with("Scheme", {"Mass = " + mass}));
+        return mean_velocity(run.run())[0] / 0.01;
+      };
+      check(mass + ", free", std::abs(velocity("free") - 1.), 1e-10);
+      check(mass + ", sliding", std::abs(velocity("sliding") - 1.), 1e-10);
+      check(mass + ", fixed", velocity("fixed"), 0.98);
+      check(mass + ", friction without force is sliding",
+            std::abs(velocity("friction") - 1.),
+            1e-10);
+    }
+
+  // Between a fixed and a moving wall: in the end a linear velocity. Viscous
+  // fluid, u = y, after the time 1 >> rho L^2 / mu.
+  for (const std::string mass : {"lumped", "consistent"})
+    {
+      Simulated<2> run(block_2d("box(0, 0, 1, 1)", 4)
+                         .with("Grid", {"Upper corner = 4, 1", "Cells = 2, 4"})
+                         .with("Body body", {"Shape = box(0, 0, 4, 1)"})
+                         .with("Material solid", {"Youngs modulus = 100"})
+                         .with("Walls",
+                               {"Bottom = fixed",
+                                "Top = moving",
+                                "Top velocity = 0.01 * min(1, t / 0.05); 0",
+                                "Left = sliding",
+                                "Right = sliding"})
+                         .with("Scheme", {"Mass = " + mass})
+                         .with("Time", {"End = 0.1", "Step = 0.001"}));
+      run.run();
+      const auto &space = run->space();
+      double      worst = 0.;
+      for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
+        {
+          const auto index =
+            multi_index<2>(space.owned_functions()[i], space.n_functions());
+          if (index[1] + 1 == space.n_functions()[1] && index[0] > 0 &&
+              index[0] + 1 < space.n_functions()[0])
+            worst = std::max(worst,
+                             std::abs(run->grid_velocity()[0].local_element(i) -
+                                      0.01));
+        }
+      check(mass + ", velocity at the moving wall", max_all(worst), 1e-12);
+    }
+
+  // A stiff block slides on a friction wall under gravity: v = v0 - mu g t
+  // until it stops.
+  const Text sliding =
+    block_2d("box(0.25, 0, 0.75, 0.25)", 16)
+      .with("Material solid", {"Youngs modulus = 1e4"})
+      .with("Loads", {"Gravity = 0; -1"})
+      .with("Body body", {"Velocity = 0.2; 0", "K0 = 0", "Surface = 0.25"})
+      .with("Walls", {"Bottom = friction", "Bottom friction = 0.4"})
+      .with("Time", {"End = 0.25", "CFL number = 0.3"});
+  Simulated<2> half(sliding);
+  half.run();
+  print() << mean_velocity(half)[0] << std::endl;
+  check("friction: mean velocity after half of the way to rest",
+        std::abs(mean_velocity(half)[0] - 0.1),
+        0.01);
+  Simulated<2> all(sliding.with("Time", {"End = 0.7"}));
+  check("friction: rest", std::abs(mean_velocity(all.run())[0]), 0.01);
+
+  // In 3D each wall has its name.
+  for (const std::string wall :
+       {"Left", "Right", "Bottom", "Top", "Back", "Front"})
+    {
+      const bool first = wall == "Left" || wall == "Bottom" || wall == "Back";
+      const unsigned int d = (wall == "Left" || wall == "Right")   ? 0
+                             : (wall == "Bottom" || wall == "Top") ? 1
+                                                                   : 2;
+      std::string        velocity;
+      for (unsigned int k = 0; k < 3; ++k)
+        velocity += std::string(k > 0 ? "; " : "") +
+                    (k == d ? (first ? "-0.01" : "0.01") : "0");
+      Simulated<3> run(block_3d("box(0, 0, 0, 1, 1, 1)", 2)
+                         .with("Body body", {"Velocity = " + velocity})
+                         .with("Walls", {wall + " = sliding"})
+                         .with("Time", {"End = 0.02", "Step = 0.005"}));
+      const double v = mean_velocity(run.run())[d] / (first ? -0.01 : 0.01);
+      check("3D, " + wall + " stops what comes", v > 0.3 && v < 0.97);
+    }
+}
