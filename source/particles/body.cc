@@ -691,7 +691,8 @@ namespace greville
                   "The body of '" + section + "' is empty: " +
                   (parameters.points_file.empty()
                      ? "there is no point inside <" + parameters.shape +
-                         "> in the grid; are its cells too large?"
+                         "> in the grid: is it outside, or are the cells too "
+                         "large?"
                      : "<" + parameters.points_file + "> has no point.")));
     return parameters.displacement.empty() ? std::vector<unsigned int>()
                                            : body.points.cells();

@@ -20,16 +20,20 @@ namespace greville
     public:
       Polynomials(const std::vector<Tensor<1, dim>> &positions)
       {
-        // Variances of t and t^2, relative to those of a uniform distribution.
+        // The variance of t, and what it leaves unexplained of that of t^2,
+        // relative to those of a uniform distribution.
         for (unsigned int d = 0; d < dim; ++d)
           {
-            double sums[4] = {};
+            double m[5] = {};
             for (const auto &t : positions)
-              for (unsigned int k = 0; k < 4; ++k)
-                sums[k] += std::pow(t[d], k + 1) / positions.size();
-            linear[d] = sums[1] - sums[0] * sums[0] > 1e-2 / 12.;
-            quadratic[d] =
-              linear[d] && sums[3] - sums[1] * sums[1] > 1e-2 / 180.;
+              for (unsigned int k = 1; k < 5; ++k)
+                m[k] += std::pow(t[d], k) / positions.size();
+            const double variance   = m[2] - m[1] * m[1];
+            const double covariance = m[3] - m[1] * m[2];
+            linear[d]               = variance > 1e-2 / 12.;
+            quadratic[d]            = linear[d] && m[4] - m[2] * m[2] -
+                                            covariance * covariance / variance >
+                                          1e-2 / 180.;
           }
       }
 

@@ -5,9 +5,8 @@
 #include <greville/particles/body.h>
 #include <greville/particles/point_transport.h>
 
-#include <fstream>
-
 #include "points.h"
+#include <fstream>
 
 // A grid on [0, 1] x [0, 1.5] (x [0, 2]) and a body on it.
 template <int dim>
@@ -101,8 +100,7 @@ void
 check_volume(const std::string &shape, const double exact, const bool clip)
 {
   const unsigned int n = dim == 2 ? 16 : 6;
-  const double       coarse =
-    std::abs(volume_of<dim>(n, shape, clip) / exact - 1.);
+  const double coarse  = std::abs(volume_of<dim>(n, shape, clip) / exact - 1.);
   const double fine =
     std::abs(volume_of<dim>((dim == 2 ? 4 : 3) * n, shape, clip) / exact - 1.);
   check("  " + shape + ", coarse", coarse, dim == 2 ? 0.03 : 0.1);
@@ -150,8 +148,8 @@ test_volumes()
     volume_of<2>(20,
                  "difference(" + a + ", " + b + ", half_space(1, 0, 0.3))",
                  false);
-  const double same = volume_of<2>(
-    20, "(x - 0.5)^2 + (y - 0.7)^2 <= 0.16", false);
+  const double same =
+    volume_of<2>(20, "(x - 0.5)^2 + (y - 0.7)^2 <= 0.16", false);
   const double logic = volume_of<2>(20, a + " && " + b + " == 0", false);
   check("  intersection", both > 0.1 && both < 0.9 * std::min(A, B));
   check("  union", std::abs(any - (A + B - both)), 1e-14);
@@ -194,16 +192,14 @@ test_placement()
     });
     check("  Gauss points",
           std::abs(made.integrate([](const double *p) {
-                     return std::pow(at(p, 0), 5) * std::pow(at(p, 1), 3);
-                   }) /
-                     (1. / 6. * std::pow(1.5, 4) / 4.) -
+            return std::pow(at(p, 0), 5) * std::pow(at(p, 1), 3);
+          }) / (1. / 6. * std::pow(1.5, 4) / 4.) -
                    1.),
           1e-13);
     check("  and no more",
           std::abs(made.integrate([](const double *p) {
-                     return std::pow(at(p, 1), 4);
-                   }) /
-                     (std::pow(1.5, 5) / 5.) -
+            return std::pow(at(p, 1), 4);
+          }) / (std::pow(1.5, 5) / 5.) -
                    1.) > 1e-5);
     print() << "  points " << made.body.n_points << std::endl;
   }
@@ -215,9 +211,8 @@ test_placement()
     });
     check("  Gauss points in 3D",
           std::abs(made.integrate([](const double *p) {
-                     return std::pow(at(p, 0) * at(p, 1) * at(p, 2), 3);
-                   }) /
-                     (1. / 64. * std::pow(3., 4)) -
+            return std::pow(at(p, 0) * at(p, 1) * at(p, 2), 3);
+          }) / (1. / 64. * std::pow(3., 4)) -
                    1.),
           1e-13);
   }
@@ -242,7 +237,7 @@ test_placement()
           error        = std::max(error,
                            std::abs(at(p, Layout::mass) -
                                     2000. * at(p, Layout::volume0)));
-          error = std::max(error, std::abs(at(p, Layout::J) - 1.));
+          error        = std::max(error, std::abs(at(p, Layout::J) - 1.));
           for (unsigned int k = 0; k < 5; ++k)
             error = std::max(error,
                              std::abs(at(p, Layout::F + k) -
@@ -257,7 +252,8 @@ test_placement()
             std::max(error, std::abs(at(p, Layout::velocity) - x - 2. * y));
           error =
             std::max(error, std::abs(at(p, Layout::velocity + 1) - x * y));
-          for (unsigned int k = Layout::n_fixed; k < even.body.points.layout().size;
+          for (unsigned int k = Layout::n_fixed;
+               k < even.body.points.layout().size;
                ++k)
             error = std::max(error, std::abs(at(p, k)));
           return error;
@@ -299,8 +295,8 @@ test_placement()
       bool          same =
         made.body.n_points == all.size() && own.body.n_points == all.size();
       for (const auto &point : by_id(made.body.points))
-        same &= all.count(point.first) == 1 &&
-                all.at(point.first) == point.second;
+        same &=
+          all.count(point.first) == 1 && all.at(point.first) == point.second;
       same &= difference(made.body.points, again.body.points) == 0.;
       check("  jitter: any number of processes", on_all(same));
       double largest = 0., inside = 0.;
@@ -330,11 +326,10 @@ test_placement()
               << Utilities::MPI::sum(checksum, MPI_COMM_WORLD)
               << std::defaultfloat << std::endl;
     }
-  const double shift =
-    Made<2>({{8, 9}}, [](BodyParameters &body) {
-      body.shape  = "box(0, 0, 1, 1.5)";
-      body.jitter = 1.;
-    }).volume();
+  const double shift = Made<2>({{8, 9}}, [](BodyParameters &body) {
+                         body.shape  = "box(0, 0, 1, 1.5)";
+                         body.jitter = 1.;
+                       }).volume();
   check("  jitter: volume", std::abs(shift - 1.5), 1e-14);
 }
 
@@ -345,21 +340,20 @@ test_stress()
 {
   print() << "Stress" << std::endl;
   // K0: depth below a surface, against gravity along -y, +x and -z.
-  const auto check_K0 = [](const auto &made,
-                           const std::string                          &name,
-                           const unsigned int                          axis,
+  const auto check_K0 = [](const auto                                  &made,
+                           const std::string                           &name,
+                           const unsigned int                           axis,
                            const std::function<double(const double *)> &depth) {
     using Layout = typename std::decay_t<decltype(made)>::Layout;
     check("  K0, " + name,
           made.largest([&](const double *p) {
             double error = 0.;
             for (unsigned int d = 0; d < 3; ++d)
-              error =
-                std::max(error,
-                         std::abs(at(p, Layout::stress + d) +
-                                  2000. * 10. * depth(p) *
-                                    (d == axis ? 1. : 0.5)) /
-                           2e4);
+              error = std::max(error,
+                               std::abs(at(p, Layout::stress + d) +
+                                        2000. * 10. * depth(p) *
+                                          (d == axis ? 1. : 0.5)) /
+                                 2e4);
             for (unsigned int k = 3; k < Layout::n_stress; ++k)
               error = std::max(error, std::abs(at(p, Layout::stress + k)));
             return error;
@@ -391,9 +385,9 @@ test_stress()
         slope.largest([](const double *p) {
           const double *F = p + PointLayout<2>::F * 4;
           const double  J = at(p, PointLayout<2>::J);
-          return J < 1. ? J - (at(F, 0) * at(F, 3) - at(F, 1) * at(F, 2)) *
-                                at(F, 4) :
-                          1.;
+          return J < 1.
+                   ? J - (at(F, 0) * at(F, 3) - at(F, 1) * at(F, 2)) * at(F, 4)
+                   : 1.;
         }),
         1e-14);
   check("    mass is density times volume",
@@ -459,11 +453,10 @@ test_stress()
           given.material.update(ArrayView<MaterialPoint>(&state, 1));
           double error = 0.;
           for (unsigned int d = 0; d < 3; ++d)
-            error =
-              std::max(error,
-                       std::abs(state.stress[d][d] -
-                                at(p, PointLayout<3>::stress + d)) /
-                         1e6);
+            error = std::max(error,
+                             std::abs(state.stress[d][d] -
+                                      at(p, PointLayout<3>::stress + d)) /
+                               1e6);
           error = std::max(error,
                            std::abs(state.stress[0][2] -
                                     at(p, PointLayout<3>::stress + 4)) /
@@ -486,9 +479,10 @@ test_displacement()
   using Layout = PointLayout<2>;
   // It moves points over several cells.
   Made<2> made({{8, 8}}, [](BodyParameters &body) {
-    body.shape        = "box(0, 0, 0.5, 0.75)";
-    body.displacement = "0.4 + 0.1 * x + 0.2 * x * y; 0.3 - 0.1 * y + 0.1 * x^3";
-    body.velocity     = "x; y";
+    body.shape = "box(0, 0, 0.5, 0.75)";
+    body.displacement =
+      "0.4 + 0.1 * x + 0.2 * x * y; 0.3 - 0.1 * y + 0.1 * x^3";
+    body.velocity = "x; y";
   });
   check("  points lie in the cells of the shape",
         on_all(made.left == made.body.points.cells()) &&
@@ -627,8 +621,13 @@ print_error(const std::function<void(BodyParameters &)> &set,
       for (const auto &other :
            Utilities::MPI::all_gather(MPI_COMM_WORLD, message))
         same = same && other == message;
-      print() << "  " << message << (same ? "" : " FAILED: not the same")
-              << std::endl;
+      // muParser's part differs between its versions.
+      const auto formula = message.find(" is no function of ");
+      print() << "  "
+              << (formula == std::string::npos
+                    ? message
+                    : message.substr(0, message.find(':', formula)))
+              << (same ? "" : " FAILED: not the same") << std::endl;
     }
 }
 
@@ -676,8 +675,8 @@ test_errors()
   slanted[0] = slanted[1] = 7.;
   down[1]                 = -10.;
   print_error<2>(with_box([](BodyParameters &body) {
-                   body.points_per_direction = {2, 2, 2};
-                 }));
+    body.points_per_direction = {2, 2, 2};
+  }));
   print_error<2>(with_box([](BodyParameters &body) { body.velocity = "1"; }));
   print_error<2>(
     with_box([](BodyParameters &body) { body.stress = "1; 2; 3"; }));
@@ -711,10 +710,11 @@ test_errors()
 
   const auto with_file = [](const std::string &text) {
     write("wrong.csv", text);
-    print_error<2>([](BodyParameters &body) { body.points_file = "wrong.csv"; });
+    print_error<2>(
+      [](BodyParameters &body) { body.points_file = "wrong.csv"; });
   };
-  print_error<2>(with_box(
-    [](BodyParameters &body) { body.points_file = "missing.csv"; }));
+  print_error<2>(
+    with_box([](BodyParameters &body) { body.points_file = "missing.csv"; }));
   print_error<2>(
     [](BodyParameters &body) { body.points_file = "missing.csv"; });
   with_file("x, y\n0, 0\n");

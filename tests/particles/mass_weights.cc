@@ -55,6 +55,8 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
         });
         *points = some;
       }
+  // Polynomials of degree 2 p lose some digits.
+  const double       bound = p <= 3 ? 1e-13 : 1e-12;
   PointTransfer<dim> transfer;
   transfer.reinit(space);
   DensityWeights<dim> weights(space, 2 * p + 1);
@@ -72,16 +74,16 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
       const Point<dim> x = position_of<dim>(q);
       double           u = 0., u_free = 0.;
       total += m;
-      for_each_function<dim>(
-        space,
-        x,
-        [&](const std::uint64_t f,
-            const Point<dim> &,
-            const double N,
-            const Tensor<1, dim> &) {
-          u += N * pseudo_random(f);
-          u_free += is_held(space, f) ? 0. : N * pseudo_random(f);
-        });
+      for_each_function<dim>(space,
+                             x,
+                             [&](const std::uint64_t f,
+                                 const Point<dim> &,
+                                 const double N,
+                                 const Tensor<1, dim> &) {
+                               u += N * pseudo_random(f);
+                               u_free +=
+                                 is_held(space, f) ? 0. : N * pseudo_random(f);
+                             });
       for_each_function<dim>(space,
                              x,
                              [&](const std::uint64_t f,
@@ -95,7 +97,7 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
                              });
     });
   sums.add_processes();
-  total = Utilities::MPI::sum(total, MPI_COMM_WORLD);
+  total                   = Utilities::MPI::sum(total, MPI_COMM_WORLD);
   double largest_diagonal = 0.;
   for (std::size_t f = 0; f < space.n_dofs(); ++f)
     largest_diagonal = std::max(largest_diagonal, sums(f, 1));
@@ -127,25 +129,22 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
             right_ones &= inactive[i];
           else if (inactive[i])
             right_ones &= sums(f, 1) <= 1e-14 * largest_diagonal;
-          lumped.local_element(i) =
-            inactive[i] ? largest_diagonal : sums(f, 0);
+          lumped.local_element(i) = inactive[i] ? largest_diagonal : sums(f, 0);
           diagonal.local_element(i) =
             inactive[i] ? largest_diagonal : sums(f, 1);
-          product.local_element(i) =
-            inactive[i] ? largest_diagonal * x.local_element(i) :
-                          sums(f, with_constraints ? 3 : 2);
+          product.local_element(i) = inactive[i]
+                                       ? largest_diagonal * x.local_element(i)
+                                       : sums(f, with_constraints ? 3 : 2);
         }
       VectorType y(x), z(x);
       mass.vmult(y, x);
       const std::string name =
         with_constraints ? "  held at walls, " : "  free, ";
-      check(name + "product", max_difference(y, product), 1e-13);
-      check(name + "lumped mass",
-            max_difference(mass.lumped(), lumped),
-            1e-13);
+      check(name + "product", max_difference(y, product), bound);
+      check(name + "lumped mass", max_difference(mass.lumped(), lumped), bound);
       check(name + "diagonal",
             max_difference(mass.diagonal(), diagonal),
-            1e-13);
+            bound);
       check(name + "inactive coefficients", on_all(right_ones));
       if (!with_constraints)
         {
@@ -157,10 +156,9 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
           for (unsigned int i = 0; i < sums_of_rows.locally_owned_size(); ++i)
             sum += sums_of_rows.local_element(i);
           sum = Utilities::MPI::sum(sum, MPI_COMM_WORLD);
-          check(name + "total mass", std::abs(sum / total - 1.), 1e-13);
-          print() << "  inactive: "
-                  << space.n_dofs() - mass.n_active() << " of "
-                  << space.n_dofs() << std::endl;
+          check(name + "total mass", std::abs(sum / total - 1.), bound);
+          print() << "  inactive: " << space.n_dofs() - mass.n_active()
+                  << " of " << space.n_dofs() << std::endl;
         }
 
       MassMatrix<dim> matrix;
@@ -168,7 +166,7 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
       matrix.assemble(weights);
       matrix.assemble(weights, constraints);
       matrix.vmult(z, x);
-      check(name + "assembled", max_difference(z, product), 1e-13);
+      check(name + "assembled", max_difference(z, product), bound);
 
       // Rows and columns of held coefficients.
       if (with_constraints)
@@ -184,7 +182,7 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
           check(name + "columns",
                 std::max(max_difference(y, expected),
                          max_difference(z, expected)),
-                1e-13);
+                bound);
         }
     }
 }
@@ -195,7 +193,7 @@ int
 main(int argc, char **argv)
 {
   Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  for (unsigned int p = 1; p <= 4; ++p)
+  for (unsigned int p = 1; p <= 5; ++p)
     {
       test<2>({{6, 5}}, p, false);
       test<2>({{5, 8}}, p, true);

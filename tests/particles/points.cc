@@ -182,13 +182,13 @@ public:
   {
     random_points<dim>(points, space, Layout(2, true, true), cube<dim>(2), 0.9);
     const auto own = by_id(points);
-    n_all          = Utilities::MPI::sum<std::uint64_t>(own.size(),
-                                               MPI_COMM_WORLD);
+    n_all = Utilities::MPI::sum<std::uint64_t>(own.size(), MPI_COMM_WORLD);
     // The numbers of all points, on each process (they are few).
     Box<dim>               own_box(cells, MPI_COMM_SELF);
     const SplineSpace<dim> own_space(own_box.mesh, 1);
     MaterialPoints<dim>    all;
-    random_points<dim>(all, own_space, Layout(2, true, true), cube<dim>(2), 0.9);
+    random_points<dim>(
+      all, own_space, Layout(2, true, true), cube<dim>(2), 0.9);
     list = by_id(all);
     transport.reinit(box.mesh, space);
   }
@@ -220,9 +220,9 @@ public:
     const auto result = transport.move(points, left);
     ok &= result.n_removed == 0 && result.outside == -1;
     verify();
-    return {{Utilities::MPI::sum<std::uint64_t>(result.n_moved, MPI_COMM_WORLD),
-             Utilities::MPI::sum<std::uint64_t>(result.n_sent,
-                                                MPI_COMM_WORLD)}};
+    return {
+      {Utilities::MPI::sum<std::uint64_t>(result.n_moved, MPI_COMM_WORLD),
+       Utilities::MPI::sum<std::uint64_t>(result.n_sent, MPI_COMM_WORLD)}};
   }
 
   // Each point is on one process, with all its numbers, in its cell.
@@ -261,10 +261,10 @@ template <int dim>
 void
 test_motion(const MultiIndex<dim> &cells)
 {
-  Motion<dim>       motion(cells);
-  const auto       &lattice = motion.space.lattice();
-  const bool        alone = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1;
-  const std::string name  = std::to_string(dim) + "D, ";
+  Motion<dim> motion(cells);
+  const auto &lattice    = motion.space.lattice();
+  const bool  alone      = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1;
+  const std::string name = std::to_string(dim) + "D, ";
   print() << name << "cells " << motion.box.mesh.n_global_active_cells()
           << ", points " << motion.n_all << std::endl;
 
@@ -314,14 +314,13 @@ test_motion(const MultiIndex<dim> &cells)
 
   // One process only has a point that jumps far.
   motion.go([&](const std::uint64_t, const Point<dim> &x0) { return x0; });
-  const auto one =
-    motion.go([&](const std::uint64_t id, const Point<dim> &x0) {
-      Point<dim> x = x0;
-      if (id == 0)
-        for (unsigned int d = 0; d < dim; ++d)
-          x[d] = lattice.upper(d) - x[d];
-      return x;
-    });
+  const auto one = motion.go([&](const std::uint64_t id, const Point<dim> &x0) {
+    Point<dim> x = x0;
+    if (id == 0)
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] = lattice.upper(d) - x[d];
+    return x;
+  });
   check("  a single jump",
         on_all(motion.ok) && one[0] == 1 && one[1] == (alone ? 0 : 1));
 
@@ -334,9 +333,8 @@ test_motion(const MultiIndex<dim> &cells)
     return x;
   });
   check("  all in one cell",
-        on_all(motion.ok) &&
-          Utilities::MPI::sum(motion.points.cells().size(), MPI_COMM_WORLD) ==
-            1);
+        on_all(motion.ok) && Utilities::MPI::sum(motion.points.cells().size(),
+                                                 MPI_COMM_WORLD) == 1);
 
   // On the walls, and on the faces between cells.
   motion.go([&](const std::uint64_t id, const Point<dim> &x0) {
@@ -363,8 +361,8 @@ test_motion(const MultiIndex<dim> &cells)
     {
       const double h = lattice.cell_size(1);
       motion.points.for_each([&](const unsigned int, double *p) {
-        at(p, 1) = side < 0 ? lattice.lower(1) - 1e-12 * h :
-                              lattice.upper(1) + 1e-12 * h;
+        at(p, 1) = side < 0 ? lattice.lower(1) - 1e-12 * h
+                            : lattice.upper(1) + 1e-12 * h;
       });
       bool outside = true;
       motion.points.for_each([&](const unsigned int cell, double *p) {
@@ -400,8 +398,7 @@ test_motion(const MultiIndex<dim> &cells)
       });
       const auto result =
         motion.transport.move(motion.points,
-                              std::vector<unsigned int>(
-                                motion.points.cells()));
+                              std::vector<unsigned int>(motion.points.cells()));
       if (result.outside >= 0)
         {
           const double x = result.outside_position[0];

@@ -102,12 +102,12 @@ index_of(const SplineSpace<dim> &space, const unsigned int cell)
 template <int dim>
 void
 random_points(MaterialPoints<dim>    &points,
-     const SplineSpace<dim> &space,
-     const PointLayout<dim> &layout,
-     const MultiIndex<dim>  &n,
-     const double            jitter,
-     const std::uint64_t     seed     = 1,
-     const double            left_out = 0.)
+              const SplineSpace<dim> &space,
+              const PointLayout<dim> &layout,
+              const MultiIndex<dim>  &n,
+              const double            jitter,
+              const std::uint64_t     seed     = 1,
+              const double            left_out = 0.)
 {
   using Layout = PointLayout<dim>;
   points.reinit(space, layout);
@@ -179,13 +179,12 @@ struct Splines1D
 // for the functions that do not vanish at x.
 template <int dim>
 void
-for_each_function(
-  const SplineSpace<dim>                            &space,
-  const Point<dim>                                  &x,
-  const std::function<void(const std::uint64_t,
-                           const Point<dim> &,
-                           const double,
-                           const Tensor<1, dim> &)> &action)
+for_each_function(const SplineSpace<dim>                            &space,
+                  const Point<dim>                                  &x,
+                  const std::function<void(const std::uint64_t,
+                                           const Point<dim> &,
+                                           const double,
+                                           const Tensor<1, dim> &)> &action)
 {
   std::vector<Splines1D> splines;
   for (unsigned int d = 0; d < dim; ++d)
@@ -249,10 +248,10 @@ public:
     for (std::size_t i = 0; i < space.n_dofs(); ++i)
       largest = std::max(largest, std::abs(sums[i * n_fields + field]));
     for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
-      error = std::max(
-        error,
-        std::abs(vector.local_element(i) -
-                 sums[space.owned_functions()[i] * n_fields + field]));
+      error =
+        std::max(error,
+                 std::abs(vector.local_element(i) -
+                          sums[space.owned_functions()[i] * n_fields + field]));
     return max_all(error) / largest;
   }
 
@@ -303,8 +302,8 @@ empty_lanes_are_harmless(const MaterialPoints<dim> &points)
   bool ok      = true;
   for (const unsigned int cell : points.cells())
     {
-      const auto center = points.space().lattice().cell_center(
-        index_of(points.space(), cell));
+      const auto center =
+        points.space().lattice().cell_center(index_of(points.space(), cell));
       for (unsigned int lane = points.n_in_first_group(cell);
            lane < MaterialPoints<dim>::width;
            ++lane)
@@ -313,12 +312,11 @@ empty_lanes_are_harmless(const MaterialPoints<dim> &points)
           ok &= position_of<dim>(p).distance(center) < 1e-14;
           for (unsigned int k = dim; k < points.layout().size; ++k)
             {
-              const bool is_F =
-                k >= Layout::F && k < Layout::F + Layout::n_F;
-              const bool is_one =
-                k == Layout::J || (is_F && dim == 2 && k == Layout::F + 4) ||
-                (is_F && k < Layout::F + dim * dim &&
-                 (k - Layout::F) % (dim + 1) == 0);
+              const bool is_F   = k >= Layout::F && k < Layout::F + Layout::n_F;
+              const bool is_one = k == Layout::J ||
+                                  (is_F && dim == 2 && k == Layout::F + 4) ||
+                                  (is_F && k < Layout::F + dim * dim &&
+                                   (k - Layout::F) % (dim + 1) == 0);
               ok &= at(p, k) == (is_one ? 1. : 0.);
             }
         }

@@ -1,9 +1,10 @@
 // Gauss points that carry what was reconstructed from material points: exact
 // for polynomials, and conservative. Cells that are not full keep their points.
 
+#include <deal.II/base/quadrature_lib.h>
+
 #include <greville/particles/reconstruction.h>
 
-#include <deal.II/base/quadrature_lib.h>
 #include "points.h"
 
 // Some polynomial of degree 2, or 1, or one of x alone.
@@ -79,9 +80,9 @@ are_gauss_points(const MaterialPoints<dim> &points,
 {
   using Layout = PointLayout<dim>;
   std::vector<double> moments(3, 0.);
-  const auto         &space  = points.space();
-  const auto          corner = space.lattice().cell_corner(index_of(space, cell));
-  bool                inside = true;
+  const auto         &space = points.space();
+  const auto corner = space.lattice().cell_corner(index_of(space, cell));
+  bool       inside = true;
   points.for_each([&](const unsigned int c, const double *p) {
     if (c != cell)
       return;
@@ -132,10 +133,11 @@ stress_error(const MaterialPoints<dim> &points,
   double error = 0.;
   points.for_each([&](const unsigned int, const double *p) {
     for (unsigned int k = 0; k < Layout::n_stress; ++k)
-      error = std::max(
-        error,
-        std::abs(at(p, Layout::stress + k) -
-                 polynomial<dim>(position_of<dim>(p), k, degree, of_x)));
+      error =
+        std::max(error,
+                 std::abs(
+                   at(p, Layout::stress + k) -
+                   polynomial<dim>(position_of<dim>(p), k, degree, of_x)));
   });
   return max_all(error);
 }
@@ -187,7 +189,7 @@ test_full_cells(const MultiIndex<dim> &cells,
         stress_error(result, degree, of_x),
         1e-11);
   const auto before = total(points), after = total(result);
-  double     error  = 0.;
+  double     error = 0.;
   for (unsigned int k = 0; k <= dim; ++k)
     error = std::max(error, std::abs(after[k] - before[k]) / before[0]);
   check("  mass and momentum", error, 1e-13);
@@ -209,7 +211,7 @@ test_full_cells(const MultiIndex<dim> &cells,
   // A second time gives the same, into what was filled before.
   const auto first = result;
   reconstruction.reconstruct(points, result);
-  bool same = first.n_points() == result.n_points();
+  bool                same = first.n_points() == result.n_points();
   std::vector<double> values;
   first.for_each([&](const unsigned int, const double *p) {
     const auto numbers = numbers_of(first, p);
@@ -239,7 +241,9 @@ test_all_quantities(const bool in_cells)
   points.reinit(space, layout);
   const QGauss<dim>   quadrature(4);
   std::vector<double> values(layout.size, 0.);
-  const auto density = [](const Point<dim> &x) { return 3. + x[0] - 0.5 * x[1]; };
+  const auto          density = [](const Point<dim> &x) {
+    return 3. + x[0] - 0.5 * x[1];
+  };
   for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
     for (unsigned int q = 0; q < quadrature.size(); ++q)
       {
@@ -255,8 +259,9 @@ test_all_quantities(const bool in_cells)
             values[Layout::velocity + d] = polynomial<dim>(x, d, 1);
             values[layout.load + d]      = polynomial<dim>(x, 10 + d, 1);
           }
-        values[Layout::J]       = 1.25;
-        values[Layout::volume0] = quadrature.weight(q) * cell_volume(space) / 1.25;
+        values[Layout::J] = 1.25;
+        values[Layout::volume0] =
+          quadrature.weight(q) * cell_volume(space) / 1.25;
         values[Layout::mass] =
           density(x) * quadrature.weight(q) * cell_volume(space);
         points.insert(cell, make_array_view(values));
@@ -264,11 +269,11 @@ test_all_quantities(const bool in_cells)
   const Reconstruction<dim> reconstruction(2, in_cells, 0.99);
   reconstruction.reconstruct(points, result);
   double error = 0.;
-  bool   gauss = result.n_points() ==
-               space.owned_cells().size() * Utilities::pow(2, dim);
+  bool   gauss =
+    result.n_points() == space.owned_cells().size() * Utilities::pow(2, dim);
   result.for_each([&](const unsigned int, const double *p) {
     const Point<dim> x = position_of<dim>(p);
-    const double V     = at(p, Layout::volume0) * at(p, Layout::J);
+    const double     V = at(p, Layout::volume0) * at(p, Layout::J);
     error = std::max(error, std::abs(at(p, Layout::mass) / V - density(x)));
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -298,8 +303,7 @@ test_other_cells(const bool in_cells)
   Box<dim>               box(cube<dim>(4));
   const SplineSpace<dim> space(box.mesh, 2);
   MaterialPoints<dim>    points, result;
-  random_points<dim>(
-    points, space, Layout(0, false, true), cube<dim>(3), 0.5);
+  random_points<dim>(points, space, Layout(0, false, true), cube<dim>(3), 0.5);
   points.for_each([&](const unsigned int, double *p) {
     at(p, Layout::volume0) =
       cell_volume(space) / Utilities::pow(3, dim) / at(p, Layout::J);

@@ -23,17 +23,17 @@ make_field(const SplineSpace<dim> &space)
 // point.
 template <int dim>
 VectorField<dim>
-make_field(const SplineSpace<dim> &space,
-           const std::function<double(const unsigned int,
-                                      const std::uint64_t,
-                                      const Point<dim> &)> &coefficient)
+make_field(
+  const SplineSpace<dim>                                          &space,
+  const std::function<double(
+    const unsigned int, const std::uint64_t, const Point<dim> &)> &coefficient)
 {
   VectorField<dim> field = make_field(space);
   for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
     {
       const std::uint64_t position = space.owned_functions()[i];
-      const auto          index = multi_index<dim>(position, space.n_functions());
-      Point<dim>          xi;
+      const auto index = multi_index<dim>(position, space.n_functions());
+      Point<dim> xi;
       for (unsigned int d = 0; d < dim; ++d)
         xi[d] = space.knots(d).greville_abscissa(index[d]);
       for (unsigned int c = 0; c < dim; ++c)
@@ -73,11 +73,12 @@ linear_field(const SplineSpace<dim> &space,
              const Tensor<2, dim>   &A,
              const Tensor<1, dim>   &b)
 {
-  return make_field<dim>(
-    space,
-    [&](const unsigned int c, const std::uint64_t, const Point<dim> &xi) {
-      return A[c] * xi + b[c];
-    });
+  return make_field<dim>(space,
+                         [&](const unsigned int c,
+                             const std::uint64_t,
+                             const Point<dim> &xi) {
+                           return A[c] * xi + b[c];
+                         });
 }
 
 
@@ -172,9 +173,9 @@ test_points_to_grid(const SplineSpace<dim> &space, const bool affine)
   std::vector<double> totals(1 + 2 * dim, 0.);
   for (const MaterialPoints<dim> *points : {&a, &b})
     points->for_each([&](const unsigned int, const double *values) {
-      const auto     &layout = points->layout();
-      const Point<dim> x     = position_of<dim>(values);
-      const double     m     = at(values, Layout::mass);
+      const auto      &layout = points->layout();
+      const Point<dim> x      = position_of<dim>(values);
+      const double     m      = at(values, Layout::mass);
       const double     V = at(values, Layout::volume0) * at(values, Layout::J);
       const auto       sigma = stress_of<dim>(values);
       totals[0] += m;
@@ -232,9 +233,9 @@ test_points_to_grid(const SplineSpace<dim> &space, const bool affine)
       error = std::max(error, sums.difference(momentum[i], 1 + i));
       error_force =
         std::max(error_force, sums.difference(force[i], 1 + dim + i));
-      total = std::max(total,
-                       std::abs(sum<dim>(momentum[i]) - totals[1 + i]) /
-                         totals[0]);
+      total =
+        std::max(total,
+                 std::abs(sum<dim>(momentum[i]) - totals[1 + i]) / totals[0]);
       // Internal forces have the sum zero: that of loads remains.
       zero = std::max(zero,
                       std::abs(sum<dim>(force[i]) - totals[1 + dim + i]) /
@@ -325,8 +326,8 @@ test_pass(const MaterialPoints<dim> &start,
           double                    &separate_error,
           bool                      &left_is_right)
 {
-  using Layout                  = PointLayout<dim>;
-  const SplineSpace<dim> &space = start.space();
+  using Layout                   = PointLayout<dim>;
+  const SplineSpace<dim> &space  = start.space();
   const Layout            layout = start.layout();
   PointTransfer<dim>      transfer;
   transfer.reinit(space);
@@ -361,21 +362,21 @@ test_pass(const MaterialPoints<dim> &start,
     const auto     field_a = evaluate(space, 3, x);
     Tensor<1, dim> D;
     Tensor<2, dim> B;
-    for_each_function<dim>(
-      space,
-      x,
-      [&](const std::uint64_t f,
-          const Point<dim>   &xi,
-          const double        N,
-          const Tensor<1, dim> &) {
-        for (unsigned int j = 0; j < dim; ++j)
-          {
-            D[j] += N * (xi[j] - x[j]) * (xi[j] - x[j]);
-            for (unsigned int i = 0; i < dim; ++i)
-              B[i][j] +=
-                N * random_coefficient<dim>(1, i, f) * (xi[j] - x[j]);
-          }
-      });
+    for_each_function<dim>(space,
+                           x,
+                           [&](const std::uint64_t f,
+                               const Point<dim>   &xi,
+                               const double        N,
+                               const Tensor<1, dim> &) {
+                             for (unsigned int j = 0; j < dim; ++j)
+                               {
+                                 D[j] += N * (xi[j] - x[j]) * (xi[j] - x[j]);
+                                 for (unsigned int i = 0; i < dim; ++i)
+                                   B[i][j] += N *
+                                              random_coefficient<dim>(1, i, f) *
+                                              (xi[j] - x[j]);
+                               }
+                           });
     error = std::max(error, (transfer.spread(cell, x) - D).norm() / D.norm());
 
     Tensor<1, dim> velocity;
@@ -383,8 +384,8 @@ test_pass(const MaterialPoints<dim> &start,
       {
         double &v_i = expected[Layout::velocity + i];
         if (kick)
-          v_i = apic ? field_v.first[i] :
-                       0.8 * (v_i + 0.07 * field_a.first[i]) +
+          v_i = apic ? field_v.first[i]
+                     : 0.8 * (v_i + 0.07 * field_a.first[i]) +
                          0.2 * field_v.first[i];
         velocity[i] = v_i;
         if (move)
@@ -404,8 +405,8 @@ test_pass(const MaterialPoints<dim> &start,
               state.increment[i][j] += 0.02 * field_w.second[i][j];
               state.F[i][j] = expected[Layout::F + i * dim + j];
             }
-        state.F = state.increment * state.F;
-        state.J = determinant(state.increment) * expected[Layout::J];
+        state.F  = state.increment * state.F;
+        state.J  = determinant(state.increment) * expected[Layout::J];
         state.dt = 0.02;
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
@@ -420,12 +421,11 @@ test_pass(const MaterialPoints<dim> &start,
             expected[Layout::stress + 4] = state.stress[0][2];
             expected[Layout::stress + 5] = state.stress[1][2];
           }
-        signal =
-          std::max(signal,
-                   std::sqrt(state.wave_modulus * state.J *
-                             expected[Layout::volume0] /
-                             expected[Layout::mass]) +
-                     velocity.norm());
+        signal = std::max(signal,
+                          std::sqrt(state.wave_modulus * state.J *
+                                    expected[Layout::volume0] /
+                                    expected[Layout::mass]) +
+                            velocity.norm());
       }
     for (unsigned int k = 0; k < layout.size; ++k)
       {
@@ -434,19 +434,19 @@ test_pass(const MaterialPoints<dim> &start,
         const bool is_affine = k >= layout.affine && k < layout.load;
         // Stress relative to Young's modulus; D, and so C, has the accuracy
         // that the distances to Greville points allow.
-        const double scale =
-          is_stress ? 1e6 :
-          is_affine && apic ? std::max(1., 1. / D[(k - layout.affine) % dim]) :
-                              1.;
+        const double scale = is_stress ? 1e6
+                             : is_affine && apic
+                               ? std::max(1., 1. / D[(k - layout.affine) % dim])
+                               : 1.;
         error = std::max(error, std::abs(at(p, k) - expected[k]) / scale);
       }
     if (!points.is_inside(cell, p, points.stride()) &&
         (left.empty() || left.back() != cell))
       left.push_back(cell);
   });
-  error = std::max(error,
-                   std::abs(report.fastest_signal - signal) /
-                     std::max(signal, 1.));
+  error =
+    std::max(error,
+             std::abs(report.fastest_signal - signal) / std::max(signal, 1.));
   error = std::max(error, empty_lanes_are_harmless(points) ? 0. : 1e300);
   error = std::max(error, report.bad_point == -1 ? 0. : 1e300);
   if (move)
@@ -505,7 +505,7 @@ test_grid_to_points(const SplineSpace<dim> &space, const Material &material)
   random_points<dim>(
     points, space, Layout(2, true, true), cube<dim>(2), 1., 3, 0.2);
   double error = 0., separate_error = 0.;
-  bool   left  = true;
+  bool   left = true;
   // kick, move, deform, deform by v, APIC
   const bool passes[][5] = {{true, true, true, true, false},
                             {true, true, true, true, true},
@@ -519,16 +519,10 @@ test_grid_to_points(const SplineSpace<dim> &space, const Material &material)
                             {false, false, true, true, false},
                             {false, true, false, false, false}};
   for (const auto &k : passes)
-    error = std::max(error,
-                     test_pass(points,
-                               material,
-                               k[0],
-                               k[1],
-                               k[2],
-                               k[3],
-                               k[4],
-                               separate_error,
-                               left));
+    error = std::max(
+      error,
+      test_pass(
+        points, material, k[0], k[1], k[2], k[3], k[4], separate_error, left));
   check("    grid to points, all passes", error, 1e-12);
   check("    separate passes are the same", max_all(separate_error), 1e-13);
   check("    cells that points leave", on_all(left));
@@ -546,8 +540,8 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
   const double       T = 0.1;
   PointTransfer<dim> transfer;
   transfer.reinit(space);
-  const Tensor<2, dim>   A = some_matrix<dim>(1), A2 = some_matrix<dim>(2);
-  const Tensor<1, dim>   b = some_matrix<dim>(3)[0], b2 = some_matrix<dim>(4)[0];
+  const Tensor<2, dim> A = some_matrix<dim>(1), A2 = some_matrix<dim>(2);
+  const Tensor<1, dim> b = some_matrix<dim>(3)[0], b2 = some_matrix<dim>(4)[0];
   const VectorField<dim> v = linear_field(space, A, b);
   const VectorField<dim> a = linear_field(space, A2, b2);
 
@@ -596,11 +590,10 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
                           std::abs(at(q, Layout::J) -
                                    determinant(f) * old[Layout::J]));
         // J stays the determinant of F.
-        volume = std::max(
-          volume,
-          std::abs(at(q, Layout::J) -
-                   determinant(matrix_of<dim>(q, Layout::F)) *
-                     (dim == 2 ? at(q, Layout::F + 4) : 1.)));
+        volume = std::max(volume,
+                          std::abs(at(q, Layout::J) -
+                                   determinant(matrix_of<dim>(q, Layout::F)) *
+                                     (dim == 2 ? at(q, Layout::F + 4) : 1.)));
       });
     }
   check("    linear fields, FLIP and PIC", max_all(blend), 1e-13);
@@ -616,15 +609,17 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
     update.apic         = true;
     transfer.grid_to_points(points, update);
     points.for_each([&](const unsigned int, const double *q) {
-      affine = std::max(
-        affine, (matrix_of<dim>(q, points.layout().affine) - A).norm());
       affine = std::max(affine,
-                        (A * position_of<dim>(q) + b - [&]() {
-                          Tensor<1, dim> u;
-                          for (unsigned int d = 0; d < dim; ++d)
-                            u[d] = at(q, Layout::velocity + d);
-                          return u;
-                        }()).norm());
+                        (matrix_of<dim>(q, points.layout().affine) - A).norm());
+      affine = std::max(affine,
+                        (A * position_of<dim>(q) + b -
+                         [&]() {
+                           Tensor<1, dim> u;
+                           for (unsigned int d = 0; d < dim; ++d)
+                             u[d] = at(q, Layout::velocity + d);
+                           return u;
+                         }())
+                          .norm());
     });
   }
   check("    APIC: C of a linear velocity", max_all(affine), 1e-11);
@@ -721,7 +716,7 @@ test_round_trip(const SplineSpace<dim> &space)
   update.acceleration = update.velocity = &velocity;
   update.apic                           = true;
   transfer.grid_to_points(points, update);
-  const auto after = momenta();
+  const auto after  = momenta();
   double     linear = 0., angular = 0., size = 0.;
   for (unsigned int k = 0; k < dim; ++k)
     linear = std::max(linear, std::abs(after[k] - before[k]) / total);
@@ -772,7 +767,7 @@ test_stiffness(const SplineSpace<dim> &space, const Material &material)
   check("    stiffness is symmetric", std::abs(wKu - uKw) / norm, 1e-14);
 
   // J V0 sigma of +u and -u; V0 of the layout is random.
-  const double     epsilon = 1e-5;
+  const double     epsilon    = 1e-5;
   VectorField<dim> derivative = make_field(space);
   for (const double side : {-1., 1.})
     {
@@ -815,8 +810,7 @@ test_bad_points(const SplineSpace<dim> &space, const Material &material)
   MaterialPoints<dim> start;
   random_points<dim>(
     start, space, Layout(0, false, false), cube<dim>(2), 0.9, 6, 0.3);
-  start.for_each(
-    [&](const unsigned int, double *p) { at(p, Layout::J) = 1.; });
+  start.for_each([&](const unsigned int, double *p) { at(p, Layout::J) = 1.; });
   Tensor<2, dim> A;
   A[0][0]                  = 1.;
   const VectorField<dim> u = linear_field(space, A, Tensor<1, dim>());
@@ -841,8 +835,8 @@ test_bad_points(const SplineSpace<dim> &space, const Material &material)
     for (const unsigned int k : {Layout::J, Layout::F, Layout::position})
       if (k == Layout::J || value != -3.)
         {
-          points        = start;
-          bool is_here  = false;
+          points       = start;
+          bool is_here = false;
           points.for_each([&](const unsigned int, double *p) {
             if (at(p, Layout::id) == last)
               {
@@ -854,7 +848,8 @@ test_bad_points(const SplineSpace<dim> &space, const Material &material)
           update.move     = true;
           report          = transfer.grid_to_points(points, update);
           check("    number " + std::to_string(k) + " of a point",
-                on_all(report.bad_point == (is_here ? std::int64_t(last) : -1) &&
+                on_all(report.bad_point ==
+                         (is_here ? std::int64_t(last) : -1) &&
                        report.bad_reason.empty() != is_here));
         }
 }

@@ -30,6 +30,7 @@ namespace
       }
     std::cout.rdbuf(buffer);
     std::cout.clear();
+    std::cout.width(0);
     print() << "-- " << what << '\n' << message << '\n' << std::endl;
   }
 } // namespace

@@ -17,6 +17,17 @@ namespace
   }
 
   void
+  run_quietly(const std::string &file)
+  {
+    std::streambuf *const buffer = std::cout.rdbuf(nullptr);
+    ParameterAcceptor::clear();
+    run_simulations(file, MPI_COMM_WORLD);
+    std::cout.rdbuf(buffer);
+    std::cout.clear();
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+
+  void
   run(const Text &text, const std::string &directory)
   {
     const bool first = Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
@@ -30,9 +41,7 @@ namespace
                .content;
       }
     MPI_Barrier(MPI_COMM_WORLD);
-    ParameterAcceptor::clear();
-    run_simulations("run.prm", MPI_COMM_WORLD);
-    MPI_Barrier(MPI_COMM_WORLD);
+    run_quietly("run.prm");
   }
 } // namespace
 
@@ -103,9 +112,7 @@ main(int argc, char **argv)
       "copy.prm",
       std::filesystem::copy_options::overwrite_existing);
   MPI_Barrier(MPI_COMM_WORLD);
-  ParameterAcceptor::clear();
-  run_simulations("copy.prm", MPI_COMM_WORLD);
-  MPI_Barrier(MPI_COMM_WORLD);
+  run_quietly("copy.prm");
   check("a copy gives the same statistics",
         lines_of("results/statistics.csv") == statistics);
 

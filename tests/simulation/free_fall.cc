@@ -21,7 +21,9 @@ test(const std::string &name, const Text &text, const bool half_steps = true)
           worst = std::max(worst,
                            std::abs(p[(Layout::position + d) * s] -
                                     p[(Layout::reference + d) * s] -
-                                    (d == 1 ? fall : 0.02 * t)));
+                                    (d == 0   ? 0.02 * t
+                                     : d == 1 ? fall
+                                              : 0.)));
         for (unsigned int k = 0; k < Layout::n_F; ++k)
           worst =
             std::max(worst,

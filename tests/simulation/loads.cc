@@ -121,7 +121,7 @@ main(int argc, char **argv)
            (0.01 / 600.);
   };
   const double flip = loss({});
-  check("FLIP keeps the energy", std::abs(flip), 0.05);
-  check("PIC damps", loss({"Transfer = PIC"}) > 0.2);
-  check("FLIP share", loss({"FLIP share = 0.5"}) > 0.1);
+  check("FLIP keeps the energy", std::abs(flip), 0.25);
+  check("PIC damps", loss({"Transfer = PIC"}) > 0.7);
+  check("FLIP share", loss({"FLIP share = 0.5"}) > 0.5);
 }

@@ -71,7 +71,8 @@ main(int argc, char **argv)
             .with("Loads", {"Gravity = 0; -1"})
             .with("Body body",
                   {"Points per direction = 3",
-                   "Velocity = 3 * sin(2 * pi * x) * sin(pi * y); 0"})
+                   "Velocity = 3 * sin(2 * pi * x) * sin(pi * y); 3 * sin(pi * "
+                   "x) * sin(pi * y)"})
             .with("Scheme", {"Mass = consistent"})
             .with("Solver", {"Tolerance = 1e-13"})
             .with("Time",

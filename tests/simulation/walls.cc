@@ -79,7 +79,6 @@ main(int argc, char **argv)
       .with("Time", {"End = 0.25", "CFL number = 0.3"});
   Simulated<2> half(sliding);
   half.run();
-  print() << mean_velocity(half)[0] << std::endl;
   check("friction: mean velocity after half of the way to rest",
         std::abs(mean_velocity(half)[0] - 0.1),
         0.01);
