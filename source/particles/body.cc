@@ -384,6 +384,8 @@ namespace greville
       while (std::getline(file, line))
         {
           ++line_number;
+          if (!line.empty() && line.back() == '\r')
+            line.pop_back();
           if (line.find_first_not_of(" \t\r") == std::string::npos ||
               line[line.find_first_not_of(" \t")] == '#')
             continue;

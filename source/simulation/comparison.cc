@@ -165,6 +165,8 @@ namespace greville
     while (std::getline(file, line))
       {
         ++line_number;
+        if (!line.empty() && line.back() == '\r')
+          line.pop_back();
         const auto first = line.find_first_not_of(" \t\r");
         if (first == std::string::npos || line[first] == '#')
           continue;

@@ -86,8 +86,16 @@ namespace greville
     MultiIndex<dim> index;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const double position = (point[d] - lower_corner[d]) / cell_size(d);
+        const double h        = cell_size(d);
+        const double position = (point[d] - lower_corner[d]) / h;
         index[d] = std::min<double>(std::max(position, 0.), cells[d] - 1);
+
+        // The corners of cells decide, not the rounded quotient.
+        if (index[d] > 0 && point[d] < lower_corner[d] + index[d] * h)
+          --index[d];
+        else if (index[d] + 1 < cells[d] &&
+                 point[d] >= lower_corner[d] + (index[d] + 1) * h)
+          ++index[d];
       }
     return index;
   }

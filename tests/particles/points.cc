@@ -427,7 +427,7 @@ main(int argc, char **argv)
   test_storage<2>({{3, 4}});
   test_storage<3>({{2, 3, 2}});
   test_motion<2>({{8, 12}});
-  test_motion<2>({{7, 5}});
+  test_motion<2>({{9, 11}});
   test_motion<3>({{4, 6, 4}});
   test_motion<3>({{3, 5, 4}});
 }
