@@ -28,6 +28,8 @@ namespace
       {
         message = message_of(error);
       }
+    // Nobody reads the file any more when it is written again.
+    MPI_Barrier(MPI_COMM_WORLD);
     std::cout.rdbuf(buffer);
     std::cout.clear();
     std::cout.width(0);
