@@ -3,6 +3,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/particles/body.h>
+#include <greville/particles/shape.h>
 
 #include <cmath>
 #include <fstream>
@@ -92,113 +93,6 @@ namespace greville
 
   namespace
   {
-    // muParser's functions know their arguments only: the point that shapes are
-    // asked for.
-    thread_local const double *shape_point = nullptr;
-    thread_local int           shape_dim   = 0;
-
-    /**
-     * An argument error becomes muParser's, and so one with the parameter.
-     */
-    void
-    check_arguments(const char *shape, const int given, const int wanted)
-    {
-      AssertThrow(given == wanted,
-                  ExcMessage(std::string(shape) + "() takes " +
-                             std::to_string(wanted) + " numbers in " +
-                             std::to_string(shape_dim) + "D, not " +
-                             std::to_string(given)));
-    }
-
-    double
-    box(const double *arguments, const int n)
-    {
-      check_arguments("box", n, 2 * shape_dim);
-      bool inside = true;
-      for (int d = 0; d < shape_dim; ++d)
-        inside = inside && shape_point[d] >= arguments[d] &&
-                 shape_point[d] <= arguments[shape_dim + d];
-      return inside;
-    }
-
-    double
-    ball(const double *arguments, const int n)
-    {
-      check_arguments("ball", n, shape_dim + 1);
-      double square = 0.;
-      for (int d = 0; d < shape_dim; ++d)
-        square += std::pow(shape_point[d] - arguments[d], 2);
-      return square <= std::pow(arguments[shape_dim], 2);
-    }
-
-    double
-    cylinder(const double *arguments, const int n)
-    {
-      check_arguments("cylinder", n, 7);
-      AssertThrow(shape_dim == 3, ExcMessage("cylinder() is a shape of 3D"));
-      double along = 0., length = 0., square = 0.;
-      for (int d = 0; d < 3; ++d)
-        {
-          const double axis     = arguments[3 + d] - arguments[d];
-          const double distance = shape_point[d] - arguments[d];
-          along += axis * distance;
-          length += axis * axis;
-          square += distance * distance;
-        }
-      return along >= 0. && along <= length &&
-             square - along * along / length <= std::pow(arguments[6], 2);
-    }
-
-    double
-    half_space(const double *arguments, const int n)
-    {
-      check_arguments("half_space", n, shape_dim + 1);
-      double sum = 0.;
-      for (int d = 0; d < shape_dim; ++d)
-        sum += arguments[d] * shape_point[d];
-      return sum <= arguments[shape_dim];
-    }
-
-    double
-    union_of(const double *arguments, const int n)
-    {
-      return std::any_of(arguments, arguments + n, [](const double a) {
-        return a != 0.;
-      });
-    }
-
-    double
-    intersection_of(const double *arguments, const int n)
-    {
-      return std::all_of(arguments, arguments + n, [](const double a) {
-        return a != 0.;
-      });
-    }
-
-    double
-    difference_of(const double *arguments, const int n)
-    {
-      return n > 0 && arguments[0] != 0. &&
-             union_of(arguments + 1, n - 1) == 0.;
-    }
-
-    const std::vector<Expression::Function> shape_functions = {
-      {"box", &box},
-      {"ball", &ball},
-      {"cylinder", &cylinder},
-      {"half_space", &half_space},
-      {"union", &union_of},
-      {"intersection", &intersection_of},
-      {"difference", &difference_of}};
-
-    template <int dim>
-    std::vector<std::string>
-    coordinates()
-    {
-      return dim == 2 ? std::vector<std::string>{"x", "y"}
-                      : std::vector<std::string>{"x", "y", "z"};
-    }
-
     template <int dim>
     ArrayView<const double>
     view(const Point<dim> &x)
@@ -208,47 +102,6 @@ namespace greville
 
 
 
-    template <int dim>
-    Expression
-    make_shape(const std::string &formula, const std::string &parameter)
-    {
-      AssertThrow(formula.find_first_not_of(" \t") != std::string::npos,
-                  ExcMessage("The parameter '" + parameter +
-                             "' is empty: it takes a formula like " +
-                             (dim == 2 ? "box(0, 0, 1, 2)."
-                                       : "box(0, 0, 0, 1, 1, 2).")));
-      const Point<dim> origin;
-      shape_point = &origin[0];
-      shape_dim   = dim;
-      return Expression(formula,
-                        parameter,
-                        coordinates<dim>(),
-                        shape_functions);
-    }
-  } // namespace
-
-
-
-  template <int dim>
-  Shape<dim>::Shape(const std::string &formula, const std::string &parameter)
-    : expression(make_shape<dim>(formula, parameter))
-  {}
-
-
-
-  template <int dim>
-  bool
-  Shape<dim>::contains(const Point<dim> &x) const
-  {
-    shape_point = &x[0];
-    shape_dim   = dim;
-    return expression(view(x)) != 0.;
-  }
-
-
-
-  namespace
-  {
     /**
      * A point before it gets the numbers of its material.
      */
@@ -372,7 +225,7 @@ namespace greville
                   ExcMessage("Cannot read the file <" + name +
                              "> of the parameter '" + section +
                              "/Points file'."));
-      std::vector<std::string> wanted = coordinates<dim>();
+      std::vector<std::string> wanted = coordinate_names<dim>();
       wanted.push_back("volume");
       std::vector<unsigned int> columns;
 
@@ -468,7 +321,7 @@ namespace greville
                                    "given by one only."));
             components = make_expressions(parameters.stress,
                                           section + "/Stress",
-                                          coordinates<dim>(),
+                                          coordinate_names<dim>(),
                                           PointLayout<dim>::n_stress);
           }
         if (K0 >= 0.)
@@ -482,7 +335,7 @@ namespace greville
             upwards = gravity[axis] < 0. ? 1. : -1.;
             components.emplace_back(parameters.surface,
                                     section + "/Surface",
-                                    coordinates<dim>());
+                                    coordinate_names<dim>());
           }
       }
 
@@ -532,7 +385,7 @@ namespace greville
         if (!parameters.displacement.empty())
           formulas = make_expressions(parameters.displacement,
                                       section + "/Displacement",
-                                      coordinates<dim>(),
+                                      coordinate_names<dim>(),
                                       dim);
         for (unsigned int d = 0; d < dim; ++d)
           steps[d] = 2e-3 * lattice.cell_size(d);
@@ -597,7 +450,7 @@ namespace greville
       if (!parameters.velocity.empty())
         velocity = make_expressions(parameters.velocity,
                                     section + "/Velocity",
-                                    coordinates<dim>(),
+                                    coordinate_names<dim>(),
                                     dim);
 
       std::vector<double> values(layout.size);
@@ -702,8 +555,6 @@ namespace greville
 
 
 
-  template class Shape<2>;
-  template class Shape<3>;
   template std::vector<unsigned int>
   make_points<2>(Body<2> &,
                  const SplineSpace<2> &,

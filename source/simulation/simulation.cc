@@ -21,17 +21,6 @@ namespace greville
 
 
     template <int dim>
-    std::vector<std::string>
-    load_variables()
-    {
-      return dim == 2
-               ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
-               : std::vector<std::string>{"x", "y", "z", "X", "Y", "Z", "t"};
-    }
-
-
-
-    template <int dim>
     MultiIndex<dim>
     to_multi_index(const std::vector<unsigned int> &numbers)
     {
@@ -91,6 +80,7 @@ namespace greville
     , comm(comm)
     , mesh(comm, Triangulation<dim>::none, mesh_settings<dim>)
     , walls(parameters.walls)
+    , loads(parameters)
     , reconstruction(run_case.degree + 1,
                      run_case.quadrature == "taylor-least-squares",
                      parameters.scheme.full_cell)
@@ -104,14 +94,6 @@ namespace greville
                          to_point<dim>(parameters.grid.lower),
                          to_point<dim>(parameters.grid.upper),
                          to_multi_index<dim>(run_case.cells));
-    if (!parameters.loads.gravity.empty())
-      gravity_formulas =
-        make_expressions(parameters.loads.gravity, "Loads/Gravity", {"t"}, dim);
-    if (!parameters.loads.body_force.empty())
-      body_force = make_expressions(parameters.loads.body_force,
-                                    "Loads/Body force",
-                                    load_variables<dim>(),
-                                    dim);
     if (!parameters.time.step.empty())
       step_formula.emplace(parameters.time.step,
                            "Time/Step",
@@ -134,7 +116,7 @@ namespace greville
         space().initialize_vector(component);
 
     make_bodies();
-    make_tractions();
+    loads.find_surfaces(all_bodies, comm);
     remember_state();
   }
 
@@ -165,7 +147,7 @@ namespace greville
     for (const std::string &name : parameters.general.bodies)
       {
         Body<dim> body = make_body(name);
-        make_points(body, cells, gravity(0.), false, false);
+        make_points(body, cells, loads.gravity(0.), false, false);
         for (const unsigned int cell : body.points.cells())
           weights[cell] += 4 * body.points.n_points(cell);
       }
@@ -183,15 +165,14 @@ namespace greville
   void
   Simulation<dim>::make_bodies()
   {
-    const bool has_load = !body_force.empty() || !parameters.tractions.empty();
     for (const std::string &name : parameters.general.bodies)
       {
         Body<dim>  body  = make_body(name);
         const auto left  = make_points(body,
                                       space(),
-                                      gravity(0.),
+                                      loads.gravity(0.),
                                       parameters.scheme.transfer == "APIC",
-                                      has_load);
+                                      loads.act_on_points());
         const auto moved = transport.move(body.points, left);
         AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
                     ExcMessage("The parameter 'Body " + name +
@@ -213,56 +194,6 @@ namespace greville
     fastest_signal = Utilities::MPI::max(fastest_signal, comm);
     left_cells.resize(all_bodies.size());
     reconstructed.resize(all_bodies.size());
-  }
-
-
-
-  template <int dim>
-  void
-  Simulation<dim>::make_tractions()
-  {
-    using Layout = PointLayout<dim>;
-    for (const std::string &name : parameters.general.tractions)
-      {
-        const TractionParameters &given   = *parameters.tractions.at(name);
-        const std::string         section = "Traction " + name;
-        Traction traction{Shape<dim>(given.shape, section + "/Shape"),
-                          make_expressions(given.traction,
-                                           section + "/Traction",
-                                           load_variables<dim>(),
-                                           dim),
-                          0.};
-        double   volume = 0.;
-        for (const Body<dim> &body : all_bodies)
-          {
-            const unsigned int s = body.points.stride();
-            body.points.for_each([&](const unsigned int, const double *p) {
-              Point<dim> X;
-              for (unsigned int d = 0; d < dim; ++d)
-                X[d] = p[(Layout::reference + d) * s];
-              if (traction.shape.contains(X))
-                volume += p[Layout::volume0 * s];
-            });
-          }
-        volume = Utilities::MPI::sum(volume, comm);
-        AssertThrow(volume > 0.,
-                    ExcMessage("The parameter '" + section + "/Shape' is <" +
-                               given.shape + ">: no point is in it."));
-        traction.area_per_volume0 = given.area / volume;
-        tractions.push_back(std::move(traction));
-      }
-  }
-
-
-
-  template <int dim>
-  Tensor<1, dim>
-  Simulation<dim>::gravity(const double at_time) const
-  {
-    Tensor<1, dim> result;
-    for (unsigned int d = 0; d < gravity_formulas.size(); ++d)
-      result[d] = gravity_formulas[d](ArrayView<const double>(&at_time, 1));
-    return result;
   }
 
 
@@ -360,46 +291,6 @@ namespace greville
 
 
   template <int dim>
-  void
-  Simulation<dim>::set_loads()
-  {
-    using Layout = PointLayout<dim>;
-    if (body_force.empty() && tractions.empty())
-      return;
-    const PartTimer timer(*this, "loads");
-    for (Body<dim> &body : all_bodies)
-      {
-        const unsigned int s    = body.points.stride();
-        const unsigned int load = body.points.layout().load;
-        body.points.for_each([&](const unsigned int, double *p) {
-          double     arguments[2 * dim + 1];
-          Point<dim> X;
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              arguments[d]       = p[(Layout::position + d) * s];
-              arguments[dim + d] = p[(Layout::reference + d) * s];
-              X[d]               = arguments[dim + d];
-            }
-          arguments[2 * dim] = t;
-          const ArrayView<const double> view(arguments, 2 * dim + 1);
-          Tensor<1, dim>                sum;
-          for (unsigned int d = 0; d < body_force.size(); ++d)
-            sum[d] = body_force[d](view);
-          for (const Traction &traction : tractions)
-            if (traction.shape.contains(X))
-              for (unsigned int d = 0; d < dim; ++d)
-                sum[d] += traction.formulas[d](view) *
-                          traction.area_per_volume0 * p[Layout::volume0 * s] /
-                          p[Layout::mass * s];
-          for (unsigned int d = 0; d < dim; ++d)
-            p[(load + d) * s] = sum[d];
-        });
-      }
-  }
-
-
-
-  template <int dim>
   const std::vector<const MaterialPoints<dim> *> &
   Simulation<dim>::quadrature_points()
   {
@@ -421,21 +312,21 @@ namespace greville
   void
   Simulation<dim>::add_grid_forces()
   {
-    const Tensor<1, dim> g = gravity(t);
+    const Tensor<1, dim> g = loads.gravity(t);
     for (unsigned int d = 0; d < dim; ++d)
       if (g[d] != 0.)
         for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
           force[d].local_element(i) += g[d] * lumped_mass.local_element(i);
 
-    const LoadParameters &loads = parameters.loads;
-    if (loads.cundall > 0. && (loads.damping_end < 0. || t < loads.damping_end))
+    const LoadParameters &given = parameters.loads;
+    if (given.cundall > 0. && (given.damping_end < 0. || t < given.damping_end))
       for (unsigned int d = 0; d < dim; ++d)
         for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
           {
             double      &f = force[d].local_element(i);
             const double v = velocity[d].local_element(i);
             if (v != 0.)
-              f -= loads.cundall * std::copysign(std::abs(f), v);
+              f -= given.cundall * std::copysign(std::abs(f), v);
           }
   }
 
@@ -549,8 +440,8 @@ namespace greville
   void
   Simulation<dim>::damp_kinetically()
   {
-    const LoadParameters &loads = parameters.loads;
-    if (!loads.kinetic || (loads.damping_end >= 0. && t >= loads.damping_end))
+    const LoadParameters &given = parameters.loads;
+    if (!given.kinetic || (given.damping_end >= 0. && t >= given.damping_end))
       return;
     const double kinetic = kinetic_energy<dim>(all_bodies, comm);
     if (kinetic < last_kinetic)
@@ -632,7 +523,10 @@ namespace greville
         }
 
     const std::string &order = parameters.scheme.stress_update;
-    set_loads();
+    {
+      const PartTimer timer(*this, "loads");
+      loads.set(all_bodies, t);
+    }
     {
       const PartTimer timer(*this, "points to grid");
       transfer.points_to_grid(quadrature_points(),
@@ -702,7 +596,7 @@ namespace greville
   Simulation<dim>::statistics() const
   {
     Statistics<dim> result =
-      compute_statistics<dim>(all_bodies, transfer, gravity(t), comm);
+      compute_statistics<dim>(all_bodies, transfer, loads.gravity(t), comm);
     result.time       = t;
     result.step       = dt;
     result.iterations = iterations;

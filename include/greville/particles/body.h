@@ -40,34 +40,6 @@ namespace greville
 
 
   /**
-   * The inside of a body, from a formula of x, y (and z) that is true (not 0)
-   * inside. Besides the formulas of Expression it knows the shapes
-   *   box(x0, y0, [z0,] x1, y1, [z1]), ball(x, y, [z,] radius),
-   *   cylinder(x0, y0, z0, x1, y1, z1, radius) with its axis from the first to
-   *   the second point (in 3D),
-   *   half_space(n_x, n_y, [n_z,] c): n . x <= c,
-   * and combines them by union(a, b, ...), intersection(a, b, ...) and
-   * difference(a, b, ...): in a and not in b, ...
-   */
-  template <int dim>
-  class Shape
-  {
-  public:
-    /**
-     * Throws dealii::ExcMessage where @p formula is wrong.
-     */
-    Shape(const std::string &formula, const std::string &parameter);
-
-    bool
-    contains(const dealii::Point<dim> &x) const;
-
-  private:
-    Expression expression;
-  };
-
-
-
-  /**
    * A body: its material and its points on this process.
    */
   template <int dim>

@@ -10,25 +10,25 @@ namespace greville
    * quantity f of the points becomes the polynomial
    *   f(t) = a_0 + sum_k a_k psi_k(t),   t = (x - centre) / h,
    * with psi = t_d, t_d t_e, t_d^2 - 1/12, whose mean over the cell is zero, so
-   * that the integral is a_0 |cell|. Reconstructed are density, momentum, stress
-   * and the force of loads, by one of two methods:
+   * that the integral is a_0 |cell|. Reconstructed are density, momentum,
+   * stress and the force of loads, by one of two methods:
    *
    * - Taylor least squares (E. Wobbes, M. Moeller, V. Galavi, C. Vuik,
    *   Conservative Taylor least squares reconstruction with application to
    *   material point methods, 2019): for density, momentum and force, a_0 is
-   *   sum_p V_p f_p / |cell|, which conserves mass and momentum cell by cell, and
-   *   the other a_k fit the values at the points by least squares. For stress
+   *   sum_p V_p f_p / |cell|, which conserves mass and momentum cell by cell,
+   * and the other a_k fit the values at the points by least squares. For stress
    *   a_0 is fitted as well.
    * - Least squares: all a_k are fitted for all quantities. Then the density of
    *   all full cells is multiplied by the number, and their velocity changed by
-   *   the constant, that give back the mass and the momentum of all points. This
-   *   does not see how many points happen to lie in a cell, which makes it the
-   *   more accurate of both as soon as points move.
+   *   the constant, that give back the mass and the momentum of all points.
+   * This does not see how many points happen to lie in a cell, which makes it
+   * the more accurate of both as soon as points move.
    *
    * A cell is full where the volume of its points is at least a given part of
-   * its own and where there are more points than polynomials. In directions with
-   * too few different positions polynomials are left out. Other cells keep their
-   * points.
+   * its own and where there are more points than polynomials. In directions
+   * with too few different positions polynomials are left out. Other cells keep
+   * their points.
    */
   template <int dim>
   class Reconstruction

@@ -5,6 +5,7 @@
 #include <greville/particles/reconstruction.h>
 #include <greville/simulation/comparison.h>
 #include <greville/simulation/grid_mass.h>
+#include <greville/simulation/loads.h>
 #include <greville/simulation/statistics.h>
 
 #include <map>
@@ -190,17 +191,7 @@ namespace greville
       return transfer;
     }
 
-    dealii::Tensor<1, dim>
-    gravity(const double at_time) const;
-
   private:
-    struct Traction
-    {
-      Shape<dim>              shape;
-      std::vector<Expression> formulas;
-      double                  area_per_volume0;
-    };
-
     class PartTimer;
 
     /**
@@ -219,19 +210,10 @@ namespace greville
     make_bodies();
 
     void
-    make_tractions();
-
-    void
     choose_step();
 
     void
     estimate_critical_step();
-
-    /**
-     * Accelerations by loads that points carry.
-     */
-    void
-    set_loads();
 
     /**
      * What integrals are summed over: the points, or their reconstruction.
@@ -283,13 +265,12 @@ namespace greville
     MPI_Comm                       comm;
     DistributedTriangulation<dim>  mesh;
     Walls<dim>                     walls;
+    Loads<dim>                     loads;
     std::unique_ptr<GridMass<dim>> grid_mass;
     PointTransfer<dim>             transfer;
     PointTransport<dim>            transport;
     Reconstruction<dim>            reconstruction;
     std::vector<Body<dim>>         all_bodies;
-    std::vector<Traction>          tractions;
-    std::vector<Expression>        gravity_formulas, body_force;
     std::optional<Expression>      step_formula;
 
     // Points that integrals are summed over.
