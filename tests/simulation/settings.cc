@@ -1,0 +1,129 @@
+// Settings that no other test sees: each has an effect. And the hydrostatic
+// column against the published errors of CB-Geo MPM.
+#include <greville/simulation/run.h>
+
+#include "simulation.h"
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+
+  // The critical step is estimated again while the body moves over the grid.
+  const auto critical_steps = [](const std::string &every) {
+    Simulated<2>     run(block_2d("ball(0.3, 0.5, 0.2)", 10)
+                       .with("Body body", {"Velocity = 1; 0.3"})
+                       .with("Time",
+                             {"End = 1",
+                                  "Maximum steps = 20",
+                                  "Step = 2e-3",
+                                  "Too large step = warn",
+                                  "Estimate every = " + every}));
+    std::set<double> values;
+    while (!run->is_finished())
+      {
+        run->step();
+        values.insert(run->critical());
+      }
+    return values.size();
+  };
+  check("Estimate every = 0", critical_steps("0") == 1);
+  check("Estimate every = 5", critical_steps("5") == 4);
+
+  // With a part that no cell reaches, a reconstruction keeps all points.
+  const auto kinetic = [](const std::vector<std::string> &scheme) {
+    Simulated<2> run(
+      block_2d("box(0.1, 0.1, 0.83, 0.87)", 6)
+        .with("Body body",
+              {"Velocity = x^2; sin(5 * x)", "Points per direction = 4"})
+        .with("Time", {"End = 0.02", "Step = 1e-3"})
+        .with("Scheme", scheme));
+    run.run();
+    return run->statistics().kinetic;
+  };
+  const double points = kinetic({"Quadrature = points"});
+  check("Full cell = 2",
+        std::abs(kinetic({"Quadrature = least-squares", "Full cell = 2"}) /
+                   points -
+                 1.),
+        1e-12);
+  check("Full cell = 0.5",
+        std::abs(kinetic({"Quadrature = least-squares"}) / points - 1.) > 1e-6);
+
+  // Clipping
+  {
+    Simulated<2> run(block_2d("box(0.5, 0.5, 3, 3)", 4)
+                       .with("Body body", {"Clip at the grid = true"}));
+    check("Clip at the grid", std::abs(run->statistics().mass - 0.25), 1e-12);
+  }
+
+  // Solver
+  const Text full =
+    block_2d("box(0, 0, 1, 1)", 6)
+      .with("Body body", {"Velocity = x^2; 0", "Points per direction = 3"})
+      .with("Scheme", {"Mass = cg"})
+      .with("Time", {"End = 4e-3", "Step = 1e-3"});
+  {
+    std::string message;
+    try
+      {
+        Simulated<2> run(full.with("Solver", {"Maximum iterations = 2"}));
+        run->step();
+      }
+    catch (const std::exception &error)
+      {
+        message = message_of(error);
+      }
+    check("Maximum iterations",
+          message.find("not within 2 iterations") != std::string::npos);
+  }
+  const auto iterations = [&](const std::string &tolerance) {
+    Simulated<2> run(full.with("Solver", {"Tolerance = " + tolerance}));
+    run->step();
+    return run->n_iterations();
+  };
+  check("Tolerance", iterations("1e-12") > iterations("1e-4"));
+
+  // The folder of a run
+  {
+    const bool first = Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+    if (first)
+      std::ofstream("named.prm")
+        << full.with("Simulation", {"Name = renamed"}).content;
+    MPI_Barrier(MPI_COMM_WORLD);
+    std::streambuf *const buffer = std::cout.rdbuf(nullptr);
+    ParameterAcceptor::clear();
+    run_simulations("named.prm", MPI_COMM_WORLD);
+    MPI_Barrier(MPI_COMM_WORLD);
+    std::cout.rdbuf(buffer);
+    std::cout.clear();
+    std::cout.width(0);
+    check("Name",
+          std::filesystem::exists(std::filesystem::path("output") / "renamed" /
+                                  "summary.json"));
+  }
+
+  // Stress at rest: largest error of any point below the published error of
+  // the base pressure at the same h.
+  const std::pair<unsigned int, double> published[] = {{12, 0.0485},
+                                                       {24, 0.0233},
+                                                       {48, 0.0108}};
+  for (const auto &size : published)
+    {
+      ParameterAcceptor::clear();
+      const SimulationParameters parameters(
+        std::string(SOURCE_DIR) +
+        "/../../prm/simulation/hydrostatic_column.prm");
+      Simulation<2> column(parameters,
+                           {{1, size.first}, 2, "lumped", "points"});
+      while (!column.is_finished())
+        column.step();
+      check("hydrostatic, " + std::to_string(size.first) +
+              " cells: relative to the published error",
+            ExactSolution<2>(parameters.exact)
+                .stress(column.bodies(), column.time(), MPI_COMM_WORLD)
+                ->max /
+              size.second,
+            0.5);
+    }
+}
