@@ -16,7 +16,6 @@ namespace greville
   public:
     mu::Parser          parser;
     std::vector<double> values;
-    std::vector<bool>   used;
   };
 
 
@@ -42,7 +41,6 @@ namespace greville
     : parser(std::make_unique<Parser>())
   {
     parser->values.assign(variables.size(), 0.);
-    parser->used.assign(variables.size(), false);
     try
       {
         parser->parser.DefineConst("pi", numbers::PI);
@@ -51,10 +49,6 @@ namespace greville
         for (const Function &function : functions)
           parser->parser.DefineFun(function.name, function.function);
         parser->parser.SetExpr(text);
-        for (const auto &variable : parser->parser.GetUsedVar())
-          for (unsigned int i = 0; i < variables.size(); ++i)
-            if (variable.first == variables[i])
-              parser->used[i] = true;
         parser->parser.Eval();
       }
     catch (const mu::ParserError &error)
@@ -88,25 +82,6 @@ namespace greville
   {
     AssertDimension(values.size(), parser->values.size());
     std::copy(values.begin(), values.end(), parser->values.begin());
-    return parser->parser.Eval();
-  }
-
-
-
-  bool
-  Expression::uses(const unsigned int variable) const
-  {
-    return parser->used[variable];
-  }
-
-
-
-  std::optional<double>
-  Expression::constant() const
-  {
-    if (std::find(parser->used.begin(), parser->used.end(), true) !=
-        parser->used.end())
-      return {};
     return parser->parser.Eval();
   }
 

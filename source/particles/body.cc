@@ -5,6 +5,7 @@
 #include <greville/particles/body.h>
 #include <greville/particles/shape.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <random>
@@ -168,16 +169,22 @@ namespace greville
               point.id     = position * n_in_cell + k;
               point.cell   = cell;
               point.volume = 1.;
-              std::mt19937_64 random(point.id * 0x9E3779B97F4A7C15ull +
-                                     parameters.seed);
-              std::uniform_real_distribution<double> uniform(-1., 1.);
+              // As costly as all the rest: only where it is wanted.
+              std::array<double, dim> shift{};
+              if (parameters.jitter > 0.)
+                {
+                  std::mt19937_64 random(point.id * 0x9E3779B97F4A7C15ull +
+                                         parameters.seed);
+                  std::uniform_real_distribution<double> uniform(-1., 1.);
+                  for (double &entry : shift)
+                    entry = parameters.jitter * uniform(random);
+                }
               for (unsigned int d = 0; d < dim; ++d)
                 {
                   const unsigned int n = extents[d];
                   double xi = gauss ? quadratures[d].point(local[d])(0)
                                     : (local[d] + 0.5) / n;
-                  if (parameters.jitter > 0.)
-                    xi += parameters.jitter * uniform(random) * 0.5 / n;
+                  xi += shift[d] * 0.5 / n;
                   xi         = std::min(std::max(xi, 1e-9), 1. - 1e-9);
                   point.x[d] = corner[d] + xi * lattice.cell_size(d);
                   point.volume *=

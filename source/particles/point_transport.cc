@@ -94,8 +94,12 @@ namespace greville
         if (is_outside)
           {
             ++result.n_removed;
-            result.outside = std::int64_t(values[PointLayout<dim>::id]);
-            result.outside_position = x;
+            // What is no number is the worse.
+            if (std::isfinite(result.outside_position.norm()))
+              {
+                result.outside = std::int64_t(values[PointLayout<dim>::id]);
+                result.outside_position = x;
+              }
             continue;
           }
         const std::uint64_t position =

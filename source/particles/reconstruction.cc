@@ -69,6 +69,28 @@ namespace greville
     private:
       std::array<bool, dim> linear, quadratic;
     };
+    /**
+     * Invert a symmetric matrix with a positive diagonal. Returns false where
+     * it is singular up to 1e-8 of that.
+     */
+    bool
+    invert(FullMatrix<double> &matrix)
+    {
+      // Pivots of the factorization L D L^T
+      const unsigned int n = matrix.m();
+      FullMatrix<double> L(matrix);
+      for (unsigned int k = 0; k < n; ++k)
+        {
+          if (!(L(k, k) > 1e-8 * matrix(k, k)))
+            return false;
+          for (unsigned int i = k + 1; i < n; ++i)
+            for (unsigned int j = k + 1; j < n; ++j)
+              L(i, j) -= L(i, k) * L(k, j) / L(k, k);
+        }
+      if (n > 0)
+        matrix.gauss_jordan();
+      return true;
+    }
   } // namespace
 
 
@@ -183,11 +205,7 @@ namespace greville
                               (field(members[k], f) - coefficients(f, n_psi));
                   }
               }
-            if (n_psi > 0)
-              {
-                normal.gauss_jordan();
-                centered.gauss_jordan();
-              }
+            is_full = invert(normal) && invert(centered);
             for (unsigned int f = 0; f < n_fields; ++f)
               {
                 if (fits_constant(f))
@@ -205,7 +223,7 @@ namespace greville
               }
 
             // All densities have to be positive.
-            for (unsigned int q = 0; q < quadrature.size(); ++q)
+            for (unsigned int q = 0; is_full && q < quadrature.size(); ++q)
               {
                 Tensor<1, dim> t;
                 for (unsigned int d = 0; d < dim; ++d)

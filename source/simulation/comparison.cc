@@ -246,9 +246,9 @@ namespace greville
     for (const auto &row : series)
       {
         const auto next = std::lower_bound(times.begin(), times.end(), row[0]);
-        if (next == times.end() || next == times.begin())
+        if (next == times.end() || row[0] < times.front() || times.size() < 2)
           continue;
-        const std::size_t k = next - times.begin();
+        const std::size_t k = std::max<std::size_t>(1, next - times.begin());
         const double      share =
           (row[0] - times[k - 1]) / (times[k] - times[k - 1]);
         const double value =

@@ -4,9 +4,11 @@
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/numerics/data_out.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/simulation/output.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -17,11 +19,6 @@ namespace greville
 
   namespace
   {
-    constexpr unsigned int stress_components[6][2] = {
-      {0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-
-
-
     /**
      * Points as DataOutBase writes them: patches without extension.
      */
@@ -193,11 +190,34 @@ namespace greville
   template <int dim>
   void
   FieldOutput<dim>::write_record(const unsigned int kind,
-                                 const std::string &name)
+                                 const std::string &name,
+                                 const MPI_Comm     comm)
   {
     std::ostringstream text;
     DataOutBase::write_pvd_record(text, times_and_names[kind]);
-    write_atomically(directory + "/" + name, text.str());
+    run_on_all(
+      [&]() {
+        if (Utilities::MPI::this_mpi_process(comm) == 0)
+          write_atomically(directory + "/" + name, text.str());
+      },
+      comm);
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::write_points(const double                  time,
+                                 const std::vector<Body<dim>> &bodies,
+                                 const MPI_Comm                comm)
+  {
+    const unsigned int number = n_written();
+
+    PointsOut<dim> points(bodies);
+    points.set_flags(fast_compression());
+    times_and_names[0].emplace_back(
+      time, write_parallel(points, directory, "points", number, comm));
+    write_record(0, "points.pvd", comm);
   }
 
 
@@ -213,14 +233,7 @@ namespace greville
   {
     const MPI_Comm     comm   = space.communicator();
     const unsigned int number = n_written();
-    const bool         first  = Utilities::MPI::this_mpi_process(comm) == 0;
-
-    PointsOut<dim> points(bodies);
-    points.set_flags(fast_compression());
-    times_and_names[0].emplace_back(
-      time, write_parallel(points, directory, "points", number, comm));
-    if (first)
-      write_record(0, "points.pvd");
+    write_points(time, bodies, comm);
     if (!with_grid)
       return;
 
@@ -270,8 +283,7 @@ namespace greville
     data_out.build_patches(space.degree());
     times_and_names[1].emplace_back(
       time, write_parallel(data_out, directory, "grid", number, comm));
-    if (first)
-      write_record(1, "grid.pvd");
+    write_record(1, "grid.pvd", comm);
   }
 
 
@@ -320,11 +332,13 @@ namespace greville
                 }
             });
           }
-        const double best = Utilities::MPI::min(nearest, comm);
-        const double none = std::numeric_limits<double>::max();
-        probe.body        = Utilities::MPI::min<unsigned int>(
-          nearest == best ? probe.body : numbers::invalid_unsigned_int, comm);
-        probe.id = Utilities::MPI::min(nearest == best ? probe.id : none, comm);
+        const double       best = Utilities::MPI::min(nearest, comm);
+        const double       none = std::numeric_limits<double>::max();
+        const unsigned int own_body =
+          nearest == best ? probe.body : numbers::invalid_unsigned_int;
+        probe.body = Utilities::MPI::min(own_body, comm);
+        probe.id =
+          Utilities::MPI::min(own_body == probe.body ? probe.id : none, comm);
         probes.push_back(probe);
       }
     if (Utilities::MPI::this_mpi_process(comm) == 0)

@@ -493,12 +493,29 @@ namespace greville
                              walls.velocity[w] +
                              ">: a moving wall has one, others have none."));
 
-    const std::string        mass   = scheme.mass;
     std::vector<std::string> masses = sweep.masses;
-    masses.push_back(mass);
+    masses.push_back(scheme.mass);
     for (const std::string &name : masses)
       if (name != "consistent")
         MassSolver<2>::check_name(name);
+    for (const auto &traction : tractions)
+      AssertThrow(traction.second->area > 0.,
+                  ExcMessage("The parameter 'Traction " + traction.first +
+                             "/Area' has to be positive."));
+    AssertThrow(reference.time_unit > 0. && reference.value_unit > 0.,
+                ExcMessage("'Reference/Time unit' and 'Reference/Value unit' "
+                           "have to be positive."));
+    for (unsigned int w = 0; w < 6; ++w)
+      AssertThrow((walls.friction[w] == 0. || walls.type[w] == "friction") &&
+                    (w < 2 * dim || walls.type[w] == "free"),
+                  ExcMessage("The wall '" + WallParameters::names[w] + "' is " +
+                             walls.type[w] +
+                             (w < 2 * dim ? ", but has a friction."
+                                          : ", but there is none in 2D.")));
+    for (const auto &body : bodies)
+      AssertThrow((body.second->K0 >= 0.) == !body.second->surface.empty(),
+                  ExcMessage("'Body " + body.first +
+                             "' needs both of 'K0' and 'Surface', or none."));
     for (const auto &body : bodies)
       {
         std::string known;

@@ -1,3 +1,4 @@
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/simulation/run.h>
 
@@ -5,6 +6,7 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
+#include <limits>
 #include <sstream>
 #include <unistd.h>
 
@@ -67,6 +69,12 @@ namespace greville
         statistics_file << '\n';
         statistics_file.precision(14);
       }
+    run_on_all(
+      [&]() {
+        AssertThrow(!is_first || statistics_file,
+                    ExcMessage("Cannot write into <" + directory + ">."));
+      },
+      comm);
   }
 
 
@@ -88,7 +96,8 @@ namespace greville
           {
             if (is_terminal && parameters.output.print_times)
               out << "\r\033[K" << std::flush;
-            write_fields();
+            // The fields of the grid are those of the step that failed.
+            fields.write_points(simulation.time(), simulation.bodies(), comm);
             throw;
           }
         for (const std::string &warning : simulation.take_warnings())
@@ -130,8 +139,12 @@ namespace greville
     if (measured.has_series())
       summary.series = measured.series_distance();
     print_summary(summary);
-    if (is_first)
-      write_summary(summary);
+    run_on_all(
+      [&]() {
+        if (is_first)
+          write_summary(summary);
+      },
+      comm);
     return summary;
   }
 

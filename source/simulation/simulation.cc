@@ -85,6 +85,11 @@ namespace greville
                      run_case.quadrature == "taylor-least-squares",
                      parameters.scheme.full_cell)
   {
+    AssertThrow(parameters.general.dimension == dim &&
+                  run_case.cells.size() == dim,
+                ExcMessage("The parameters are those of a simulation in " +
+                           std::to_string(parameters.general.dimension) +
+                           "D, not " + std::to_string(dim) + "D."));
     AssertThrow(!(parameters.scheme.transfer == "APIC" &&
                   run_case.quadrature != "points"),
                 ExcMessage("'Scheme/Transfer' = APIC goes with "
@@ -271,9 +276,11 @@ namespace greville
       }
     else
       next = std::min(time.cfl * h / fastest_signal, time.safety * critical_dt);
-    AssertThrow(std::isfinite(next),
-                ExcMessage("Nothing limits the time step: give "
-                           "'Time/Step'."));
+    AssertThrow(std::isfinite(next) && next > 0.,
+                ExcMessage("The automatic time step is " +
+                           std::to_string(next) +
+                           " s: give 'Time/Step', or a 'Time/CFL number' and "
+                           "a 'Time/Safety' above zero."));
 
     // Equal steps to the end where a step is given; a last one that is not tiny
     // otherwise.
@@ -373,15 +380,22 @@ namespace greville
           {
             if (!move)
               continue;
-            const unsigned int s = body.points.stride();
+            const unsigned int s     = body.points.stride();
+            double             speed = 0.;
             body.points.for_each([&](const unsigned int cell, double *p) {
+              double square = 0.;
               for (unsigned int d = 0; d < dim; ++d)
-                p[(PointLayout<dim>::position + d) * s] +=
-                  dt * p[(PointLayout<dim>::velocity + d) * s];
+                {
+                  const double v = p[(PointLayout<dim>::velocity + d) * s];
+                  p[(PointLayout<dim>::position + d) * s] += dt * v;
+                  square += v * v;
+                }
+              speed = std::max(speed, std::sqrt(square));
               if (!body.points.is_inside(cell, p, s) &&
                   (left_cells[b].empty() || left_cells[b].back() != cell))
                 left_cells[b].push_back(cell);
             });
+            fastest_signal = std::max(fastest_signal, speed);
             continue;
           }
         update.material          = body.material;
@@ -448,10 +462,14 @@ namespace greville
       {
         for (Body<dim> &body : all_bodies)
           {
-            const unsigned int s = body.points.stride();
+            const auto        &layout = body.points.layout();
+            const unsigned int s      = body.points.stride();
             body.points.for_each([&](const unsigned int, double *p) {
               for (unsigned int d = 0; d < dim; ++d)
                 p[(PointLayout<dim>::velocity + d) * s] = 0.;
+              if (layout.has_affine)
+                for (unsigned int k = 0; k < dim * dim; ++k)
+                  p[(layout.affine + k) * s] = 0.;
             });
           }
         last_kinetic = 0.;
@@ -466,9 +484,12 @@ namespace greville
   void
   Simulation<dim>::remember_state()
   {
-    remembered.t     = t;
-    remembered.dt    = dt;
-    remembered.steps = steps;
+    remembered.t             = t;
+    remembered.velocity_time = velocity_time;
+    remembered.n_removed     = n_all_removed;
+    remembered.last_kinetic  = last_kinetic;
+    remembered.dt            = dt;
+    remembered.steps         = steps;
     remembered.points.resize(all_bodies.size());
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
       remembered.points[b] = all_bodies[b].points;
@@ -478,20 +499,24 @@ namespace greville
 
   template <int dim>
   void
-  Simulation<dim>::check(const std::string &message)
+  Simulation<dim>::check(const std::string message)
   {
     if (Utilities::MPI::max<unsigned int>(!message.empty(), comm) == 0)
       return;
     std::ostringstream where;
     where << "Step " << steps + 1 << " at t = " << t << " s, dt = " << dt
           << " s: ";
-    t     = remembered.t;
-    dt    = remembered.dt;
-    steps = remembered.steps;
+    t             = remembered.t;
+    velocity_time = remembered.velocity_time;
+    n_all_removed = remembered.n_removed;
+    last_kinetic  = remembered.last_kinetic;
+    dt            = remembered.dt;
+    steps         = remembered.steps;
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
       all_bodies[b].points = remembered.points[b];
-    where << (message.empty() ? "" : message) << ". The state of step " << steps
-          << ", t = " << t << " s, is the last good one that was kept.";
+    where << message << ". The state of step " << steps << ", t = " << t
+          << " s, is the last good one that was kept.";
+    problem.clear();
     throw_on_all(message.empty() ? "" : where.str(), comm);
   }
 
@@ -538,7 +563,7 @@ namespace greville
       const PartTimer timer(*this, "mass");
       grid_mass->update(lumped_mass, summed_points, transfer);
     }
-    solve_velocity(velocity, momentum, t);
+    solve_velocity(velocity, momentum, velocity_time);
     fastest_signal = 0.;
     if (order == "USF")
       {
@@ -552,7 +577,7 @@ namespace greville
       const PartTimer timer(*this, "solve");
       for (VectorType &component : acceleration)
         component = 0.;
-      walls.hold_acceleration(acceleration, t, velocity_dt);
+      walls.hold_acceleration(acceleration, velocity_time, velocity_dt);
       grid_mass->solve(acceleration, force);
       iterations = std::max(iterations, grid_mass->n_iterations());
     }
@@ -577,7 +602,7 @@ namespace greville
                                   &momentum,
                                   nullptr);
         }
-        solve_velocity(mapped_velocity, momentum, t + dt);
+        solve_velocity(mapped_velocity, momentum, velocity_time + velocity_dt);
         walls.stop(mapped_velocity);
         update_points(nullptr, &new_velocity, &mapped_velocity, true);
       }
@@ -585,6 +610,7 @@ namespace greville
     check(problem);
     fastest_signal = Utilities::MPI::max(fastest_signal, comm);
     t += dt;
+    velocity_time += velocity_dt;
     ++steps;
     damp_kinetically();
   }

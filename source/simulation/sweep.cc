@@ -3,6 +3,7 @@
 #include <greville/simulation/run.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iomanip>
@@ -90,7 +91,8 @@ namespace greville
     write_table(const std::vector<SweepRow> &rows,
                 const std::string           &directory,
                 std::ostream                &out,
-                const bool                   is_first)
+                const bool                   is_first,
+                const MPI_Comm               comm)
     {
       std::ostringstream csv;
       csv << "mass,quadrature,p,cells,error_l2,error_max,order\n";
@@ -121,8 +123,12 @@ namespace greville
           out << '\n';
         }
       out << "  results: " << directory << std::endl;
-      if (is_first)
-        write_atomically(directory + "/convergence.csv", csv.str());
+      run_on_all(
+        [&]() {
+          if (is_first)
+            write_atomically(directory + "/convergence.csv", csv.str());
+        },
+        comm);
     }
 
 
@@ -145,9 +151,12 @@ namespace greville
                                      row.run_case.quadrature + "_p" +
                                      std::to_string(row.run_case.degree) + "_" +
                                      std::to_string(row.cells);
-          if (is_first)
-            std::filesystem::create_directories(folder);
-          MPI_Barrier(comm);
+          run_on_all(
+            [&]() {
+              if (is_first)
+                std::filesystem::create_directories(folder);
+            },
+            comm);
           SimulationRun<dim> run(parameters, row.run_case, folder, out, comm);
           try
             {
@@ -170,7 +179,7 @@ namespace greville
           out << std::endl;
         }
       if (has_exact)
-        write_table(rows, directory, out, is_first);
+        write_table(rows, directory, out, is_first, comm);
       std::string failures;
       for (const SweepRow &row : rows)
         if (!row.failure.empty())
@@ -204,9 +213,45 @@ namespace greville
         if (!is_first)
           return;
         std::filesystem::create_directories(directory);
+        // The copy lies elsewhere: it has absolute names of files, which the
+        // parameters of this run get back at the end.
+        ParameterHandler &prm = ParameterAcceptor::prm;
+        const auto        set = [&](const std::string &section,
+                             const std::string &entry,
+                             const std::string &value) {
+          prm.enter_subsection(section);
+          const std::string old = prm.get(entry);
+          prm.set(entry, value);
+          prm.leave_subsection();
+          return old;
+        };
+        std::vector<std::array<std::string, 3>> entries = {
+          {{"Simulation", "Name", name}},
+          {{"Reference",
+            "Surface file",
+            parameters.path_of(parameters.reference.surface_file)}},
+          {{"Reference",
+            "Series file",
+            parameters.path_of(parameters.reference.series_file)}}};
+        for (const auto &body : parameters.bodies)
+          entries.push_back(
+            {{"Body " + body.first, "Points file", body.second->points_file}});
+        for (auto &entry : entries)
+          {
+            const bool is_file = entry[0] != "Simulation";
+            prm.enter_subsection(entry[0]);
+            const bool is_given = !prm.get(entry[1]).empty();
+            prm.leave_subsection();
+            if (is_file)
+              entry[2] =
+                is_given ? std::filesystem::absolute(entry[2]).string() : "";
+            entry[2] = set(entry[0], entry[1], entry[2]);
+          }
         std::ostringstream used;
         ParameterAcceptor::prm.print_parameters(used, ParameterHandler::Text);
         write_atomically(directory + "/parameters.prm", used.str());
+        for (const auto &entry : entries)
+          set(entry[0], entry[1], entry[2]);
       },
       comm);
 

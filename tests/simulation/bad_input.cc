@@ -74,6 +74,15 @@ main(int argc, char **argv)
                  {"Series file = good.csv", "Series quantity = fronts"}));
   test("step above the limit", good.with("Time", {"End = 10", "Step = 1"}));
   test("negative step", good.with("Time", {"Step = -h"}));
+  test("no CFL number", good.with("Time", {"Step =", "CFL number = 0"}));
+  test("traction without area",
+       good.with("Simulation", {"Tractions = pull"})
+         .with("Traction pull",
+               {"Shape = ball(0.5, 0.5, 1)", "Traction = 1; 0"}));
+  test("friction of a wall without it",
+       good.with("Walls", {"Top = fixed", "Top friction = 0.3"}));
+  test("front wall in 2D", good.with("Walls", {"Front = fixed"}));
+  test("surface without K0", good.with("Body body", {"Surface = 1"}));
   test("unknown mass", good.with("Scheme", {"Mass = lumpd"}));
   test("APIC with a reconstruction",
        good.with("Scheme", {"Transfer = APIC", "Quadrature = least-squares"}));
@@ -92,7 +101,8 @@ main(int argc, char **argv)
   test("K0 without gravity",
        good.with("Body body", {"K0 = 0.5", "Surface = 1"}));
   test("stress and K0",
-       good.with("Body body", {"K0 = 0.5", "Stress = 1; 1; 1; 0"}));
+       good.with("Body body",
+                 {"K0 = 0.5", "Surface = 1", "Stress = 1; 1; 1; 0"}));
 
   // Runs that break
   const Text flying =

@@ -68,6 +68,21 @@ main(int argc, char **argv)
       check(mass + ", velocity at the moving wall", max_all(worst), 1e-12);
     }
 
+  // A wall that speeds up: at half steps it has the velocity of that time.
+  for (const std::string at : {"half steps", "full steps"})
+    {
+      Simulated<2> run(
+        block_2d("box(0, 0, 1, 1)", 4)
+          .with("Walls", {"Top = moving", "Top velocity = t; 0"})
+          .with("Time",
+                {"End = 0.02", "Step = 0.002", "Velocities at = " + at}));
+      run.run();
+      const double wanted = at == "half steps" ? 0.019 : 0.02;
+      check("wall that speeds up, " + at,
+            std::abs(run->grid_velocity()[0].linfty_norm() - wanted),
+            1e-12);
+    }
+
   // A stiff block slides on a friction wall under gravity: v = v0 - mu g t
   // until it stops.
   const Text sliding =

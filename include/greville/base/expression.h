@@ -4,7 +4,6 @@
 #include <deal.II/base/array_view.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,18 +45,6 @@ namespace greville
      */
     double
     operator()(const dealii::ArrayView<const double> &values) const;
-
-    /**
-     * Whether the formula contains the variable with number @p variable.
-     */
-    bool
-    uses(const unsigned int variable) const;
-
-    /**
-     * The value of a formula without variables.
-     */
-    std::optional<double>
-    constant() const;
 
   private:
     class Parser;

@@ -70,7 +70,8 @@ namespace greville
     double largest = 0.;
     /// Number of data that could be compared.
     unsigned int n = 0;
-    /// mean / mean of the data.
+    /// Surface: mean over the mean of the data; series: mean of the relative
+    /// distances.
     double relative = 0.;
   };
 

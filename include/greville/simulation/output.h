@@ -22,10 +22,10 @@ namespace greville
     FieldOutput(const std::string &directory, const bool with_grid);
 
     /**
-     * Collective. Points: velocity, displacement, stress (3 x 3), pressure,
-     * von Mises stress, J, density, body, id and history. Grid: @p velocity and
-     * mass per function @p mass, as Bezier cells of the order of the space.
-     * Vectors have no ghost values.
+     * Collective. Points: velocity, displacement, the components of stress,
+     * pressure, von Mises stress, J, density, body, id and history. Grid: @p
+     * velocity and mass per function @p mass, as Bezier cells of the order of
+     * the space. Vectors have no ghost values.
      */
     void
     write(const double                   time,
@@ -36,7 +36,15 @@ namespace greville
           const VectorType              &mass);
 
     /**
-     * The last number written.
+     * Collective. Write points only.
+     */
+    void
+    write_points(const double                  time,
+                 const std::vector<Body<dim>> &bodies,
+                 const MPI_Comm                comm);
+
+    /**
+     * How many times have been written.
      */
     unsigned int
     n_written() const
@@ -46,7 +54,9 @@ namespace greville
 
   private:
     void
-    write_record(const unsigned int kind, const std::string &name);
+    write_record(const unsigned int kind,
+                 const std::string &name,
+                 const MPI_Comm     comm);
 
     const std::string directory;
     const bool        with_grid;

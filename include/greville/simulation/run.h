@@ -1,6 +1,7 @@
 #ifndef greville_simulation_run_h
 #define greville_simulation_run_h
 
+#include <greville/simulation/comparison.h>
 #include <greville/simulation/output.h>
 #include <greville/simulation/simulation.h>
 

@@ -3,7 +3,6 @@
 
 #include <greville/particles/point_transport.h>
 #include <greville/particles/reconstruction.h>
-#include <greville/simulation/comparison.h>
 #include <greville/simulation/grid_mass.h>
 #include <greville/simulation/loads.h>
 #include <greville/simulation/statistics.h>
@@ -185,12 +184,6 @@ namespace greville
       return mesh;
     }
 
-    const PointTransfer<dim> &
-    point_transfer() const
-    {
-      return transfer;
-    }
-
   private:
     class PartTimer;
 
@@ -258,7 +251,7 @@ namespace greville
      * has a message.
      */
     void
-    check(const std::string &message);
+    check(const std::string message);
 
     const SimulationParameters    &parameters;
     const SimulationCase           run_case;
@@ -284,6 +277,7 @@ namespace greville
 
     double        t              = 0.;
     double        dt             = 0.; // of the last step
+    double        velocity_time  = 0.; // that of the points' velocities
     double        velocity_dt    = 0.;
     double        critical_dt    = 0.;
     double        fastest_signal = 0.;
@@ -298,8 +292,10 @@ namespace greville
 
     struct Remembered
     {
-      double                           t = 0., dt = 0.;
-      unsigned int                     steps = 0;
+      double                           t = 0., dt = 0., velocity_time = 0.;
+      double                           last_kinetic = 0.;
+      std::uint64_t                    n_removed    = 0;
+      unsigned int                     steps        = 0;
       std::vector<MaterialPoints<dim>> points;
     };
     Remembered remembered;
