@@ -88,9 +88,14 @@ main(int argc, char **argv)
   {
     const bool first = Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
     if (first)
-      std::ofstream("named.prm")
-        << full.with("Simulation", {"Name = renamed"}).content;
+      {
+        // A folder called output would be in the way of the test's own.
+        std::filesystem::create_directories("elsewhere");
+        std::ofstream("elsewhere/named.prm")
+          << full.with("Simulation", {"Name = renamed"}).content;
+      }
     MPI_Barrier(MPI_COMM_WORLD);
+    std::filesystem::current_path("elsewhere");
     std::streambuf *const buffer = std::cout.rdbuf(nullptr);
     ParameterAcceptor::clear();
     run_simulations("named.prm", MPI_COMM_WORLD);
@@ -98,9 +103,9 @@ main(int argc, char **argv)
     std::cout.rdbuf(buffer);
     std::cout.clear();
     std::cout.width(0);
+    std::filesystem::current_path("..");
     check("Name",
-          std::filesystem::exists(std::filesystem::path("output") / "renamed" /
-                                  "summary.json"));
+          std::filesystem::exists("elsewhere/output/renamed/summary.json"));
   }
 
   // Stress at rest: largest error of any point below the published error of
