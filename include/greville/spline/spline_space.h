@@ -103,6 +103,12 @@ namespace greville
       return extents;
     }
 
+    const DistributedTriangulation<dim> &
+    triangulation() const
+    {
+      return *tria;
+    }
+
     MPI_Comm
     communicator() const
     {
@@ -253,6 +259,16 @@ namespace greville
      */
     std::vector<dealii::types::global_dof_index>
     global_numbers(const std::vector<std::uint64_t> &positions) const;
+
+    /**
+     * The lexicographic position of a function by its local number.
+     */
+    std::uint64_t
+    function_position(const unsigned int function) const
+    {
+      return function < owned.size() ? owned[function]
+                                     : ghosts[function - owned.size()];
+    }
 
   private:
     /**

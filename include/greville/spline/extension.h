@@ -1,0 +1,124 @@
+#ifndef greville_spline_extension_h
+#define greville_spline_extension_h
+
+#include <deal.II/lac/affine_constraints.h>
+
+#include <greville/spline/cell_filling.h>
+
+namespace greville
+{
+  /**
+   * Extended B-splines (K. Hoellig, U. Reif, J. Wipper, Weighted extended
+   * B-spline approximation of Dirichlet problems, 2001) for a body that fills
+   * only a part of its grid. A function of a space is
+   * - *inactive*: its cells are empty,
+   * - *stable*: at least one of its cells is well-filled,
+   * - *extended*: none is, but a cell has a host. Its coefficient is that of
+   *   the polynomial which the spline is on the host: the blossom of this
+   *   polynomial at the inner knots of the function i (de Boor and Fix),
+   *     c_i = b_host(t_(i+1), ..., t_(i+p)) = sum_j E_ij c_j,
+   *   direction by direction, with the (p + 1)^dim functions j of the host,
+   *   which are all stable. So polynomials of order p are extended exactly,
+   *   at the walls of the grid, too. Of several hosts the one nearest to the
+   *   centre of the function is taken, of equally near ones the first,
+   * - *lumped*: it sees fragments only. Such functions stay, but not their
+   *   products with others: see MassMatrix.
+   *
+   * Numbers of functions are the local ones of the space; all functions of
+   * owned cells have a class on each process.
+   */
+  template <int dim>
+  class Extension
+  {
+  public:
+    enum Class : unsigned char
+    {
+      inactive,
+      stable,
+      extended,
+      lumped
+    };
+
+    /**
+     * How many functions, of all processes, there are of each class.
+     */
+    struct Counts
+    {
+      std::uint64_t stable = 0, extended = 0, lumped = 0;
+    };
+
+    Extension() = default;
+
+    Extension(const SplineSpace<dim> &space, const CellFilling<dim> &filling)
+    {
+      reinit(space, filling);
+    }
+
+    /**
+     * Collective. Space and filling, which lives on the same mesh, are kept by
+     * reference until the next call.
+     */
+    void
+    reinit(const SplineSpace<dim> &space, const CellFilling<dim> &filling);
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return *spline_space;
+    }
+
+    const CellFilling<dim> &
+    filling() const
+    {
+      return *cell_filling;
+    }
+
+    Class
+    operator[](const unsigned int function) const
+    {
+      return static_cast<Class>(classes[function]);
+    }
+
+    /**
+     * Local numbers of the extended functions of owned cells.
+     */
+    const std::vector<unsigned int> &
+    extended_functions() const
+    {
+      return extended_numbers;
+    }
+
+    /**
+     * E_ij of an extended function i: lexicographic positions of the functions
+     * j, and the weights, (p + 1)^dim each.
+     */
+    void
+    row(const unsigned int          function,
+        std::vector<std::uint64_t> &positions,
+        std::vector<double>        &weights) const;
+
+    /**
+     * Collective. The lines of E for the functions of owned cells, in global
+     * numbers, closed. The local lines are those and the stable coefficients
+     * that occur in them.
+     */
+    dealii::AffineConstraints<double>
+    constraints() const;
+
+    /**
+     * Collective.
+     */
+    Counts
+    counts() const;
+
+  private:
+    const SplineSpace<dim>    *spline_space = nullptr;
+    const CellFilling<dim>    *cell_filling = nullptr;
+    std::vector<unsigned char> classes;
+    std::vector<unsigned int>  extended_numbers;
+    std::vector<std::uint64_t> hosts; // of extended_numbers
+    VectorType                 seen, distances, best_hosts;
+  };
+} // namespace greville
+
+#endif

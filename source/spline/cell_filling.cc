@@ -1,0 +1,212 @@
+#include <greville/spline/cell_filling.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  void
+  CellFilling<dim>::reinit(const SplineSpace<dim> &space)
+  {
+    spline_space = &space;
+    positions    = space.owned_cells();
+    numbers.clear();
+    places.clear();
+
+    const auto &tria = space.triangulation();
+    if (Utilities::MPI::n_mpi_processes(space.communicator()) > 1)
+      {
+        const auto partitioner =
+          tria.global_active_cell_index_partitioner().lock();
+        exchange.reinit(partitioner);
+        places.resize(positions.size());
+        for (const auto &cell : tria.active_cell_iterators())
+          {
+            if (cell->is_artificial())
+              continue;
+            const unsigned int place =
+              partitioner->global_to_local(cell->global_active_cell_index());
+            if (cell->is_locally_owned())
+              places[space.cell_number(cell)] = place;
+            else
+              {
+                positions.push_back(
+                  lexicographic<dim>(space.lattice().find_cell(cell->center()),
+                                     space.lattice().n_cells()));
+                places.push_back(place);
+              }
+          }
+        for (unsigned int c = 0; c < positions.size(); ++c)
+          numbers.emplace_back(positions[c], c);
+        std::sort(numbers.begin(), numbers.end());
+      }
+    classes.assign(positions.size(), empty);
+    hosts.assign(positions.size(), none);
+    filled.clear();
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  CellFilling<dim>::find(const std::uint64_t position) const
+  {
+    if (numbers.empty()) // one process: all cells
+      return position;
+    const auto found = std::lower_bound(numbers.begin(),
+                                        numbers.end(),
+                                        std::make_pair(position, 0u));
+    return found != numbers.end() && found->first == position
+             ? found->second
+             : dealii::numbers::invalid_unsigned_int;
+  }
+
+
+
+  template <int dim>
+  bool
+  CellFilling<dim>::update(const std::vector<double> &filling,
+                           const double               threshold)
+  {
+    const unsigned int n_owned = spline_space->owned_cells().size();
+    AssertDimension(filling.size(), n_owned);
+    unsigned int has_changed = 0;
+    for (unsigned int c = 0; c < n_owned; ++c)
+      {
+        const unsigned char now = filling[c] <= 0.          ? empty
+                                  : filling[c] >= threshold ? well_filled
+                                                            : cut;
+        has_changed |= now != classes[c];
+        classes[c] = now;
+      }
+    if (Utilities::MPI::max(has_changed, spline_space->communicator()) == 0)
+      return false;
+    filled.clear();
+    for (unsigned int c = 0; c < n_owned; ++c)
+      if (classes[c] != empty)
+        filled.push_back(c);
+    find_hosts();
+    return true;
+  }
+
+
+
+  template <int dim>
+  void
+  CellFilling<dim>::find_hosts()
+  {
+    const auto        &extents     = spline_space->lattice().n_cells();
+    const unsigned int n_owned     = spline_space->owned_cells().size();
+    const bool         is_parallel = !numbers.empty();
+
+    const auto exchange_cells = [&](const auto &get, const auto &set) {
+      if (!is_parallel)
+        return;
+      exchange.zero_out_ghost_values();
+      for (unsigned int c = 0; c < n_owned; ++c)
+        exchange.local_element(places[c]) = get(c);
+      exchange.update_ghost_values();
+      for (unsigned int c = n_owned; c < positions.size(); ++c)
+        set(c, exchange.local_element(places[c]));
+    };
+    // Positions travel as doubles, exactly; -1 is no host.
+    const auto exchange_hosts = [&]() {
+      exchange_cells(
+        [&](const unsigned int c) {
+          return hosts[c] == none ? -1. : double(hosts[c]);
+        },
+        [&](const unsigned int c, const double value) {
+          hosts[c] = value < 0. ? none : std::uint64_t(value);
+        });
+    };
+
+    exchange_cells([&](const unsigned int c) { return double(classes[c]); },
+                   [&](const unsigned int c, const double value) {
+                     classes[c] = static_cast<unsigned char>(value);
+                   });
+    std::vector<unsigned int> orphans;
+    for (unsigned int c = 0; c < positions.size(); ++c)
+      {
+        hosts[c] = classes[c] == well_filled ? positions[c] : none;
+        if (classes[c] == cut && c < n_owned)
+          orphans.push_back(c);
+      }
+
+    MultiIndex<dim> three;
+    three.fill(3);
+    constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
+    std::vector<std::pair<unsigned int, std::uint64_t>> found;
+    for (unsigned int sweep = 0; sweep < reach; ++sweep)
+      {
+        // All cells look at the hosts of the sweep before.
+        found.clear();
+        for (const unsigned int c : orphans)
+          {
+            const auto    index = multi_index<dim>(positions[c], extents);
+            std::uint64_t best = none, best_distance = none;
+            for (unsigned int k = 0; k < n_neighbors; ++k)
+              {
+                const auto      offset = multi_index<dim>(k, three);
+                MultiIndex<dim> neighbor;
+                bool            is_inside = true;
+                for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    neighbor[d] = index[d] + offset[d] - 1;
+                    is_inside   = is_inside && neighbor[d] < extents[d];
+                  }
+                if (!is_inside)
+                  continue;
+                const unsigned int n =
+                  find(lexicographic<dim>(neighbor, extents));
+                if (n == dealii::numbers::invalid_unsigned_int ||
+                    hosts[n] == none)
+                  continue;
+                const auto    host     = multi_index<dim>(hosts[n], extents);
+                std::uint64_t distance = 0;
+                for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    const std::int64_t difference =
+                      std::int64_t(host[d]) - std::int64_t(index[d]);
+                    distance += difference * difference;
+                  }
+                if (distance < best_distance ||
+                    (distance == best_distance && hosts[n] < best))
+                  {
+                    best          = hosts[n];
+                    best_distance = distance;
+                  }
+              }
+            if (best != none)
+              found.emplace_back(c, best);
+          }
+        for (const auto &entry : found)
+          hosts[entry.first] = entry.second;
+        orphans.erase(std::remove_if(orphans.begin(),
+                                     orphans.end(),
+                                     [&](const unsigned int c) {
+                                       return hosts[c] != none;
+                                     }),
+                      orphans.end());
+        exchange_hosts();
+      }
+  }
+
+
+
+  template <int dim>
+  std::uint64_t
+  CellFilling<dim>::n_fragments() const
+  {
+    std::uint64_t n = 0;
+    for (const unsigned int c : filled)
+      n += hosts[c] == none;
+    return Utilities::MPI::sum(n, spline_space->communicator());
+  }
+
+
+
+  template class CellFilling<2>;
+  template class CellFilling<3>;
+} // namespace greville
