@@ -8,13 +8,17 @@ namespace greville
 {
   using namespace dealii;
 
-  PMultigridParameters::PMultigridParameters(const std::string &section)
+  PMultigridParameters::PMultigridParameters(const std::string &section,
+                                             const std::string &coarsening)
     : ParameterAcceptor(section)
+    , coarsening(coarsening)
   {
     add_parameter("Coarsening",
-                  coarsening,
+                  this->coarsening,
                   "The orders of the levels: p, p-1, ..., 1 (one by one), p, "
-                  "p-2, ..., 1 (by two), or p, 1 (direct).",
+                  "p-2, ..., 1 (by two), p, 1 (direct), or p alone (none). "
+                  "auto: what is fastest, which is none; simulations then "
+                  "solve all components together.",
                   prm,
                   Patterns::Selection(OrderHierarchy<2>::coarsenings()));
     add_parameter(

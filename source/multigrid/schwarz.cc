@@ -16,19 +16,33 @@ namespace greville
                                             const unsigned int       overlap,
                                             const SchwarzCombination c,
                                             const std::string       &ordering)
+    : OverlappingDomain(
+        mass.petsc(), mass.space().owned_functions(), overlap, c, ordering)
+  {}
+
+
+
+  template <int dim>
+  OverlappingDomain<dim>::OverlappingDomain(
+    const Mat                         matrix,
+    const std::vector<std::uint64_t> &positions,
+    const unsigned int                overlap,
+    const SchwarzCombination          c,
+    const std::string                &ordering)
     : combination(c)
-    , comm(mass.space().communicator())
-    , n_owned(mass.space().n_locally_owned_dofs())
+    , comm(PetscObjectComm(reinterpret_cast<PetscObject>(matrix)))
+    , n_owned(positions.size())
   {
-    const SplineSpace<dim> &space = mass.space();
-    const auto              range = space.partitioner()->local_range();
+    std::pair<PetscInt, PetscInt> range;
+    check_petsc(MatGetOwnershipRange(matrix, &range.first, &range.second));
+    check_petsc(MatGetSize(matrix, &n_all, nullptr));
+    AssertDimension(n_owned, range.second - range.first);
 
     // The numbers in the domain, ascending.
     std::vector<PetscInt> domain_numbers(n_owned);
     std::iota(domain_numbers.begin(), domain_numbers.end(), range.first);
     if (Utilities::MPI::n_mpi_processes(comm) == 1)
-      check_petsc(
-        MatMPIAIJGetSeqAIJ(mass.petsc(), &local_matrix, nullptr, nullptr));
+      check_petsc(MatMPIAIJGetSeqAIJ(matrix, &local_matrix, nullptr, nullptr));
     else
       {
         IS is;
@@ -37,11 +51,11 @@ namespace greville
                                     domain_numbers.data(),
                                     PETSC_COPY_VALUES,
                                     &is));
-        check_petsc(MatIncreaseOverlap(mass.petsc(), 1, &is, overlap));
+        check_petsc(MatIncreaseOverlap(matrix, 1, &is, overlap));
         check_petsc(ISSort(is));
         Mat *matrices;
         check_petsc(MatCreateSubMatrices(
-          mass.petsc(), 1, &is, &is, MAT_INITIAL_MATRIX, &matrices));
+          matrix, 1, &is, &is, MAT_INITIAL_MATRIX, &matrices));
         check_petsc(
           PetscObjectReference(reinterpret_cast<PetscObject>(matrices[0])));
         local_copy.reset(matrices[0]);
@@ -57,21 +71,23 @@ namespace greville
         check_petsc(ISDestroy(&is));
       }
 
-    IndexSet ghosts(space.n_dofs());
+    IndexSet ghosts(n_all);
     for (const PetscInt number : domain_numbers)
-      if (number < PetscInt(range.first) || number >= PetscInt(range.second))
+      if (number < range.first || number >= range.second)
         ghosts.add_index(number);
-    overlapped.reinit(space.locally_owned_dofs(), ghosts, comm);
+    owned_range = range;
+    ghosts.fill_index_vector(ghost_numbers);
+    VectorType &values = overlapped_vector(1);
     for (const PetscInt number : domain_numbers)
-      order.push_back(overlapped.get_partitioner()->global_to_local(number));
+      order.push_back(values.get_partitioner()->global_to_local(number));
 
     // Positions travel as doubles, exactly.
     for (unsigned int i = 0; i < n_owned; ++i)
-      overlapped.local_element(i) = space.owned_functions()[i];
-    overlapped.update_ghost_values();
+      values.local_element(i) = positions[i];
+    values.update_ghost_values();
     for (const unsigned int i : order)
-      function_positions.push_back(overlapped.local_element(i));
-    overlapped.zero_out_ghost_values();
+      function_positions.push_back(values.local_element(i));
+    values.zero_out_ghost_values();
 
     // The ordering.
     std::vector<PetscInt> permutation(order.size());
@@ -121,15 +137,33 @@ namespace greville
     if (combination == SchwarzCombination::symmetric)
       {
         // Count the domains that hold an entry.
-        overlapped = 0.;
+        values = 0.;
         for (const unsigned int i : order)
-          overlapped.local_element(i) = 1.;
-        overlapped.compress(VectorOperation::add);
-        overlapped.update_ghost_values();
+          values.local_element(i) = 1.;
+        values.compress(VectorOperation::add);
+        values.update_ghost_values();
         for (const unsigned int i : order)
-          weights.push_back(1. / std::sqrt(overlapped.local_element(i)));
-        overlapped.zero_out_ghost_values();
+          weights.push_back(1. / std::sqrt(values.local_element(i)));
+        values.zero_out_ghost_values();
       }
+  }
+
+
+
+  template <int dim>
+  VectorType &
+  OverlappingDomain<dim>::overlapped_vector(const unsigned int width) const
+  {
+    VectorType &vector = overlapped[width];
+    if (vector.get_partitioner()->size() == 0 && n_all > 0)
+      {
+        IndexSet owned(n_all * width), ghosts(n_all * width);
+        owned.add_range(owned_range.first * width, owned_range.second * width);
+        for (const types::global_dof_index number : ghost_numbers)
+          ghosts.add_range(number * width, (number + 1) * width);
+        vector.reinit(owned, ghosts, comm);
+      }
+    return vector;
   }
 
 
@@ -138,22 +172,24 @@ namespace greville
   void
   OverlappingDomain<dim>::restrict_to(std::vector<double> &local,
                                       const VectorType    &src,
-                                      const bool           transpose) const
+                                      const bool           transpose,
+                                      const unsigned int   width) const
   {
-    std::copy_n(src.begin(), n_owned, overlapped.begin());
-    overlapped.update_ghost_values();
-    local.resize(order.size());
+    VectorType &values = overlapped_vector(width);
+    std::copy_n(src.begin(), n_owned * width, values.begin());
+    values.update_ghost_values();
+    local.resize(order.size() * width);
     for (unsigned int i = 0; i < order.size(); ++i)
-      local[i] = overlapped.local_element(order[i]);
-    overlapped.zero_out_ghost_values();
-
-    if (combination == SchwarzCombination::symmetric)
-      for (unsigned int i = 0; i < order.size(); ++i)
-        local[i] *= weights[i];
-    else if (transpose)
-      for (unsigned int i = 0; i < order.size(); ++i)
-        if (!owns(i))
-          local[i] = 0.;
+      {
+        const double factor = combination == SchwarzCombination::symmetric
+                                ? weights[i]
+                              : transpose && !owns(i) ? 0.
+                                                      : 1.;
+        for (unsigned int c = 0; c < width; ++c)
+          local[i * width + c] =
+            factor * values.local_element(order[i] * width + c);
+      }
+    values.zero_out_ghost_values();
   }
 
 
@@ -162,22 +198,27 @@ namespace greville
   void
   OverlappingDomain<dim>::prolongate_from(const std::vector<double> &local,
                                           VectorType                &dst,
-                                          const bool transpose) const
+                                          const bool                 transpose,
+                                          const unsigned int width) const
   {
     if (combination == SchwarzCombination::restricted && !transpose)
       {
         for (unsigned int i = 0; i < order.size(); ++i)
           if (owns(i))
-            dst.local_element(order[i]) = local[i];
+            for (unsigned int c = 0; c < width; ++c)
+              dst.local_element(order[i] * width + c) = local[i * width + c];
         return;
       }
-    overlapped = 0.;
+    VectorType &values = overlapped_vector(width);
+    values             = 0.;
     for (unsigned int i = 0; i < order.size(); ++i)
-      overlapped.local_element(order[i]) =
-        combination == SchwarzCombination::symmetric ? weights[i] * local[i]
-                                                     : local[i];
-    overlapped.compress(VectorOperation::add);
-    std::copy_n(overlapped.begin(), n_owned, dst.begin());
+      for (unsigned int c = 0; c < width; ++c)
+        values.local_element(order[i] * width + c) =
+          combination == SchwarzCombination::symmetric
+            ? weights[i] * local[i * width + c]
+            : local[i * width + c];
+    values.compress(VectorOperation::add);
+    std::copy_n(values.begin(), n_owned * width, dst.begin());
   }
 
 
@@ -186,8 +227,9 @@ namespace greville
   std::size_t
   OverlappingDomain<dim>::memory_consumption() const
   {
-    std::size_t n = order.size() * (sizeof(unsigned int) + 8 + 8) +
-                    overlapped.memory_consumption();
+    std::size_t n = order.size() * (sizeof(unsigned int) + 8 + 8);
+    for (const auto &vector : overlapped)
+      n += vector.second.memory_consumption();
     if (local_copy)
       {
         MatInfo info;
@@ -227,12 +269,36 @@ namespace greville
 
 
 
-    class PetscFactorization : public LocalSolver
+    class IC0Solver : public LocalSolver
     {
     public:
-      PetscFactorization(const Mat          matrix,
-                         const std::string &type,
-                         const double       shift)
+      IC0Solver(const Mat matrix, const double shift)
+      {
+        factors.factorize(lower_triangle(matrix), shift);
+      }
+
+      void
+      solve(double *x, const bool) const override
+      {
+        factors.solve(x, 1);
+      }
+
+      std::size_t
+      memory_consumption() const override
+      {
+        return factors.memory_consumption();
+      }
+
+    private:
+      IncompleteCholesky factors;
+    };
+
+
+
+    class ILU0Solver : public LocalSolver
+    {
+    public:
+      ILU0Solver(const Mat matrix, const double shift)
       {
         Mat scaled;
         check_petsc(MatDuplicate(matrix, MAT_COPY_VALUES, &scaled));
@@ -258,7 +324,7 @@ namespace greville
         check_petsc(PCCreate(PETSC_COMM_SELF, &handle));
         pc.reset(handle);
         check_petsc(PCSetOperators(handle, scaled, scaled));
-        check_petsc(PCSetType(handle, type.c_str()));
+        check_petsc(PCSetType(handle, PCILU));
         check_petsc(PCFactorSetMatOrderingType(handle, MATORDERINGNATURAL));
         check_petsc(PCFactorSetLevels(handle, 0));
         check_petsc(PCFactorSetShiftType(handle, MAT_SHIFT_NONE));
@@ -268,10 +334,9 @@ namespace greville
         PCFailedReason reason;
         check_petsc(PCGetFailedReason(handle, &reason));
         AssertThrow(reason == PC_NOERROR,
-                    ExcMessage(
-                      std::string(type == "icc" ? "IC(0)" : "ILU(0)") +
-                      " found a pivot that is not positive: the matrix needs "
-                      "a shift (parameter 'Shift', try 1e-3)."));
+                    ExcMessage("ILU(0) found a pivot that is zero: the matrix "
+                               "needs a shift (parameter 'Shift', try "
+                               "1e-3)."));
         view_in  = PetscVectorView(PETSC_COMM_SELF, n);
         view_out = PetscVectorView(PETSC_COMM_SELF, n);
         scratch.resize(n);
@@ -326,11 +391,47 @@ namespace greville
 
 
   std::unique_ptr<LocalSolver>
-  make_incomplete_factorization(const Mat          matrix,
-                                const std::string &type,
-                                const double       shift)
+  make_ilu0(const Mat matrix, const double shift)
   {
-    return std::make_unique<PetscFactorization>(matrix, type, shift);
+    return std::make_unique<ILU0Solver>(matrix, shift);
+  }
+
+
+
+  std::unique_ptr<LocalSolver>
+  make_ic0(const Mat matrix, const double shift)
+  {
+    return std::make_unique<IC0Solver>(matrix, shift);
+  }
+
+
+
+  LowerTriangle
+  lower_triangle(const Mat matrix)
+  {
+    PetscInt           n;
+    const PetscInt    *begin, *columns;
+    const PetscScalar *values;
+    PetscBool          is_done;
+    check_petsc(MatGetRowIJ(
+      matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &begin, &columns, &is_done));
+    AssertThrow(is_done, ExcInternalError());
+    check_petsc(MatSeqAIJGetArrayRead(matrix, &values));
+    LowerTriangle result;
+    result.row_begin.reserve(n + 1);
+    for (PetscInt i = 0; i < n; ++i)
+      {
+        for (PetscInt e = begin[i]; e < begin[i + 1] && columns[e] <= i; ++e)
+          {
+            result.columns.push_back(columns[e]);
+            result.values.push_back(values[e]);
+          }
+        result.row_begin.push_back(result.columns.size());
+      }
+    check_petsc(MatSeqAIJRestoreArrayRead(matrix, &values));
+    check_petsc(MatRestoreRowIJ(
+      matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &begin, &columns, &is_done));
+    return result;
   }
 
 

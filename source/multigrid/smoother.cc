@@ -30,7 +30,16 @@ namespace greville
     add_parameter("Shift",
                   shift,
                   "ilu0, ic0: added to the diagonal of the scaled matrix "
-                  "(which is 1) before the factorization. Unit: none.",
+                  "(which is 1) before the factorization. ic0 takes a larger "
+                  "one where a pivot is not positive. Unit: none.",
+                  prm,
+                  Patterns::Double(0.));
+    add_parameter("Reuse",
+                  reuse,
+                  "In simulations: a factorization serves following steps, "
+                  "too, until the residual falls by less per iteration than "
+                  "right after the factorization, by more than this factor (of "
+                  "its logarithm). 0: each step factorizes. Unit: none.",
                   prm,
                   Patterns::Double(0.));
     add_parameter("Overlap",
@@ -328,14 +337,14 @@ namespace greville
          true,
          [](P p, L level, const bool symmetric) {
            return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
-             return make_incomplete_factorization(m, "ilu", p.shift);
+             return make_ilu0(m, p.shift);
            });
          }},
         {"ic0",
          true,
          [](P p, L level, const bool symmetric) {
            return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
-             return make_incomplete_factorization(m, "icc", p.shift);
+             return make_ic0(m, p.shift);
            });
          }},
         {"jacobi",

@@ -78,8 +78,10 @@ namespace greville
 
     // Held coefficients stay zero; M_q is a force and so arbitrary there.
     VectorField<dim> keep;
-    const double     smallest_mass =
-      space.degree() == 1 ? 0.01 * mass.lumped().linfty_norm() : 0.;
+    const double     smallest_mass = mass.is_consistent() ? -1.
+                                     : space.degree() == 1
+                                       ? 0.01 * mass.lumped().linfty_norm()
+                                       : 0.;
     for (unsigned int d = 0; d < dim; ++d)
       {
         space.initialize_vector(keep[d]);
@@ -98,7 +100,7 @@ namespace greville
                                 const VectorField<dim> &b) {
       for (VectorType &component : x)
         component = 0.;
-      mass.solve(x, b);
+      mass.solve({&x}, {&b});
       for (unsigned int d = 0; d < dim; ++d)
         x[d].scale(keep[d]);
     };

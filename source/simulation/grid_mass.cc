@@ -11,12 +11,14 @@ namespace greville
                           const SimulationParameters    &parameters,
                           const Walls<dim>              &walls)
     : fmpm_order(MassSolver<dim>::fmpm_order_of(mass))
-    , solver_name(mass == "consistent" ? "cg-p-multigrid"
-                  : fmpm_order == 1    ? "lumped"
-                                       : mass)
+    , solver_name(mass != "consistent" ? (fmpm_order == 1 ? "lumped" : mass)
+                  : parameters.multigrid.coarsening == "auto"
+                    ? "cg-ic0"
+                    : "cg-p-multigrid")
     , parameters(parameters)
     , walls(walls)
     , orders(triangulation, degree, parameters.multigrid.coarsening)
+    , held(space().owned_functions().size() + space().ghost_functions().size())
     , product_weights(space(), 2 * degree + 1)
   {
     space().initialize_vector(lumped_mass);
@@ -24,12 +26,27 @@ namespace greville
     for (unsigned int c = 0; c < dim; ++c)
       {
         space().initialize_vector(is_free[c]);
-        is_free[c]             = 1.;
-        const Constraints held = walls.constraints(space(), c);
-        for (const auto &line : held.get_lines())
+        is_free[c]                = 1.;
+        const Constraints at_wall = walls.constraints(space(), c);
+        for (const auto &line : at_wall.get_lines())
           is_free[c](line.index) = 0.;
+        is_free[c].update_ghost_values();
+        for (unsigned int f = 0; f < held.size(); ++f)
+          if (is_free[c].local_element(f) == 0.)
+            held[f] |= 1 << c;
+        is_free[c].zero_out_ghost_values();
       }
-    if (fmpm_order == 0)
+    if (fmpm_order > 0)
+      return;
+    filling.reinit(space());
+    extensions.resize(orders.n_levels());
+    extended_mass.reinit(space());
+    if (solver_name == "cg-ic0")
+      solver_of_all =
+        std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
+                                                  parameters.solver,
+                                                  parameters.smoother);
+    else
       make_groups();
   }
 
@@ -100,6 +117,54 @@ namespace greville
     if (fmpm_order > 1 || (fmpm_order == 0 && walls.move()))
       prepare_product(bodies, transfer);
 
+    if (fmpm_order > 0)
+      return;
+    const bool unknowns_changed = update_extensions(bodies, transfer);
+    extended_mass.begin(extension(), unknowns_changed);
+    if (unknowns_changed)
+      extended_mass.hold(held);
+    if (solver_of_all)
+      {
+        transfer.add_mass_matrix(bodies, extended_mass.matrix());
+        extended_mass.finish();
+        double total_mass = 0.;
+        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+          total_mass += lumped.local_element(i);
+        solver_of_all->update(unknowns_changed,
+                              Utilities::MPI::sum(total_mass,
+                                                  space().communicator()));
+      }
+    else
+      update_groups(bodies, transfer, unknowns_changed);
+  }
+
+
+
+  template <int dim>
+  bool
+  GridMass<dim>::update_extensions(
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    const PointTransfer<dim>                       &transfer)
+  {
+    transfer.filling(bodies, filled_part);
+    if (!filling.update(filled_part, parameters.scheme.filling))
+      return false;
+    for (unsigned int l = 0; l < extensions.size(); ++l)
+      if (l + 1 == extensions.size() || !solver_of_all)
+        extensions[l].reinit(orders[l], filling);
+    return true;
+  }
+
+
+
+  template <int dim>
+  void
+  GridMass<dim>::update_groups(
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    const PointTransfer<dim>                       &transfer,
+    const bool                                      unknowns_changed)
+  {
+    (void)unknowns_changed;
     const bool with_levels = MassSolver<dim>::uses_multigrid(solver_name);
     for (unsigned int k = 0; k < groups.size(); ++k)
       {
@@ -135,15 +200,25 @@ namespace greville
 
   template <int dim>
   void
-  GridMass<dim>::solve(VectorField<dim> &x, const VectorField<dim> &b)
+  GridMass<dim>::solve(const std::vector<VectorField<dim> *>       &x,
+                       const std::vector<const VectorField<dim> *> &b)
   {
+    AssertDimension(x.size(), b.size());
     iterations = 0;
     if (fmpm_order > 0)
-      solve_series(x, b);
-    else
-      for (const Group &group : groups)
-        for (const unsigned int c : group.components)
-          solve_component(group, x[c], b[c]);
+      {
+        for (unsigned int k = 0; k < x.size(); ++k)
+          solve_series(*x[k], *b[k]);
+        return;
+      }
+    const SolveResult result =
+      solver_of_all ? solver_of_all->solve(x, b) : solve_components(x, b);
+    // What does not iterate is not meant to reach a tolerance.
+    AssertThrow(!result.iterations || result.converged,
+                ExcMessage("The solver <" + solver_name +
+                           "> of the mass matrix failed: it " + result.reason +
+                           "."));
+    iterations = result.iterations.value_or(0);
   }
 
 
@@ -201,38 +276,50 @@ namespace greville
 
 
   template <int dim>
-  void
-  GridMass<dim>::solve_component(const Group      &group,
-                                 VectorType       &x,
-                                 const VectorType &b)
+  SolveResult
+  GridMass<dim>::solve_components(
+    const std::vector<VectorField<dim> *>       &x,
+    const std::vector<const VectorField<dim> *> &b)
   {
-    VectorType right_hand_side, solution, held;
-    for (VectorType *vector : {&right_hand_side, &solution, &held})
-      space().initialize_vector(*vector);
-    const auto &inactive = group.mass->finest().mass().inactive();
-    right_hand_side.copy_locally_owned_data_from(b);
-    for (const unsigned int i : inactive)
-      held.local_element(i) = x.local_element(i);
-    if (walls.move())
+    // The solvers of the groups start from zero, and have the unknowns where
+    // the space has them.
+    constexpr unsigned int width = 4;
+    VectorType             unknowns, rows, full, full_rows;
+    extended_mass.initialize_vector(unknowns, width);
+    extended_mass.initialize_vector(rows, width);
+    space().initialize_vector(full);
+    space().initialize_vector(full_rows);
+    const auto &functions = extended_mass.unknown_functions();
+
+    SolveResult result;
+    result.converged = true;
+    for (unsigned int k = 0; k < x.size(); ++k)
       {
-        product->vmult(solution, held);
-        right_hand_side -= solution;
+        extended_mass.restrict_fields(rows, {b[k]}, width);
+        extended_mass.subtract_held(rows, {x[k]}, width);
+        for (const Group &group : groups)
+          for (const unsigned int c : group.components)
+            {
+              full_rows = 0.;
+              for (unsigned int u = 0; u < functions.size(); ++u)
+                full_rows.local_element(functions[u]) =
+                  rows.local_element(u * width + c);
+              const SolveResult part = group.solver->solve(full, full_rows);
+              for (unsigned int u = 0; u < functions.size(); ++u)
+                unknowns.local_element(u * width + c) =
+                  full.local_element(functions[u]);
+              if (part.iterations)
+                result.iterations =
+                  std::max(result.iterations.value_or(0), *part.iterations);
+              if (!part.converged)
+                {
+                  result.converged = false;
+                  result.reason    = part.reason;
+                }
+            }
+        extended_mass.write_fields({x[k]}, unknowns, width);
       }
-    for (const unsigned int i : inactive)
-      right_hand_side.local_element(i) = 0.;
-    const SolveResult result = group.solver->solve(solution, right_hand_side);
-    // What does not iterate is not meant to reach a tolerance.
-    AssertThrow(!result.iterations || result.converged,
-                ExcMessage("The solver <" + solver_name +
-                           "> of the mass matrix failed: it " + result.reason +
-                           ". Consistent mass needs a body that fills the "
-                           "cells that it touches; free surfaces and lumped "
-                           "mass go together (see doc/simulation.md)."));
-    if (result.iterations)
-      iterations = std::max(iterations, *result.iterations);
-    x.copy_locally_owned_data_from(solution);
-    for (const unsigned int i : inactive)
-      x.local_element(i) = held.local_element(i);
+    return result;
   }
 
 

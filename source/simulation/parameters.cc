@@ -115,9 +115,17 @@ namespace greville
   {
     add_parameter("Mass",
                   mass,
-                  "How M a = F is solved: lumped, fmpm-K, consistent (" +
-                    std::string("cg-p-multigrid") +
-                    "), or a solver by name: " + MassSolver<2>::names() + ".");
+                  "How M a = F is solved: consistent (the exact mass matrix on "
+                  "extended B-splines), lumped, fmpm-K, or a solver of the "
+                  "exact matrix by name: " +
+                    MassSolver<2>::names() + ".");
+    add_parameter("Filling threshold",
+                  filling,
+                  "Consistent mass: cells that points fill by this part of "
+                  "their volume or more are well-filled; B-splines without "
+                  "such a cell are extended. 0: none is. Unit: none.",
+                  prm,
+                  Patterns::Double(0., 2.));
     add_parameter("Stress update",
                   stress_update,
                   "When stresses are updated: last (USL), first (USF), or last "

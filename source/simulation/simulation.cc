@@ -316,6 +316,17 @@ namespace greville
 
 
   template <int dim>
+  bool
+  Simulation<dim>::is_damped() const
+  {
+    const LoadParameters &given = parameters.loads;
+    return given.cundall > 0. &&
+           (given.damping_end < 0. || t < given.damping_end);
+  }
+
+
+
+  template <int dim>
   void
   Simulation<dim>::add_grid_forces()
   {
@@ -326,7 +337,7 @@ namespace greville
           force[d].local_element(i) += g[d] * lumped_mass.local_element(i);
 
     const LoadParameters &given = parameters.loads;
-    if (given.cundall > 0. && (given.damping_end < 0. || t < given.damping_end))
+    if (is_damped())
       for (unsigned int d = 0; d < dim; ++d)
         for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
           {
@@ -341,15 +352,11 @@ namespace greville
 
   template <int dim>
   void
-  Simulation<dim>::solve_velocity(VectorField<dim>       &field,
-                                  const VectorField<dim> &right_hand_side,
-                                  const double            at_time)
+  Simulation<dim>::solve(const std::vector<VectorField<dim> *>       &fields,
+                         const std::vector<const VectorField<dim> *> &sums)
   {
     const PartTimer timer(*this, "solve");
-    for (VectorType &component : field)
-      component = 0.;
-    walls.hold_velocity(field, at_time);
-    grid_mass->solve(field, right_hand_side);
+    grid_mass->solve(fields, sums);
     iterations = std::max(iterations, grid_mass->n_iterations());
   }
 
@@ -563,24 +570,35 @@ namespace greville
       const PartTimer timer(*this, "mass");
       grid_mass->update(lumped_mass, summed_points, transfer);
     }
-    solve_velocity(velocity, momentum, velocity_time);
     fastest_signal = 0.;
-    if (order == "USF")
+
+    // Velocity and acceleration come from one solve, unless the force depends
+    // on the velocity. Their guesses are the fields of the step before.
+    for (unsigned int d = 0; d < dim; ++d)
+      velocity[d] = new_velocity[d];
+    walls.hold_velocity(velocity, velocity_time);
+    walls.hold_acceleration(acceleration, velocity_time, velocity_dt);
+    if (order == "USF" || is_damped())
       {
-        walls.stop(velocity);
-        update_points(nullptr, nullptr, &velocity, false);
-        const PartTimer timer(*this, "points to grid");
-        transfer.points_to_grid(quadrature_points(), nullptr, nullptr, &force);
+        solve({&velocity}, {&momentum});
+        if (order == "USF")
+          {
+            walls.stop(velocity);
+            update_points(nullptr, nullptr, &velocity, false);
+            const PartTimer timer(*this, "points to grid");
+            transfer.points_to_grid(quadrature_points(),
+                                    nullptr,
+                                    nullptr,
+                                    &force);
+          }
+        add_grid_forces();
+        solve({&acceleration}, {&force});
       }
-    add_grid_forces();
-    {
-      const PartTimer timer(*this, "solve");
-      for (VectorType &component : acceleration)
-        component = 0.;
-      walls.hold_acceleration(acceleration, velocity_time, velocity_dt);
-      grid_mass->solve(acceleration, force);
-      iterations = std::max(iterations, grid_mass->n_iterations());
-    }
+    else
+      {
+        add_grid_forces();
+        solve({&velocity, &acceleration}, {&momentum, &force});
+      }
     for (unsigned int d = 0; d < dim; ++d)
       {
         new_velocity[d] = velocity[d];
@@ -602,7 +620,10 @@ namespace greville
                                   &momentum,
                                   nullptr);
         }
-        solve_velocity(mapped_velocity, momentum, velocity_time + velocity_dt);
+        for (unsigned int d = 0; d < dim; ++d)
+          mapped_velocity[d] = new_velocity[d];
+        walls.hold_velocity(mapped_velocity, velocity_time + velocity_dt);
+        solve({&mapped_velocity}, {&momentum});
         walls.stop(mapped_velocity);
         update_points(nullptr, &new_velocity, &mapped_velocity, true);
       }

@@ -11,10 +11,12 @@ namespace greville
   OrderHierarchy<dim>::orders(const unsigned int degree,
                               const std::string &coarsening)
   {
-    AssertThrow(coarsening == "one by one" || coarsening == "by two" ||
-                  coarsening == "direct",
+    const auto names = Utilities::split_string_list(coarsenings(), '|');
+    AssertThrow(std::count(names.begin(), names.end(), coarsening) == 1,
                 ExcMessage("The coarsening <" + coarsening + "> is none of " +
                            coarsenings() + "."));
+    if (coarsening == "none" || coarsening == "auto")
+      return {degree};
     const unsigned int step =
       coarsening == "one by one" ? 1 : (coarsening == "by two" ? 2 : degree);
 

@@ -15,9 +15,10 @@ namespace greville
   class PMultigridParameters : public dealii::ParameterAcceptor
   {
   public:
-    PMultigridParameters(const std::string &section = "p-multigrid");
+    PMultigridParameters(const std::string &section    = "p-multigrid",
+                         const std::string &coarsening = "one by one");
 
-    std::string  coarsening            = "one by one";
+    std::string  coarsening;
     std::string  cycle                 = "V";
     std::string  prolongation          = "lumped-l2";
     std::string  restriction           = "lumped-l2";

@@ -1,9 +1,11 @@
 #ifndef greville_multigrid_schwarz_h
 #define greville_multigrid_schwarz_h
 
+#include <greville/multigrid/incomplete_cholesky.h>
 #include <greville/multigrid/mass_matrix.h>
 #include <greville/multigrid/preconditioner.h>
 
+#include <map>
 #include <string>
 
 namespace greville
@@ -42,12 +44,32 @@ namespace greville
                       const std::string       &ordering);
 
     /**
+     * Collective. The same for any distributed matrix (MPIAIJ), whose rows on
+     * this process belong to functions at lexicographic @p positions.
+     */
+    OverlappingDomain(const Mat                         matrix,
+                      const std::vector<std::uint64_t> &positions,
+                      const unsigned int                overlap,
+                      const SchwarzCombination          combination,
+                      const std::string                &ordering);
+
+    /**
      * The local matrix A_s, sequential, in the chosen ordering.
      */
     Mat
     matrix() const
     {
       return local_matrix;
+    }
+
+    /**
+     * Free the local matrix.
+     */
+    void
+    release_matrix()
+    {
+      local_copy.reset();
+      local_matrix = nullptr;
     }
 
     unsigned int
@@ -82,12 +104,14 @@ namespace greville
 
     /**
      * local = R_s src, weighted for the symmetric combination. For the
-     * transpose of a restricted combination call with @p transpose.
+     * transpose of a restricted combination call with @p transpose. Vectors
+     * are @p width interleaved ones.
      */
     void
     restrict_to(std::vector<double> &local,
                 const VectorType    &src,
-                const bool           transpose) const;
+                const bool           transpose,
+                const unsigned int   width = 1) const;
 
     /**
      * dst = sum_s R_s^T local, weighted or restricted.
@@ -95,21 +119,30 @@ namespace greville
     void
     prolongate_from(const std::vector<double> &local,
                     VectorType                &dst,
-                    const bool                 transpose) const;
+                    const bool                 transpose,
+                    const unsigned int         width = 1) const;
 
     std::size_t
     memory_consumption() const;
 
   private:
-    SchwarzCombination         combination;
-    MPI_Comm                   comm;
-    unsigned int               n_owned;
-    Mat                        local_matrix = nullptr;
-    PetscMatrix                local_copy;
+    SchwarzCombination                           combination;
+    MPI_Comm                                     comm;
+    unsigned int                                 n_owned;
+    PetscInt                                     n_all = 0;
+    std::pair<PetscInt, PetscInt>                owned_range;
+    std::vector<dealii::types::global_dof_index> ghost_numbers;
+    Mat                                          local_matrix = nullptr;
+    PetscMatrix                                  local_copy;
     std::vector<unsigned int>  order; // local number in overlapped
     std::vector<std::uint64_t> function_positions;
     std::vector<double>        weights; // W_s^(1/2)
-    mutable VectorType         overlapped;
+
+    // Owned and overlapping entries, by width.
+    mutable std::map<unsigned int, VectorType> overlapped;
+
+    VectorType &
+    overlapped_vector(const unsigned int width) const;
   };
 
 
@@ -138,13 +171,23 @@ namespace greville
             const double fill_factor);
 
   /**
-   * PETSc's ILU(0) ("ilu") or IC(0) ("icc") of the matrix scaled to a unit
-   * diagonal, with @p shift added to that diagonal.
+   * PETSc's ILU(0) of the matrix scaled to a unit diagonal, with @p shift added
+   * to that diagonal.
    */
   std::unique_ptr<LocalSolver>
-  make_incomplete_factorization(const Mat          matrix,
-                                const std::string &type,
-                                const double       shift);
+  make_ilu0(const Mat matrix, const double shift);
+
+  /**
+   * IncompleteCholesky with at least this @p shift.
+   */
+  std::unique_ptr<LocalSolver>
+  make_ic0(const Mat matrix, const double shift);
+
+  /**
+   * The lower triangle of a sequential matrix (SeqAIJ).
+   */
+  LowerTriangle
+  lower_triangle(const Mat matrix);
 
 
 

@@ -3,20 +3,13 @@
 
 #include <greville/materials/material.h>
 #include <greville/multigrid/density_weights.h>
+#include <greville/multigrid/extended_mass.h>
 #include <greville/particles/material_points.h>
 
 #include <cstdint>
 
 namespace greville
 {
-  /**
-   * A vector field on the grid: one vector of coefficients per component.
-   */
-  template <int dim>
-  using VectorField = std::array<VectorType, dim>;
-
-
-
   /**
    * The univariate B-splines of all cells of a direction as polynomials, for
    * kernels that evaluate them at any point.
@@ -150,6 +143,24 @@ namespace greville
     void
     mass_weights(const std::vector<const MaterialPoints<dim> *> &bodies,
                  DensityWeights<dim>                            &weights) const;
+
+    /**
+     * Add sum_p m_p N_i(x_p) N_j(x_p), which this process's points contribute
+     * to the mass matrix.
+     */
+    void
+    add_mass_matrix(const std::vector<const MaterialPoints<dim> *> &bodies,
+                    StencilMatrix<dim> &matrix) const;
+
+    /**
+     * The part of each owned cell that points fill: the sum of their volumes
+     * over that of the cell, for CellFilling. A point counts V0 if it is
+     * compressed and 1.5 V0 at most if it is expanded, so that a stretched body
+     * stays filled and spray does not look like a body.
+     */
+    void
+    filling(const std::vector<const MaterialPoints<dim> *> &bodies,
+            std::vector<double>                            &result) const;
 
     /**
      * Collective. The action of the stiffness matrix of an isotropic body on

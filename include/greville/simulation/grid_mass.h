@@ -1,7 +1,7 @@
 #ifndef greville_simulation_grid_mass_h
 #define greville_simulation_grid_mass_h
 
-#include <greville/multigrid/mass_solver.h>
+#include <greville/multigrid/extended_mass_solver.h>
 #include <greville/particles/point_transfer.h>
 #include <greville/simulation/walls.h>
 
@@ -9,14 +9,15 @@ namespace greville
 {
   /**
    * The mass of the points on the grid, and its inverse: M x = b for vector
-   * fields, with coefficients at walls held. M is the consistent mass matrix
-   *   M_ij = sum_p m_p N_i(x_p) N_j(x_p),
-   * solved by a MassSolver, or its row sums M_L (lumped), or FMPM's series
-   *   x = sum_(j<K) (1 - M_L^-1 M)^j M_L^-1 b.
-   * Components with the same walls share a matrix. Lumped mass and FMPM have
-   * the row sums of the points themselves and so conserve momentum whatever
-   * functions see of the body; the matrix of a MassSolver leaves out functions
-   * whose diagonal entry is below round-off.
+   * fields, with coefficients at walls held. M is
+   * - consistent: the mass matrix M_ij = sum_p m_p N_i(x_p) N_j(x_p) on
+   * extended B-splines, see Extension and ExtendedMass. With the coarsening
+   * "auto" all components of the fields are solved together by an
+   * ExtendedMassSolver; with others, and for a solver by name, one after the
+   * other by MassSolvers, one for each set of walls,
+   * - lumped: its row sums M_L, or FMPM's series
+   *     x = sum_(j<K) (1 - M_L^-1 M)^j M_L^-1 b,
+   *   both on all functions that meet mass.
    *
    * Coefficients without mass are *inactive*: their x is zero.
    */
@@ -81,11 +82,13 @@ namespace greville
            const PointTransfer<dim>                       &transfer);
 
     /**
-     * Collective. Solve M x = b; @p x has the values of held coefficients.
-     * Throws dealii::ExcMessage where the solver does not converge.
+     * Collective. Solve M x = b for pairs of fields. On entry the @p x have
+     * initial guesses and the values of held coefficients. Throws
+     * dealii::ExcMessage where the solver does not converge.
      */
     void
-    solve(VectorField<dim> &x, const VectorField<dim> &b);
+    solve(const std::vector<VectorField<dim> *>       &x,
+          const std::vector<const VectorField<dim> *> &b);
 
     /**
      * Collective. b = M x with the consistent matrix, zero where coefficients
@@ -116,6 +119,24 @@ namespace greville
     std::uint64_t
     n_active() const;
 
+    /**
+     * The extended B-splines of a consistent matrix.
+     */
+    const Extension<dim> &
+    extension() const
+    {
+      return extensions.back();
+    }
+
+    /**
+     * Factorizations so far of the solver of all components.
+     */
+    unsigned int
+    n_factorizations() const
+    {
+      return solver_of_all ? solver_of_all->n_factorizations() : 0;
+    }
+
     const VectorType &
     lumped() const
     {
@@ -142,8 +163,24 @@ namespace greville
     void
     solve_series(VectorField<dim> &x, const VectorField<dim> &b) const;
 
+    /**
+     * By the MassSolvers of the groups.
+     */
+    SolveResult
+    solve_components(const std::vector<VectorField<dim> *>       &x,
+                     const std::vector<const VectorField<dim> *> &b);
+
+    /**
+     * Classify cells and functions by the points.
+     */
+    bool
+    update_extensions(const std::vector<const MaterialPoints<dim> *> &bodies,
+                      const PointTransfer<dim>                       &transfer);
+
     void
-    solve_component(const Group &group, VectorType &x, const VectorType &b);
+    update_groups(const std::vector<const MaterialPoints<dim> *> &bodies,
+                  const PointTransfer<dim>                       &transfer,
+                  const bool unknowns_changed);
 
     unsigned int                fmpm_order = 0; // 1: lumped, 0: a MassSolver
     std::string                 solver_name;
@@ -151,11 +188,17 @@ namespace greville
     const Walls<dim>           &walls;
     OrderHierarchy<dim>         orders;
     std::vector<Group>          groups;
-    DensityWeights<dim>         product_weights;
-    std::unique_ptr<CrossMassOperator<dim>> product; // without constraints
-    VectorType                              lumped_mass, inverse_lumped;
-    VectorField<dim>                        is_free; // 1, or 0 where held
-    unsigned int                            iterations = 0;
+    std::vector<double>         filled_part; // of owned cells
+    CellFilling<dim>            filling;
+    std::vector<Extension<dim>> extensions; // by level
+    ExtendedMass<dim>           extended_mass;
+    std::vector<unsigned char>  held; // bits of components, by function
+    std::unique_ptr<ExtendedMassSolver<dim>> solver_of_all;
+    DensityWeights<dim>                      product_weights;
+    std::unique_ptr<CrossMassOperator<dim>>  product; // without constraints
+    VectorType                               lumped_mass, inverse_lumped;
+    VectorField<dim>                         is_free; // 1, or 0 where held
+    unsigned int                             iterations = 0;
   };
 } // namespace greville
 

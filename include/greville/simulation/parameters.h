@@ -75,7 +75,8 @@ namespace greville
   public:
     SchemeParameters();
 
-    std::string mass          = "lumped";
+    std::string mass          = "consistent";
+    double      filling       = 0.8;
     std::string stress_update = "USL";
     std::string transfer      = "FLIP";
     double      flip          = 1.;
@@ -223,7 +224,7 @@ namespace greville
     ReferenceParameters  reference;
     OutputParameters     output;
     MassSolverParameters solver;
-    PMultigridParameters multigrid;
+    PMultigridParameters multigrid{"p-multigrid", "auto"};
     SmootherParameters   smoother;
 
     // By name.

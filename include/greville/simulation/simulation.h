@@ -221,12 +221,18 @@ namespace greville
     add_grid_forces();
 
     /**
-     * M field = right_hand_side, with walls held.
+     * Whether Cundall's damping acts now.
+     */
+    bool
+    is_damped() const;
+
+    /**
+     * M field = sum for pairs of them; the fields hold guesses and the values
+     * at walls.
      */
     void
-    solve_velocity(VectorField<dim>       &field,
-                   const VectorField<dim> &right_hand_side,
-                   const double            at_time);
+    solve(const std::vector<VectorField<dim> *>       &fields,
+          const std::vector<const VectorField<dim> *> &sums);
 
     /**
      * One pass over the points of all bodies. Null pointers leave out a part.

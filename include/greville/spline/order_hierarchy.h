@@ -36,13 +36,14 @@ namespace greville
 
     /**
      * "one by one": p, p-1, ..., 1; "by two": p, p-2, ..., 1 (the last step may
-     * be one by one); "direct": p, 1. Separated by '|' as a
-     * Patterns::Selection has it.
+     * be one by one); "direct": p, 1; "none": p alone; "auto": what is fastest
+     * for mass matrices, which is "none" (doc/mass_of_points.md). Separated by
+     * '|' as a Patterns::Selection has it.
      */
     static std::string
     coarsenings()
     {
-      return "one by one|by two|direct";
+      return "auto|none|one by one|by two|direct";
     }
 
     /**

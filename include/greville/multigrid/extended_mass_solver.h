@@ -1,0 +1,104 @@
+#ifndef greville_multigrid_extended_mass_solver_h
+#define greville_multigrid_extended_mass_solver_h
+
+#include <greville/multigrid/extended_mass.h>
+#include <greville/multigrid/mass_solver.h>
+#include <greville/multigrid/schwarz.h>
+
+namespace greville
+{
+  /**
+   * Conjugate gradients for A x = b with an ExtendedMass, for all components of
+   * one or two vector fields together: one pass over matrix and factors serves
+   * all of them. The preconditioner is IncompleteCholesky in lexicographic
+   * order, one factorization per process with an overlap (additive Schwarz).
+   * It has no coarse level: doc/mass_of_points.md shows what one would bring.
+   *
+   * A factorization serves the matrices of following steps, too, until the
+   * residual falls by less per iteration than right after the factorization, by
+   * a factor (SmootherParameters::reuse). On one process it outlives changes of
+   * the unknowns; new ones are divided by their diagonal entry.
+   *
+   * The residual of the solution is orthogonal to constants in columns without
+   * held functions, so that momentum does not depend on the tolerance.
+   */
+  template <int dim>
+  class ExtendedMassSolver
+  {
+  public:
+    /**
+     * Parameters and mass are kept by reference.
+     */
+    ExtendedMassSolver(const ExtendedMass<dim>    &mass,
+                       const MassSolverParameters &parameters,
+                       const SmootherParameters   &smoother_parameters);
+
+    /**
+     * Collective. The mass has changed, and with it the set of unknowns if
+     * @p unknowns_changed. Factorizes where it is due.
+     */
+    void
+    update(const bool unknowns_changed, const double total_mass);
+
+    /**
+     * Collective. Solve A x = E^T b for pairs (x, b) of fields. On entry the
+     * x hold initial guesses and the values of held coefficients. Iterations
+     * end when the residual of each field has fallen to the tolerance times its
+     * right-hand side.
+     */
+    SolveResult
+    solve(const std::vector<VectorField<dim> *>       &x,
+          const std::vector<const VectorField<dim> *> &b);
+
+    /**
+     * Factorizations so far, and the shift of the last one (the largest of all
+     * processes). Collective.
+     */
+    unsigned int
+    n_factorizations() const
+    {
+      return factorizations;
+    }
+
+    double
+    shift() const;
+
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    void
+    factorize();
+
+    void
+    match_unknowns();
+
+    void
+    precondition(VectorType       &z,
+                 const VectorType &r,
+                 const unsigned    width) const;
+
+    template <int width>
+    SolveResult
+    iterate(VectorType &x, VectorType &r, const unsigned int n_fields);
+
+    const ExtendedMass<dim>    &mass;
+    const MassSolverParameters &parameters;
+    const SmootherParameters   &smoother_parameters;
+
+    double                                  total_mass = 0.;
+    IncompleteCholesky                      factors;
+    std::unique_ptr<OverlappingDomain<dim>> domain; // several processes
+    std::vector<unsigned int> factor_places; // unknowns that were factorized
+    std::vector<int>    factor_rows; // of unknowns, -1: none; empty: the same
+    std::vector<double> inverse_diagonal; // of those with none
+    mutable std::vector<double> work;
+
+    unsigned int factorizations = 0;
+    bool         is_due         = true;  // to factorize
+    bool         is_fresh       = false; // factorized and not yet used
+    double       fresh_rate     = 0.;    // digits per iteration
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,95 @@
+#ifndef greville_multigrid_incomplete_cholesky_h
+#define greville_multigrid_incomplete_cholesky_h
+
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The lower triangle of a symmetric matrix, by rows: the columns of each row
+   * ascend and end with the diagonal.
+   */
+  struct LowerTriangle
+  {
+    std::vector<std::size_t>  row_begin = {0};
+    std::vector<unsigned int> columns;
+    std::vector<double>       values;
+
+    unsigned int
+    size() const
+    {
+      return row_begin.size() - 1;
+    }
+  };
+
+
+
+  /**
+   * The incomplete Cholesky factorization IC(0),
+   *   M ~ (1 + L) D (1 + L)^T,
+   * where L has entries only where M has (J. Meijerink and H. van der Vorst,
+   * 1977). It is that of the matrix scaled to a unit diagonal, to which a shift
+   * is added where asked for, or where a pivot is not safely positive: 1e-3 at
+   * first, then twice as much as long as it takes (T. Manteuffel, An incomplete
+   * factorization technique for positive definite linear systems, 1980). Where
+   * the pattern has room for the fill, as for a Kronecker product in
+   * lexicographic order, it is exact.
+   *
+   * L is kept in single precision: half the memory traffic of a solve, at an
+   * error that a preconditioner does not notice.
+   */
+  class IncompleteCholesky
+  {
+  public:
+    /**
+     * Throws dealii::ExcMessage where the diagonal is not positive, or no shift
+     * up to 1 helps.
+     */
+    void
+    factorize(const LowerTriangle &matrix, const double smallest_shift = 0.);
+
+    /**
+     * The shift that was taken.
+     */
+    double
+    shift() const
+    {
+      return used_shift;
+    }
+
+    unsigned int
+    size() const
+    {
+      return inverse_pivots.size();
+    }
+
+    /**
+     * Solve in place for @p width (1, 2, 4 or 8) interleaved vectors: entry c
+     * of unknown i is x[i * width + c].
+     */
+    void
+    solve(double *x, const unsigned int width) const;
+
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    bool
+    try_shift(const LowerTriangle       &matrix,
+              const std::vector<double> &scaling,
+              const double               shift);
+
+    template <int width>
+    void
+    solve_interleaved(double *x) const;
+
+    double                    used_shift = 0.;
+    std::vector<std::size_t>  row_begin;
+    std::vector<unsigned int> columns;
+    std::vector<float>        entries;
+    std::vector<double>       inverse_pivots;
+    std::vector<double>       work;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,662 @@
+#include <greville/multigrid/extended_mass.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr unsigned int max_width = 8;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::reinit(const SplineSpace<dim> &space)
+  {
+    points_mass.reinit(space);
+    const std::size_t n = points_mass.size();
+    place_x             = ZeroedArray<double>(n * max_width);
+    place_y             = ZeroedArray<double>(n * max_width);
+    roles               = ZeroedArray<int>(n);
+    unknowns.clear();
+    extended.clear();
+    held_functions.assign(space.owned_functions().size() +
+                            space.ghost_functions().size(),
+                          0);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::begin(const Extension<dim> &e, const bool changed)
+  {
+    extension = &e;
+    if (!changed && !unknowns.empty())
+      {
+        points_mass.clear();
+        return;
+      }
+    number_unknowns();
+    std::vector<unsigned int> active;
+    for (unsigned int f = 0; f < held_functions.size(); ++f)
+      if (e[f] != Extension<dim>::inactive)
+        active.push_back(f);
+    points_mass.set_rows(active);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::number_unknowns()
+  {
+    using Kind                          = Extension<dim>;
+    const SplineSpace<dim> &space       = points_mass.space();
+    const unsigned int      n_functions = space.owned_functions().size();
+    const unsigned int n_all = n_functions + space.ghost_functions().size();
+    const MPI_Comm     comm  = communicator();
+    const bool         is_parallel = Utilities::MPI::n_mpi_processes(comm) > 1;
+
+    for (const auto *old : {&unknowns, &extended})
+      for (const unsigned int place : *old)
+        if (place != numbers::invalid_unsigned_int)
+          roles[place] = 0;
+    unknowns.clear();
+    owned_unknown_functions.clear();
+    lumped.clear();
+    extended.clear();
+    extended_functions = extension->extended_functions();
+    ghost_unknowns.clear();
+    partitioners.fill(nullptr);
+
+    for (unsigned int f = 0; f < n_functions; ++f)
+      if ((*extension)[f] == Kind::stable || (*extension)[f] == Kind::lumped)
+        {
+          unknowns.push_back(points_mass.place(f));
+          owned_unknown_functions.push_back(f);
+        }
+    n_owned = unknowns.size();
+    for (unsigned int f = 0; f < n_all; ++f)
+      if ((*extension)[f] == Kind::lumped)
+        lumped.push_back(points_mass.place(f));
+
+    // E of the extended functions, with positions for numbers.
+    std::vector<std::uint64_t> all_positions, positions;
+    std::vector<double>        all_weights, weights;
+    for (const unsigned int f : extended_functions)
+      {
+        extended.push_back(points_mass.place(f));
+        extension->row(f, positions, weights);
+        all_positions.insert(all_positions.end(),
+                             positions.begin(),
+                             positions.end());
+        all_weights.insert(all_weights.end(), weights.begin(), weights.end());
+      }
+
+    // Unknowns of other processes: functions of own cells, then the others that
+    // occur in E. Their places are of use only where they have one.
+    std::map<std::uint64_t, unsigned int> ghost_of; // by position
+    if (is_parallel)
+      {
+        const std::uint64_t mine   = n_owned;
+        std::uint64_t       offset = 0;
+        int ierr = MPI_Exscan(&mine, &offset, 1, MPI_UINT64_T, MPI_SUM, comm);
+        AssertThrowMPI(ierr);
+        first_unknown =
+          Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : offset;
+        n_unknowns = Utilities::MPI::sum(mine, comm);
+
+        const auto &owned = space.owned_functions();
+        for (unsigned int f = n_functions; f < n_all; ++f)
+          if ((*extension)[f] == Kind::stable ||
+              (*extension)[f] == Kind::lumped)
+            ghost_of[space.function_position(f)] = f;
+        for (const std::uint64_t position : all_positions)
+          if (!std::binary_search(owned.begin(), owned.end(), position))
+            ghost_of.emplace(position, numbers::invalid_unsigned_int);
+
+        // The owners tell the numbers of the unknowns.
+        std::vector<std::uint64_t> wanted;
+        for (const auto &entry : ghost_of)
+          wanted.push_back(entry.first);
+        const auto dofs = space.global_numbers(wanted);
+        IndexSet   ghosts(space.n_dofs());
+        {
+          auto sorted = dofs;
+          std::sort(sorted.begin(), sorted.end());
+          ghosts.add_indices(sorted.begin(), sorted.end());
+        }
+        VectorType numbers_of(space.locally_owned_dofs(), ghosts, comm);
+        for (unsigned int u = 0; u < n_owned; ++u)
+          numbers_of.local_element(owned_unknown_functions[u]) =
+            first_unknown + u;
+        numbers_of.update_ghost_values();
+
+        std::vector<std::pair<types::global_dof_index, std::uint64_t>> order;
+        for (unsigned int k = 0; k < wanted.size(); ++k)
+          order.emplace_back(numbers_of(dofs[k]), wanted[k]);
+        std::sort(order.begin(), order.end());
+        for (const auto &entry : order)
+          {
+            auto              &found = ghost_of.at(entry.second);
+            const unsigned int f     = found;
+            found                    = unknowns.size();
+            unknowns.push_back(f == numbers::invalid_unsigned_int
+                                 ? numbers::invalid_unsigned_int
+                                 : points_mass.place(f));
+            ghost_unknowns.push_back(entry.first);
+          }
+      }
+    for (unsigned int u = 0; u < unknowns.size(); ++u)
+      if (unknowns[u] != numbers::invalid_unsigned_int)
+        roles[unknowns[u]] = 1 + int(u);
+
+    extended_begin.assign(1, 0);
+    extended_entries.clear();
+    const std::size_t n_weights =
+      extended.empty() ? 0 : all_weights.size() / extended.size();
+    for (unsigned int k = 0; k < extended.size(); ++k)
+      {
+        roles[extended[k]] = -1 - int(k);
+        for (std::size_t e = k * n_weights; e < (k + 1) * n_weights; ++e)
+          {
+            if (all_weights[e] == 0.)
+              continue;
+            const auto &owned = space.owned_functions();
+            const auto  place =
+              std::lower_bound(owned.begin(), owned.end(), all_positions[e]);
+            const bool is_owned =
+              place != owned.end() && *place == all_positions[e];
+            const unsigned int unknown =
+              is_owned ? roles[points_mass.place(place - owned.begin())] - 1
+                       : ghost_of.at(all_positions[e]);
+            extended_entries.push_back({unknown, all_weights[e]});
+          }
+        extended_begin.push_back(extended_entries.size());
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::finish()
+  {
+    for (const unsigned int place : lumped)
+      points_mass.decouple(place);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::hold(const std::vector<unsigned char> &held)
+  {
+    held_functions = held;
+    held_places.clear();
+    for (unsigned int f = 0; f < held.size(); ++f)
+      if (held[f] != 0 && (*extension)[f] != Extension<dim>::inactive)
+        held_places.emplace_back(points_mass.place(f), held[f]);
+  }
+
+
+
+  template <int dim>
+  std::array<bool, dim>
+  ExtendedMass<dim>::has_held() const
+  {
+    unsigned int bits[dim] = {};
+    for (const auto &entry : held_places)
+      for (unsigned int c = 0; c < dim; ++c)
+        bits[c] |= (entry.second >> c) & 1;
+    Utilities::MPI::max(ArrayView<const unsigned int>(bits, dim),
+                        communicator(),
+                        ArrayView<unsigned int>(bits, dim));
+    std::array<bool, dim> result;
+    for (unsigned int c = 0; c < dim; ++c)
+      result[c] = bits[c] != 0;
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::uint64_t>
+  ExtendedMass<dim>::unknown_positions() const
+  {
+    std::vector<std::uint64_t> result;
+    for (const unsigned int f : owned_unknown_functions)
+      result.push_back(points_mass.space().owned_functions()[f]);
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::initialize_vector(VectorType        &vector,
+                                       const unsigned int width) const
+  {
+    auto &partitioner = partitioners[width];
+    if (!partitioner)
+      {
+        const MPI_Comm comm = communicator();
+        if (Utilities::MPI::n_mpi_processes(comm) == 1)
+          partitioner = std::make_shared<const Utilities::MPI::Partitioner>(
+            n_owned * width);
+        else
+          {
+            IndexSet owned(n_unknowns * width), ghosts(n_unknowns * width);
+            owned.add_range(first_unknown * width,
+                            (first_unknown + n_owned) * width);
+            for (const auto ghost : ghost_unknowns)
+              ghosts.add_range(ghost * width, (ghost + 1) * width);
+            partitioner =
+              std::make_shared<const Utilities::MPI::Partitioner>(owned,
+                                                                  ghosts,
+                                                                  comm);
+          }
+      }
+    vector.reinit(partitioner);
+  }
+
+
+
+  namespace
+  {
+    /**
+     * to[c] += factor * from[c].
+     */
+    template <int width>
+    inline void
+    add(double *to, const double factor, const double *from)
+    {
+      for (int c = 0; c < width; ++c)
+        to[c] += factor * from[c];
+    }
+
+    template <int width>
+    inline void
+    copy(double *to, const double *from)
+    {
+      for (int c = 0; c < width; ++c)
+        to[c] = from[c];
+    }
+
+
+
+    template <typename Action>
+    void
+    with_width(const unsigned int width, const Action &action)
+    {
+      switch (width)
+        {
+          case 1:
+            return action(std::integral_constant<int, 1>());
+          case 2:
+            return action(std::integral_constant<int, 2>());
+          case 4:
+            return action(std::integral_constant<int, 4>());
+          case 8:
+            return action(std::integral_constant<int, 8>());
+          default:
+            Assert(false, ExcInternalError());
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::zero_held(double *values, const unsigned int width) const
+  {
+    for (const auto &entry : held_places)
+      for (unsigned int c = 0; c < width; ++c)
+        if ((entry.second >> (c % dim)) & 1)
+          values[std::size_t(entry.first) * width + c] = 0.;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::expand(const double *x, const unsigned int width) const
+  {
+    with_width(width, [&](const auto w) {
+      constexpr int n      = decltype(w)::value;
+      double       *values = place_x.data();
+      for (unsigned int u = 0; u < unknowns.size(); ++u)
+        if (unknowns[u] != numbers::invalid_unsigned_int)
+          copy<n>(values + std::size_t(unknowns[u]) * n,
+                  x + std::size_t(u) * n);
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        {
+          double sum[n] = {};
+          for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
+               ++e)
+            add<n>(sum,
+                   extended_entries[e].weight,
+                   x + std::size_t(extended_entries[e].unknown) * n);
+          copy<n>(values + std::size_t(extended[k]) * n, sum);
+        }
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::collect(double *y, const unsigned int width) const
+  {
+    zero_held(place_y.data(), width);
+    with_width(width, [&](const auto w) {
+      constexpr int n      = decltype(w)::value;
+      const double *values = place_y.data();
+      for (unsigned int u = 0; u < unknowns.size(); ++u)
+        if (unknowns[u] != numbers::invalid_unsigned_int)
+          copy<n>(y + std::size_t(u) * n,
+                  values + std::size_t(unknowns[u]) * n);
+        else
+          for (int c = 0; c < n; ++c)
+            y[std::size_t(u) * n + c] = 0.;
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1]; ++e)
+          add<n>(y + std::size_t(extended_entries[e].unknown) * n,
+                 extended_entries[e].weight,
+                 values + std::size_t(extended[k]) * n);
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::vmult(VectorType        &y,
+                           VectorType        &x,
+                           const unsigned int width) const
+  {
+    x.update_ghost_values();
+    expand(x.begin(), width);
+    zero_held(place_x.data(), width);
+    points_mass.vmult(place_y.data(), place_x.data(), width);
+    collect(y.begin(), width);
+    y.compress(VectorOperation::add);
+    x.zero_out_ghost_values();
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::restrict_fields(
+    VectorType                                  &rows,
+    const std::vector<const VectorField<dim> *> &fields,
+    const unsigned int                           width) const
+  {
+    rows              = 0.;
+    double     *begin = rows.begin();
+    const auto &mask  = held_functions;
+    for (unsigned int k = 0; k < fields.size(); ++k)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          const double *b  = (*fields[k])[c].begin();
+          double       *to = begin + k * dim + c;
+          for (unsigned int u = 0; u < n_owned; ++u)
+            if (!((mask[owned_unknown_functions[u]] >> c) & 1))
+              to[std::size_t(u) * width] = b[owned_unknown_functions[u]];
+          for (unsigned int m = 0; m < extended.size(); ++m)
+            {
+              const unsigned int f = extended_functions[m];
+              if (f >= n_owned_functions() || ((mask[f] >> c) & 1))
+                continue;
+              for (std::size_t e = extended_begin[m]; e < extended_begin[m + 1];
+                   ++e)
+                to[std::size_t(extended_entries[e].unknown) * width] +=
+                  extended_entries[e].weight * b[f];
+            }
+        }
+    rows.compress(VectorOperation::add);
+    zero_held_unknowns(rows, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::read_fields(
+    VectorType                                  &x,
+    const std::vector<const VectorField<dim> *> &fields,
+    const unsigned int                           width) const
+  {
+    for (unsigned int k = 0; k < fields.size(); ++k)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          const double *values = (*fields[k])[c].begin();
+          double       *to     = x.begin() + k * dim + c;
+          for (unsigned int u = 0; u < n_owned; ++u)
+            to[std::size_t(u) * width] = values[owned_unknown_functions[u]];
+        }
+    zero_held_unknowns(x, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::write_fields(const std::vector<VectorField<dim> *> &fields,
+                                  VectorType                            &x,
+                                  const unsigned int width) const
+  {
+    x.update_ghost_values();
+    const auto   &mask  = held_functions;
+    const double *begin = x.begin();
+    for (unsigned int k = 0; k < fields.size(); ++k)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          double       *values = (*fields[k])[c].begin();
+          const double *from   = begin + k * dim + c;
+          for (unsigned int f = 0; f < n_owned_functions(); ++f)
+            if ((*extension)[f] == Extension<dim>::inactive &&
+                !((mask[f] >> c) & 1))
+              values[f] = 0.;
+          for (unsigned int u = 0; u < n_owned; ++u)
+            if (!((mask[owned_unknown_functions[u]] >> c) & 1))
+              values[owned_unknown_functions[u]] = from[std::size_t(u) * width];
+          for (unsigned int m = 0; m < extended.size(); ++m)
+            {
+              const unsigned int f = extended_functions[m];
+              if (f >= n_owned_functions() || ((mask[f] >> c) & 1))
+                continue;
+              double sum = 0.;
+              for (std::size_t e = extended_begin[m]; e < extended_begin[m + 1];
+                   ++e)
+                sum += extended_entries[e].weight *
+                       from[std::size_t(extended_entries[e].unknown) * width];
+              values[f] = sum;
+            }
+        }
+    x.zero_out_ghost_values();
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::subtract_held(
+    VectorType                            &rows,
+    const std::vector<VectorField<dim> *> &fields,
+    const unsigned int                     width) const
+  {
+    VectorType x, y;
+    initialize_vector(x, width);
+    initialize_vector(y, width);
+    for (unsigned int k = 0; k < fields.size(); ++k)
+      for (unsigned int c = 0; c < dim; ++c)
+        for (unsigned int u = 0; u < n_owned; ++u)
+          if ((held_functions[owned_unknown_functions[u]] >> c) & 1)
+            x.local_element(u * width + k * dim + c) =
+              (*fields[k])[c].local_element(owned_unknown_functions[u]);
+    x.update_ghost_values();
+    expand(x.begin(), width);
+    for (unsigned int k = 0; k < fields.size(); ++k)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          VectorType &field = (*fields[k])[c];
+          field.update_ghost_values();
+          for (unsigned int f = 0; f < held_functions.size(); ++f)
+            if (((held_functions[f] >> c) & 1) &&
+                (*extension)[f] != Extension<dim>::inactive)
+              place_x[std::size_t(points_mass.place(f)) * width + k * dim + c] =
+                field.local_element(f);
+          field.zero_out_ghost_values();
+        }
+    points_mass.vmult(place_y.data(), place_x.data(), width);
+    zero_held(place_y.data(), width);
+    collect(y.begin(), width);
+    y.compress(VectorOperation::add);
+    for (std::size_t i = 0; i < std::size_t(n_owned) * width; ++i)
+      rows.local_element(i) -= y.local_element(i);
+    zero_held_unknowns(rows, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::zero_held_unknowns(VectorType        &x,
+                                        const unsigned int width) const
+  {
+    for (const auto &entry : held_places)
+      {
+        const int role = roles[entry.first];
+        if (role <= 0 || role > int(n_owned))
+          continue;
+        for (unsigned int c = 0; c < width; ++c)
+          if ((entry.second >> (c % dim)) & 1)
+            x.local_element((role - 1) * width + c) = 0.;
+      }
+  }
+
+
+
+  template <int dim>
+  LowerTriangle
+  ExtendedMass<dim>::local_entries() const
+  {
+    const unsigned int n = unknowns.size();
+    LowerTriangle      result;
+
+    // A row that is summed up.
+    std::vector<double>       sums(n, 0.);
+    std::vector<bool>         is_touched(n, false);
+    std::vector<unsigned int> touched;
+    const auto add_entry = [&](const unsigned int unknown, const double value) {
+      if (!is_touched[unknown])
+        {
+          is_touched[unknown] = true;
+          touched.push_back(unknown);
+        }
+      sums[unknown] += value;
+    };
+    const auto add_row_times_E = [&](const unsigned int place) {
+      points_mass.for_each_entry(
+        place, [&](const unsigned int j, const double value) {
+          const int role = roles[j];
+          if (role > 0)
+            add_entry(role - 1, value);
+          else if (role < 0)
+            for (std::size_t e = extended_begin[-role - 1];
+                 e < extended_begin[-role];
+                 ++e)
+              add_entry(extended_entries[e].unknown,
+                        extended_entries[e].weight * value);
+        });
+    };
+
+    // B = M E in the rows of extended functions.
+    std::vector<std::size_t> B_begin(1, 0);
+    std::vector<Entry>       B;
+    for (const unsigned int place : extended)
+      {
+        add_row_times_E(place);
+        for (const unsigned int j : touched)
+          {
+            B.push_back({j, sums[j]});
+            sums[j]       = 0.;
+            is_touched[j] = false;
+          }
+        touched.clear();
+        B_begin.push_back(B.size());
+      }
+
+    // The extended functions of each unknown.
+    std::vector<std::size_t> transpose_begin(n + 1, 0);
+    for (const Entry &entry : extended_entries)
+      ++transpose_begin[entry.unknown + 1];
+    std::partial_sum(transpose_begin.begin(),
+                     transpose_begin.end(),
+                     transpose_begin.begin());
+    std::vector<Entry> transpose(extended_entries.size());
+    {
+      auto next = transpose_begin;
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1]; ++e)
+          transpose[next[extended_entries[e].unknown]++] = {
+            k, extended_entries[e].weight};
+    }
+
+    // A = (E^T B) with the rows of B = M E, lower part.
+    for (unsigned int i = 0; i < n; ++i)
+      {
+        if (unknowns[i] != numbers::invalid_unsigned_int)
+          add_row_times_E(unknowns[i]);
+        for (std::size_t t = transpose_begin[i]; t < transpose_begin[i + 1];
+             ++t)
+          for (std::size_t b = B_begin[transpose[t].unknown];
+               b < B_begin[transpose[t].unknown + 1];
+               ++b)
+            if (B[b].unknown <= i)
+              add_entry(B[b].unknown, transpose[t].weight * B[b].weight);
+        add_entry(i, 0.);
+        if (!std::is_sorted(touched.begin(), touched.end()))
+          std::sort(touched.begin(), touched.end());
+        for (const unsigned int j : touched)
+          {
+            if (j <= i)
+              {
+                result.columns.push_back(j);
+                result.values.push_back(sums[j]);
+              }
+            sums[j]       = 0.;
+            is_touched[j] = false;
+          }
+        touched.clear();
+        result.row_begin.push_back(result.columns.size());
+      }
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  ExtendedMass<dim>::memory_consumption() const
+  {
+    return points_mass.memory_consumption() +
+           extended_entries.size() * sizeof(Entry) +
+           unknowns.size() * 2 * sizeof(unsigned int) + held_functions.size();
+  }
+
+
+
+  template class ExtendedMass<2>;
+  template class ExtendedMass<3>;
+} // namespace greville
