@@ -126,70 +126,122 @@ namespace greville
                    [&](const unsigned int c, const double value) {
                      classes[c] = static_cast<unsigned char>(value);
                    });
-    std::vector<unsigned int> orphans;
-    for (unsigned int c = 0; c < positions.size(); ++c)
-      {
-        hosts[c] = classes[c] == well_filled ? positions[c] : none;
-        if (classes[c] == cut && c < n_owned)
-          orphans.push_back(c);
-      }
-
     MultiIndex<dim> three;
     three.fill(3);
     constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
-    std::vector<std::pair<unsigned int, std::uint64_t>> found;
-    for (unsigned int sweep = 0; sweep < reach; ++sweep)
-      {
-        // All cells look at the hosts of the sweep before.
-        found.clear();
-        for (const unsigned int c : orphans)
+
+    // Whether all neighbours are well-filled, too.
+    const auto is_core = [&](const unsigned int c) {
+      const auto index = multi_index<dim>(positions[c], extents);
+      for (unsigned int k = 0; k < n_neighbors; ++k)
+        {
+          const auto      offset = multi_index<dim>(k, three);
+          MultiIndex<dim> neighbor;
+          bool            is_beyond_wall = false, is_ignored = false;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              neighbor[d] = index[d] + offset[d] - 1;
+              if (neighbor[d] >= extents[d])
+                (extents[d] > 2 ? is_beyond_wall : is_ignored) = true;
+            }
+          if (is_ignored)
+            continue;
+          if (is_beyond_wall)
+            return false;
+          const unsigned int n = find(lexicographic<dim>(neighbor, extents));
+          if (n == dealii::numbers::invalid_unsigned_int ||
+              classes[n] != well_filled)
+            return false;
+        }
+      return true;
+    };
+    // Whether those are that share a face.
+    const auto has_filled_faces = [&](const unsigned int c) {
+      const auto index = multi_index<dim>(positions[c], extents);
+      for (unsigned int d = 0; d < dim; ++d)
+        for (const int side : {-1, 1})
           {
-            const auto    index = multi_index<dim>(positions[c], extents);
-            std::uint64_t best = none, best_distance = none;
-            for (unsigned int k = 0; k < n_neighbors; ++k)
-              {
-                const auto      offset = multi_index<dim>(k, three);
-                MultiIndex<dim> neighbor;
-                bool            is_inside = true;
-                for (unsigned int d = 0; d < dim; ++d)
-                  {
-                    neighbor[d] = index[d] + offset[d] - 1;
-                    is_inside   = is_inside && neighbor[d] < extents[d];
-                  }
-                if (!is_inside)
-                  continue;
-                const unsigned int n =
-                  find(lexicographic<dim>(neighbor, extents));
-                if (n == dealii::numbers::invalid_unsigned_int ||
-                    hosts[n] == none)
-                  continue;
-                const auto    host     = multi_index<dim>(hosts[n], extents);
-                std::uint64_t distance = 0;
-                for (unsigned int d = 0; d < dim; ++d)
-                  {
-                    const std::int64_t difference =
-                      std::int64_t(host[d]) - std::int64_t(index[d]);
-                    distance += difference * difference;
-                  }
-                if (distance < best_distance ||
-                    (distance == best_distance && hosts[n] < best))
-                  {
-                    best          = hosts[n];
-                    best_distance = distance;
-                  }
-              }
-            if (best != none)
-              found.emplace_back(c, best);
+            auto neighbor = index;
+            neighbor[d] += side;
+            if (neighbor[d] >= extents[d])
+              continue;
+            const unsigned int n = find(lexicographic<dim>(neighbor, extents));
+            if (n == dealii::numbers::invalid_unsigned_int ||
+                classes[n] != well_filled)
+              return false;
           }
-        for (const auto &entry : found)
-          hosts[entry.first] = entry.second;
-        orphans.erase(std::remove_if(orphans.begin(),
-                                     orphans.end(),
-                                     [&](const unsigned int c) {
-                                       return hosts[c] != none;
-                                     }),
-                      orphans.end());
-        exchange_hosts();
+      return true;
+    };
+
+    // The best host that a neighbour has.
+    const auto host_of_neighbors = [&](const unsigned int c) {
+      const auto    index = multi_index<dim>(positions[c], extents);
+      std::uint64_t best = none, best_distance = none;
+      for (unsigned int k = 0; k < n_neighbors; ++k)
+        {
+          const auto      offset = multi_index<dim>(k, three);
+          MultiIndex<dim> neighbor;
+          bool            is_inside = true;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              neighbor[d] = index[d] + offset[d] - 1;
+              is_inside   = is_inside && neighbor[d] < extents[d];
+            }
+          if (!is_inside)
+            continue;
+          const unsigned int n = find(lexicographic<dim>(neighbor, extents));
+          if (n == dealii::numbers::invalid_unsigned_int || hosts[n] == none)
+            continue;
+          const auto    host     = multi_index<dim>(hosts[n], extents);
+          std::uint64_t distance = 0;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              const std::int64_t difference =
+                std::int64_t(host[d]) - std::int64_t(index[d]);
+              distance += difference * difference;
+            }
+          if (distance < best_distance ||
+              (distance == best_distance && hosts[n] < best))
+            {
+              best          = hosts[n];
+              best_distance = distance;
+            }
+        }
+      return best;
+    };
+
+    std::fill(hosts.begin(), hosts.end(), none);
+    std::vector<unsigned int> orphans = filled;
+    const auto                adopt   = [&](const auto &find_host) {
+      // All cells look at the hosts of the sweep before.
+      std::vector<std::pair<unsigned int, std::uint64_t>> found;
+      for (const unsigned int c : orphans)
+        {
+          const std::uint64_t host = find_host(c);
+          if (host != none)
+            found.emplace_back(c, host);
+        }
+      for (const auto &entry : found)
+        hosts[entry.first] = entry.second;
+      orphans.erase(std::remove_if(orphans.begin(),
+                                   orphans.end(),
+                                   [&](const unsigned int c) {
+                                     return hosts[c] != none;
+                                   }),
+                    orphans.end());
+      exchange_hosts();
+    };
+    for (const unsigned int rank : {0, 1, 2})
+      {
+        adopt([&](const unsigned int c) {
+          return classes[c] == well_filled &&
+                     (rank == 2 || (rank == 1 && has_filled_faces(c)) ||
+                      (rank == 0 && is_core(c)))
+                   ? positions[c]
+                   : none;
+        });
+        for (unsigned int sweep = 0; sweep < reach; ++sweep)
+          adopt(host_of_neighbors);
       }
   }
 

@@ -32,7 +32,7 @@ namespace greville
     seen = 0.;
     for (const unsigned int cell : filling.filled_cells())
       {
-        const double add = filling.is_well_filled(cell) ? well_filled : 1.;
+        const double add = filling.is_host(cell) ? well_filled : 1.;
         for (const unsigned int f : space.cell_functions(cell))
           seen.local_element(f) += add;
       }
@@ -47,7 +47,7 @@ namespace greville
     const auto       for_each_host = [&](const auto &visit) {
       for (const unsigned int cell : filling.filled_cells())
         {
-          if (filling.is_well_filled(cell) ||
+          if (filling.is_host(cell) ||
               filling.host(cell) == CellFilling<dim>::none)
             continue;
           const std::uint64_t host = filling.host(cell);

@@ -25,7 +25,7 @@ namespace greville
     /**
      * The largest number of cells from a cut cell to its host.
      */
-    static constexpr unsigned int reach = 2;
+    static constexpr unsigned int reach = 3;
 
     CellFilling() = default;
 
@@ -61,9 +61,9 @@ namespace greville
     }
 
     bool
-    is_well_filled(const unsigned int cell) const
+    is_host(const unsigned int cell) const
     {
-      return classes[cell] == well_filled;
+      return hosts[cell] == positions[cell];
     }
 
     /**
