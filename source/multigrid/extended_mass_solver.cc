@@ -418,15 +418,6 @@ namespace greville
 
 
   template <int dim>
-  double
-  ExtendedMassSolver<dim>::shift() const
-  {
-    return Utilities::MPI::max(factors.shift(), mass.communicator());
-  }
-
-
-
-  template <int dim>
   std::size_t
   ExtendedMassSolver<dim>::memory_consumption() const
   {

@@ -10,9 +10,19 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    // Smaller pivots of the scaled matrix are round-off, or what IC(0) leaves
+    // of a row whose fill it drops. Far below zero the factors grow without
+    // bounds.
+    constexpr double smallest_pivot = 3e-5;
+    constexpr double lowest_pivot   = -0.1;
+  } // namespace
+
+
+
   void
-  IncompleteCholesky::factorize(const LowerTriangle &matrix,
-                                const double         smallest_shift)
+  IncompleteCholesky::factorize(const LowerTriangle &matrix, const double shift)
   {
     const unsigned int  n = matrix.size();
     std::vector<double> scaling(n);
@@ -42,14 +52,13 @@ namespace greville
     inverse_pivots.resize(n);
     work.assign(n, 0.);
 
-    used_shift = smallest_shift;
+    used_shift = shift;
     while (!try_shift(matrix, scaling, used_shift))
       {
         used_shift = std::max(2. * used_shift, 1e-3);
-        AssertThrow(used_shift < 1.,
-                    ExcMessage("IC(0) finds pivots that are not positive with "
-                               "all shifts: the matrix is not positive "
-                               "definite."));
+        AssertThrow(used_shift < 10.,
+                    ExcMessage("IC(0) fails with all shifts: the matrix is not "
+                               "positive definite."));
       }
   }
 
@@ -60,12 +69,9 @@ namespace greville
                                 const std::vector<double> &scaling,
                                 const double               shift)
   {
-    // A pivot that is a tiny part of the diagonal is round-off of the factors
-    // and would blow up what follows.
-    constexpr double smallest_pivot = 1e-5;
-
     // Row by row, on the scaled matrix A: with u_j = L_ij D_j,
     //   u_k = A_ik - sum_(j<k) u_j L_kj,   D_i = A_ii - sum_j u_j L_ij.
+    n_raised_pivots = 0;
     std::vector<double> pivots(matrix.size());
     for (unsigned int i = 0; i < matrix.size(); ++i)
       {
@@ -91,8 +97,13 @@ namespace greville
           }
         for (std::size_t e = begin; e < end; ++e)
           work[columns[e]] = 0.;
-        if (!(pivot > smallest_pivot))
+        if (!(pivot > lowest_pivot))
           return false;
+        if (pivot < smallest_pivot)
+          {
+            pivot = smallest_pivot;
+            ++n_raised_pivots;
+          }
         pivots[i] = pivot;
       }
 

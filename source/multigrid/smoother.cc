@@ -30,8 +30,8 @@ namespace greville
     add_parameter("Shift",
                   shift,
                   "ilu0, ic0: added to the diagonal of the scaled matrix "
-                  "(which is 1) before the factorization. ic0 takes a larger "
-                  "one where a pivot is not positive. Unit: none.",
+                  "(which is 1) before the factorization. (ic0 raises pivots "
+                  "that fail all the same.) Unit: none.",
                   prm,
                   Patterns::Double(0.));
     add_parameter("Reuse",

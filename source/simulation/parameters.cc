@@ -122,8 +122,9 @@ namespace greville
     add_parameter("Filling threshold",
                   filling,
                   "Consistent mass: cells that points fill by this part of "
-                  "their volume or more are well-filled; B-splines without "
-                  "such a cell are extended. 0: none is. Unit: none.",
+                  "their volume or more are well-filled; B-splines that see no "
+                  "well-filled cell inside the body are extended from such "
+                  "cells. 0: none is extended. Unit: none.",
                   prm,
                   Patterns::Double(0., 2.));
     add_parameter("Stress update",

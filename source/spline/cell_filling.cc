@@ -72,6 +72,7 @@ namespace greville
   {
     const unsigned int n_owned = spline_space->owned_cells().size();
     AssertDimension(filling.size(), n_owned);
+    all_are_hosts            = threshold == 0.;
     unsigned int has_changed = 0;
     for (unsigned int c = 0; c < n_owned; ++c)
       {
@@ -231,6 +232,11 @@ namespace greville
                     orphans.end());
       exchange_hosts();
     };
+    if (all_are_hosts)
+      {
+        adopt([&](const unsigned int c) { return positions[c]; });
+        return;
+      }
     for (const unsigned int rank : {0, 1, 2})
       {
         adopt([&](const unsigned int c) {

@@ -51,17 +51,13 @@ namespace greville
           const std::vector<const VectorField<dim> *> &b);
 
     /**
-     * Factorizations so far, and the shift of the last one (the largest of all
-     * processes). Collective.
+     * Factorizations so far.
      */
     unsigned int
     n_factorizations() const
     {
       return factorizations;
     }
-
-    double
-    shift() const;
 
     std::size_t
     memory_consumption() const;

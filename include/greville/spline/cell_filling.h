@@ -7,12 +7,26 @@ namespace greville
 {
   /**
    * Which cells of a mesh a body fills: a cell is *empty*, *cut* (it holds
-   * points, but too few for splines to be determined by them) or
-   * *well-filled*. Each cut cell has a *host*, the nearest well-filled cell of
-   * its own body: one that is reached through at most ::reach cells that are
-   * neighbours (by a face, an edge or a vertex) and hold points. So a host does
-   * not lie across a gap. Among hosts at the same distance the first in
-   * lexicographic order is taken. Cells without a host are *fragments*.
+   * points, but too few for splines to be determined by them) or *well-filled*.
+   * The polynomials of a spline on certain well-filled cells, the *hosts*, are
+   * extended to the other cells of the body. Hosts are
+   * 1. cells inside the body: all cells around them (3^dim - 1; none is beyond
+   *    a wall) are well-filled,
+   * 2. where no such host is near, well-filled cells whose 2 dim neighbours are
+   *    well-filled or beyond a wall,
+   * 3. where none of those is near, any well-filled cell.
+   * *Near* a cell is what at most ::reach steps from neighbour to neighbour (by
+   * a face, an edge or a vertex), all of them over cells with points, lead to;
+   * so a host does not lie across a gap. Of the hosts that its neighbours have,
+   * a cell takes the nearest, and the first in lexicographic order among
+   * equally near ones. Cells without a host are *fragments*.
+   *
+   * That surface cells do not host keeps the functions that see a body by a
+   * corner out of its space, and joins the polynomials of the two outermost
+   * layers of cells, as the not-a-knot condition of spline interpolation does.
+   * The order of approximation stays; the highest frequencies, which are
+   * outliers of surface and walls, go (doc/mass_of_points.md). In directions of
+   * one or two cells walls are not looked at.
    *
    * The classes depend on the mesh only, not on the order of the splines.
    */
@@ -22,9 +36,7 @@ namespace greville
   public:
     static constexpr std::uint64_t none = -1;
 
-    /**
-     * The largest number of cells from a cut cell to its host.
-     */
+    /// Steps from a cell to its host.
     static constexpr unsigned int reach = 3;
 
     CellFilling() = default;
@@ -46,7 +58,8 @@ namespace greville
     /**
      * Collective. @p filling, of each owned cell, is the part of it that is
      * filled; 0 is empty, and from @p threshold on the cell is well-filled.
-     * Returns whether the class of any cell, on any process, changed.
+     * With the threshold 0 all cells with points are hosts. Returns whether the
+     * class of any cell, on any process, changed.
      */
     bool
     update(const std::vector<double> &filling, const double threshold);
@@ -67,8 +80,8 @@ namespace greville
     }
 
     /**
-     * Position (in Lattice::n_cells()) of the host of an owned cell: of the
-     * cell itself if it is well-filled, none for empty cells and fragments.
+     * Position (in Lattice::n_cells()) of the host of an owned cell, which can
+     * be the cell itself; none for empty cells and fragments.
      */
     std::uint64_t
     host(const unsigned int cell) const
@@ -100,7 +113,8 @@ namespace greville
     void
     find_hosts();
 
-    const SplineSpace<dim> *spline_space = nullptr;
+    const SplineSpace<dim> *spline_space  = nullptr;
+    bool                    all_are_hosts = false;
 
     // Owned cells, then those of the ghost layer; on several processes their
     // positions are looked up.

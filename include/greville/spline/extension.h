@@ -12,7 +12,7 @@ namespace greville
    * B-spline approximation of Dirichlet problems, 2001) for a body that fills
    * only a part of its grid. A function of a space is
    * - *inactive*: its cells are empty,
-   * - *stable*: at least one of its cells is well-filled,
+   * - *stable*: at least one of its cells is a host (see CellFilling),
    * - *extended*: none is, but a cell has a host. Its coefficient is that of
    *   the polynomial which the spline is on the host: the blossom of this
    *   polynomial at the inner knots of the function i (de Boor and Fix),
