@@ -25,6 +25,7 @@ namespace greville
            ExcMessage("The mass matrix is the same for all components; use a "
                       "space with one."));
     matrix.reset();
+    extended_matrix.reset();
     spline_space = &space;
     find_row_boxes();
 
@@ -221,8 +222,9 @@ namespace greville
 
   template <int dim>
   void
-  MassMatrix<dim>::assemble(const DensityWeights<dim> &weights,
-                            const Constraints         &constraints)
+  MassMatrix<dim>::assemble(const DensityWeights<dim>       &weights,
+                            const Constraints               &constraints,
+                            const std::vector<unsigned int> &lumped)
   {
     std::fill(box_values.begin(), box_values.end(), 0.);
     switch (spline_space->degree())
@@ -245,7 +247,7 @@ namespace greville
         default:
           Assert(false, ExcInternalError());
       }
-    finish(constraints);
+    finish(constraints, lumped);
   }
 
 
@@ -425,7 +427,8 @@ namespace greville
 
   template <int dim>
   void
-  MassMatrix<dim>::finish(const Constraints &constraints)
+  MassMatrix<dim>::finish(const Constraints               &constraints,
+                          const std::vector<unsigned int> &lumped)
   {
     Mat                     mat   = matrix.get();
     const SplineSpace<dim> &space = *spline_space;
@@ -455,11 +458,30 @@ namespace greville
     check_petsc(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
     check_petsc(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
 
+    const bool is_special =
+      Utilities::MPI::max<unsigned int>(!lumped.empty(), space.communicator()) >
+      0;
+    if (is_special)
+      lump(lumped);
+    extended_matrix.reset();
+    unsigned int has_entries = 0;
+    for (const auto &line : constraints.get_lines())
+      has_entries |= !line.entries.empty();
+    has_entries = Utilities::MPI::max(has_entries, space.communicator());
+    if (has_entries != 0)
+      extend(constraints);
+    mat = petsc();
+
     VectorType diagonal;
     space.initialize_vector(diagonal);
     view_dst.with(diagonal.begin(),
                   [&](Vec vec) { check_petsc(MatGetDiagonal(mat, vec)); });
+    if (has_entries != 0)
+      for (const auto &line : constraints.get_lines())
+        if (space.locally_owned_dofs().is_element(line.index))
+          diagonal(line.index) = 0.;
     const auto inactive = fill_inactive(diagonal, constraints);
+    inactive_functions  = inactive.second;
 
     std::vector<PetscInt> rows;
     for (const unsigned int i : inactive.second)
@@ -472,11 +494,109 @@ namespace greville
 
   template <int dim>
   void
+  MassMatrix<dim>::lump(const std::vector<unsigned int> &functions)
+  {
+    const SplineSpace<dim> &space = *spline_space;
+    Mat                     mat   = matrix.get();
+    VectorType              ones, sums, diagonal;
+    for (VectorType *vector : {&ones, &sums, &diagonal})
+      space.initialize_vector(*vector);
+    const auto multiply = [&](VectorType &dst, const VectorType &src) {
+      view_src.with(src.begin(), [&](Vec x) {
+        view_dst.with(dst.begin(),
+                      [&](Vec y) { check_petsc(MatMult(mat, x, y)); });
+      });
+    };
+    std::vector<PetscInt> numbers;
+    for (const unsigned int i : functions)
+      {
+        numbers.push_back(space.partitioner()->local_range().first + i);
+        ones.local_element(i) = 1.;
+      }
+    multiply(diagonal, ones);
+    ones = 1.;
+    multiply(sums, ones);
+    for (const unsigned int i : functions)
+      diagonal.local_element(i) = sums.local_element(i);
+    check_petsc(MatZeroRowsColumns(
+      mat, numbers.size(), numbers.data(), 0., nullptr, nullptr));
+    view_src.with(diagonal.begin(), [&](Vec vec) {
+      check_petsc(MatDiagonalSet(mat, vec, ADD_VALUES));
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  MassMatrix<dim>::extend(const Constraints &constraints)
+  {
+    const SplineSpace<dim> &space   = *spline_space;
+    const PetscInt          n_owned = space.n_locally_owned_dofs();
+    const PetscInt          first   = space.partitioner()->local_range().first;
+
+    // E by rows
+    std::vector<PetscInt>    row_begins(1, 0), columns;
+    std::vector<PetscScalar> values;
+    for (PetscInt i = first; i < first + n_owned; ++i)
+      {
+        // An entry that is zero makes room for the diagonal of the result.
+        const bool is_constrained = constraints.is_constrained(i);
+        columns.push_back(i);
+        values.push_back(is_constrained ? 0. : 1.);
+        if (is_constrained)
+          for (const auto &entry : *constraints.get_constraint_entries(i))
+            {
+              columns.push_back(entry.first);
+              values.push_back(entry.second);
+            }
+        row_begins.push_back(columns.size());
+      }
+    // PETSc wants pointers even to empty arrays.
+    columns.reserve(1);
+    values.reserve(1);
+    Mat expansion, product;
+    check_petsc(MatCreateMPIAIJWithArrays(space.communicator(),
+                                          n_owned,
+                                          n_owned,
+                                          PETSC_DETERMINE,
+                                          PETSC_DETERMINE,
+                                          row_begins.data(),
+                                          columns.data(),
+                                          values.data(),
+                                          &expansion));
+    const PetscMatrix owner(expansion);
+    check_petsc(MatPtAP(
+      matrix.get(), expansion, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &product));
+    extended_matrix.reset(product);
+    check_petsc(MatSetOption(product, MAT_SYMMETRIC, PETSC_TRUE));
+    check_petsc(MatSetOption(product, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  }
+
+
+
+  template <int dim>
+  VectorType
+  MassMatrix<dim>::active_diagonal() const
+  {
+    VectorType diagonal;
+    spline_space->initialize_vector(diagonal);
+    view_dst.with(diagonal.begin(),
+                  [&](Vec vec) { check_petsc(MatGetDiagonal(petsc(), vec)); });
+    for (const unsigned int i : inactive_functions)
+      diagonal.local_element(i) = 0.;
+    return diagonal;
+  }
+
+
+
+  template <int dim>
+  void
   MassMatrix<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     view_src.with(src.begin(), [&](Vec x) {
       view_dst.with(dst.begin(),
-                    [&](Vec y) { check_petsc(MatMult(matrix.get(), x, y)); });
+                    [&](Vec y) { check_petsc(MatMult(petsc(), x, y)); });
     });
   }
 
@@ -486,7 +606,10 @@ namespace greville
   std::size_t
   MassMatrix<dim>::memory_consumption() const
   {
-    return box_values.size() * sizeof(double) +
+    MatInfo info{};
+    if (extended_matrix)
+      check_petsc(MatGetInfo(extended_matrix.get(), MAT_LOCAL, &info));
+    return info.memory + box_values.size() * sizeof(double) +
            (diagonal_values.size() + remote_values.size()) *
              (sizeof(double) + sizeof(unsigned int)) +
            (diagonal_columns.size() + remote_columns.size() +

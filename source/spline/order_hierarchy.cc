@@ -12,9 +12,11 @@ namespace greville
                               const std::string &coarsening)
   {
     AssertThrow(coarsening == "one by one" || coarsening == "by two" ||
-                  coarsening == "direct",
+                  coarsening == "direct" || coarsening == "none",
                 ExcMessage("The coarsening <" + coarsening + "> is none of " +
                            coarsenings() + "."));
+    if (coarsening == "none")
+      return {degree};
     const unsigned int step =
       coarsening == "one by one" ? 1 : (coarsening == "by two" ? 2 : degree);
 

@@ -11,7 +11,7 @@ namespace greville
    * The levels of p-multigrid: spline spaces of falling order on one and the
    * same mesh (R. Tielen, M. Moeller, C. Vuik, Efficient multigrid based
    * solvers for B-spline MPM, 2019). As in deal.II, level 0 is the coarsest,
-   * here the one of order 1.
+   * here the one of order 1, unless there is no coarsening.
    */
   template <int dim>
   class OrderHierarchy
@@ -36,13 +36,13 @@ namespace greville
 
     /**
      * "one by one": p, p-1, ..., 1; "by two": p, p-2, ..., 1 (the last step may
-     * be one by one); "direct": p, 1. Separated by '|' as a
+     * be one by one); "direct": p, 1; "none": p alone. Separated by '|' as a
      * Patterns::Selection has it.
      */
     static std::string
     coarsenings()
     {
-      return "one by one|by two|direct";
+      return "one by one|by two|direct|none";
     }
 
     /**
