@@ -9,18 +9,20 @@
 
 #include <filling.h>
 
-// Weights at random where cells are filled.
+// Weights where cells are filled, more or less at random.
 template <int dim>
 void
 fill_weights(DensityWeights<dim>    &weights,
              const SplineSpace<dim> &space,
-             const Filling<dim>     &filling)
+             const Filling<dim>     &filling,
+             const double            amplitude = 1.)
 {
   const std::vector<double> parts = fillings<dim>(space, filling);
   for (unsigned int c = 0; c < parts.size(); ++c)
     for (unsigned int q = 0; q < weights.n_points(); ++q)
       weights.at_cell(c)[q * CellBatches<dim>::width()] =
-        parts[c] * (1.2 + pseudo_random(space.owned_cells()[c] * 1000 + q)) /
+        parts[c] *
+        (1.2 + amplitude * pseudo_random(space.owned_cells()[c] * 1000 + q)) /
         weights.n_points();
 }
 
@@ -297,7 +299,7 @@ test_solvers(const MultiIndex<dim> &cells,
     MassHierarchy<dim> mass(orders, n_points);
     for (MassLevel<dim> *level : mass.all_levels())
       {
-        fill_weights<dim>(level->weights(), level->space(), is_filled);
+        fill_weights<dim>(level->weights(), level->space(), is_filled, 0.1);
         const Extension<dim> extension(level->space(), filling);
         level->constrain(held_at_floor(level->space(), true), extension);
       }
@@ -352,6 +354,6 @@ main(int argc, char **argv)
   test_transfer<3>(cube<3>(4), 2, 1, ball<3>(4, 1., 1.3));
 
   test_solvers<2>({{10, 6}}, 2, drawn);
-  test_solvers<2>({{10, 6}}, 3, drawn);
+  test_solvers<2>(cube<2>(12), 3, ball<2>(12, 6., 3.6));
   test_solvers<3>(cube<3>(5), 2, ball<3>(5, 2., 1.8));
 }
