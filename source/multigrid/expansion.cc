@@ -177,7 +177,7 @@ namespace greville
         , weights(weights)
         , quadrature(weights.n_points_1d())
         , batch_of_cell(space.owned_cells().size())
-        , values(weights.n_points(), space.cell_functions(0).size())
+        , values(weights.n_points(), space.n_dofs_per_cell())
         , weighted(values)
       {
         for (unsigned int b = 0; b < weights.batches().size(); ++b)
