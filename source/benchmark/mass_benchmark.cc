@@ -52,6 +52,16 @@ namespace greville
                   "Restrictions to run each p-multigrid solver with: " +
                     OrderTransfer<2>::restrictions() +
                     ". Empty: the one of p-multigrid.");
+    add_parameter("Prolongations",
+                  prolongations,
+                  "Prolongations to run each p-multigrid solver with: " +
+                    OrderTransfer<2>::prolongations() +
+                    ". Empty: the one of p-multigrid.");
+    add_parameter("Coarsenings",
+                  coarsenings,
+                  "Coarsenings to run each p-multigrid solver with: " +
+                    OrderHierarchy<2>::coarsenings() +
+                    ". Empty: the one of p-multigrid.");
     add_parameter("Published iterations",
                   published,
                   "Tables to compare with in the first of the dimensions: "
@@ -77,39 +87,6 @@ namespace greville
     add_parameter("Output directory",
                   output_directory,
                   "Where results go. Empty: output/NAME for NAME.prm.");
-  }
-
-
-
-  MassProblemParameters::MassProblemParameters()
-    : ParameterAcceptor("Problem")
-  {
-    add_parameter("Lower corner",
-                  lower,
-                  "Corner of the box with the smallest coordinates; 2D takes "
-                  "the first two. Unit: m.",
-                  prm,
-                  Patterns::List(Patterns::Double(), 2, 3));
-    add_parameter("Upper corner",
-                  upper,
-                  "Corner with the largest coordinates. Unit: m.",
-                  prm,
-                  Patterns::List(Patterns::Double(), 2, 3));
-    add_parameter("Cell ratio",
-                  cell_ratio,
-                  "The box has this multiple of the number of cells in each "
-                  "direction. Unit: none.",
-                  prm,
-                  Patterns::List(Patterns::Integer(1), 2, 3));
-    add_parameter("Density",
-                  density,
-                  "Density as an expression of x, y, z; not negative, zero in "
-                  "holes, as in if(x<0.5,1,0). Unit: kg/m^dim.");
-    add_parameter("Acceleration",
-                  acceleration,
-                  "The force is density times this expression of x, y, z, "
-                  "which is then the solution, up to its projection. Unit: "
-                  "m/s^2.");
   }
 
 
@@ -230,20 +207,14 @@ namespace greville
     check_names(parameters.restrictions,
                 "Restrictions",
                 OrderTransfer<2>::restrictions());
+    check_names(parameters.prolongations,
+                "Prolongations",
+                OrderTransfer<2>::prolongations());
+    check_names(parameters.coarsenings,
+                "Coarsenings",
+                OrderHierarchy<2>::coarsenings());
     for (const unsigned int dim : parameters.dimensions)
-      {
-        AssertThrow(problem.lower.size() >= dim &&
-                      problem.upper.size() >= dim &&
-                      problem.cell_ratio.size() >= dim,
-                    ExcMessage("'Lower corner', 'Upper corner' and 'Cell "
-                               "ratio' need " +
-                               std::to_string(dim) + " numbers in " +
-                               std::to_string(dim) + "D."));
-        for (unsigned int d = 0; d < dim; ++d)
-          AssertThrow(problem.lower[d] < problem.upper[d],
-                      ExcMessage("'Lower corner' has to be below 'Upper "
-                                 "corner' in each direction."));
-      }
+      problem_parameters.check(dim);
     for (const std::string &entry : parameters.published)
       {
         const std::size_t colon = entry.find(':');
@@ -258,8 +229,8 @@ namespace greville
       }
     for (const unsigned int dim : parameters.dimensions)
       for (const auto &expression :
-           {std::make_pair(problem.density, "Density"),
-            std::make_pair(problem.acceleration, "Acceleration")})
+           {std::make_pair(problem_parameters.density, "Density"),
+            std::make_pair(problem_parameters.acceleration, "Acceleration")})
         if (dim == 2)
           make_function<2>(expression.first, expression.second);
         else
@@ -274,10 +245,18 @@ namespace greville
   {
     out << "Greville mass_benchmark: "
         << std::filesystem::path(file).filename().string() << "\n  density "
-        << problem.density << ", acceleration " << problem.acceleration
-        << ", tolerance " << solver_parameters.tolerance << "\n  processes "
-        << Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) << ", results in "
-        << output_directory << '\n';
+        << problem_parameters.density << ", acceleration "
+        << problem_parameters.acceleration << ", tolerance "
+        << solver_parameters.tolerance;
+    if (!problem_parameters.bodies.empty())
+      {
+        out << "\n  material points, jitter " << problem_parameters.jitter;
+        if (problem_parameters.extend)
+          out << ", extended B-splines, filling threshold "
+              << problem_parameters.filling_threshold;
+      }
+    out << "\n  processes " << Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD)
+        << ", results in " << output_directory << '\n';
     if (parameters.print_times)
       out << "  " << simd_width << " doubles per SIMD vector, deal.II "
           << DEAL_II_PACKAGE_VERSION << '\n';
@@ -286,8 +265,8 @@ namespace greville
     // The hierarchy of the largest order, with its sizes.
     const unsigned int p =
       *std::max_element(parameters.orders.begin(), parameters.orders.end());
-    const auto orders =
-      OrderHierarchy<2>::orders(p, multigrid_parameters.coarsening);
+    const auto orders = OrderHierarchy<2>::orders(
+      p, list_or(parameters.coarsenings, multigrid_parameters.coarsening)[0]);
     const auto cells = cells_of_dimensions();
     out << "  level  order  unknowns\n";
     for (unsigned int l = orders.size(); l-- > 0;)
@@ -298,7 +277,7 @@ namespace greville
             {
               unsigned long size = 1;
               for (unsigned int d = 0; d < parameters.dimensions[k]; ++d)
-                size *= n * problem.cell_ratio[d] + orders[l];
+                size *= n * problem_parameters.cell_ratio[d] + orders[l];
               out << ' ' << size;
             }
         out << '\n';
@@ -311,27 +290,34 @@ namespace greville
   void
   MassBenchmark::run_dimension(const std::vector<unsigned int> &cells)
   {
-    const auto density = make_function<dim>(problem.density, "Density");
-    const auto acceleration =
-      make_function<dim>(problem.acceleration, "Acceleration");
-
+    // Number of variants of solvers, and of problems on a mesh.
     unsigned int n_variants = 0;
     for (const std::string &solver : parameters.solvers)
-      n_variants +=
-        MassSolver<dim>::uses_multigrid(solver)
-          ? std::max<std::size_t>(1, parameters.smoothers.size()) *
-              std::max<std::size_t>(1, parameters.cycles.size()) *
-              std::max<std::size_t>(1, parameters.restrictions.size())
-          : 1;
+      {
+        unsigned int n = 1;
+        if (MassSolver<dim>::uses_multigrid(solver))
+          for (const auto *list : {&parameters.smoothers,
+                                   &parameters.cycles,
+                                   &parameters.restrictions,
+                                   &parameters.prolongations,
+                                   &parameters.coarsenings})
+            n *= std::max<std::size_t>(1, list->size());
+        n_variants += n;
+      }
+    const auto        &bodies = problem_parameters.bodies;
+    const auto        &counts = problem_parameters.points_per_direction;
+    const unsigned int n_problems =
+      bodies.empty() ? 1 : bodies.size() * counts.size();
     progress.finish();
-    progress.start(n_variants * cells.size() * parameters.orders.size(),
+    progress.start(n_variants * n_problems * cells.size() *
+                     parameters.orders.size(),
                    out.is_active() && parameters.print_times);
 
     Point<dim> lower, upper;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        lower[d] = problem.lower[d];
-        upper[d] = problem.upper[d];
+        lower[d] = problem_parameters.lower[d];
+        upper[d] = problem_parameters.upper[d];
       }
     for (const unsigned int n : cells)
       {
@@ -340,15 +326,27 @@ namespace greville
                                                     mesh_settings<dim>);
         MultiIndex<dim>               n_cells;
         for (unsigned int d = 0; d < dim; ++d)
-          n_cells[d] = n * problem.cell_ratio[d];
+          n_cells[d] = n * problem_parameters.cell_ratio[d];
         create_box_mesh<dim>(triangulation, lower, upper, n_cells);
-        for (const unsigned int p : parameters.orders)
+        SolveRecord record;
+        record.dim   = dim;
+        record.cells = n;
+        if (bodies.empty())
           {
-            const OrderHierarchy<dim> orders(triangulation,
-                                             p,
-                                             multigrid_parameters.coarsening);
-            run_solvers<dim>(orders, *density, *acceleration, n);
+            DensityProblem<dim> problem(problem_parameters);
+            run_problem<dim>(problem, triangulation, record);
           }
+        for (const std::string &body : bodies)
+          for (const unsigned int count : counts)
+            {
+              PointProblem<dim> problem(problem_parameters,
+                                        body,
+                                        count,
+                                        triangulation);
+              record.body                 = body;
+              record.points_per_direction = count;
+              run_problem<dim>(problem, triangulation, record);
+            }
       }
   }
 
@@ -384,84 +382,107 @@ namespace greville
 
   template <int dim>
   void
-  MassBenchmark::run_solvers(const OrderHierarchy<dim> &orders,
-                             const Function<dim>       &density,
-                             const Function<dim>       &acceleration,
-                             const unsigned int         n_cells)
+  MassBenchmark::run_problem(MassProblem<dim>              &problem,
+                             DistributedTriangulation<dim> &triangulation,
+                             const SolveRecord             &what)
   {
-    MassHierarchy<dim> mass(orders, density);
-    for (const std::string &solver : parameters.solvers)
-      {
-        const PMultigridParameters &m = multigrid_parameters;
-        const bool is_multigrid       = MassSolver<dim>::uses_multigrid(solver);
-        const std::vector<std::string> none{""};
-        for (const std::string &smoother :
-             is_multigrid ? list_or(parameters.smoothers, m.smoother) : none)
-          for (const std::string &cycle :
-               is_multigrid ? list_or(parameters.cycles, m.cycle) : none)
-            for (const std::string &restriction :
-                 is_multigrid ? list_or(parameters.restrictions, m.restriction)
-                              : none)
-              {
-                const std::string old_smoother    = m.smoother;
-                const std::string old_cycle       = m.cycle;
-                const std::string old_restriction = m.restriction;
-                if (is_multigrid)
-                  {
-                    multigrid_parameters.smoother    = smoother;
-                    multigrid_parameters.cycle       = cycle;
-                    multigrid_parameters.restriction = restriction;
-                  }
-                records.push_back(
-                  run_solver<dim>(solver, mass, orders, acceleration, n_cells));
-                multigrid_parameters.smoother    = old_smoother;
-                multigrid_parameters.cycle       = old_cycle;
-                multigrid_parameters.restriction = old_restriction;
+    PMultigridParameters &m   = multigrid_parameters;
+    const std::string     old = m.coarsening;
+    for (const unsigned int p : parameters.orders)
+      for (const std::string &coarsening : list_or(parameters.coarsenings, old))
+        {
+          m.coarsening = coarsening;
+          const OrderHierarchy<dim> orders(triangulation, p, coarsening);
+          const SplineSpace<dim>   &space = orders.finest();
+          const auto                mass  = problem.make_mass(orders);
+          const typename Extension<dim>::Counts functions =
+            problem.count_functions(space);
+          const bool is_first =
+            coarsening == list_or(parameters.coarsenings, old)[0];
 
-                // Nothing is lost if a later solve fails.
-                if (out.is_active())
-                  write_atomically(output_directory + "/solves.csv",
-                                   solves_csv(records));
-              }
+          SolveRecord record = what;
+          record.p           = p;
+          record.unknowns    = space.n_dofs();
+          record.processes =
+            Utilities::MPI::n_mpi_processes(space.communicator());
+          record.stable   = functions.stable;
+          record.extended = functions.extended;
+          record.lumped   = functions.lumped;
+          for (const std::string &solver : parameters.solvers)
+            // Only p-multigrid has more than the finest level.
+            if (is_first || MassSolver<dim>::uses_multigrid(solver))
+              run_solver<dim>(solver, problem, *mass, record);
+
+          if (parameters.throughput && is_first)
+            {
+              operator_records.push_back(
+                measure_operators<dim>(mass->finest()));
+              operator_records.back().cells = what.cells;
+            }
+        }
+    m.coarsening = old;
+  }
+
+
+
+  template <int dim>
+  void
+  MassBenchmark::run_solver(const std::string  &solver,
+                            MassProblem<dim>   &problem,
+                            MassHierarchy<dim> &mass,
+                            const SolveRecord  &what)
+  {
+    const auto run = [&](const SolveRecord &record) {
+      records.push_back(solve<dim>(problem, mass, record));
+      // Nothing is lost if a later solve fails.
+      if (out.is_active())
+        write_atomically(output_directory + "/solves.csv", solves_csv(records));
+    };
+    SolveRecord record = what;
+    record.solver      = solver;
+    if (!MassSolver<dim>::uses_multigrid(solver))
+      {
+        run(record);
+        return;
       }
 
-    if (parameters.throughput)
-      {
-        operator_records.push_back(measure_operators<dim>(mass.finest()));
-        operator_records.back().cells = n_cells;
-      }
+    PMultigridParameters            &m = multigrid_parameters;
+    const std::array<std::string, 4> old{
+      {m.smoother, m.cycle, m.restriction, m.prolongation}};
+    for (const std::string &smoother : list_or(parameters.smoothers, old[0]))
+      for (const std::string &cycle : list_or(parameters.cycles, old[1]))
+        for (const std::string &restriction :
+             list_or(parameters.restrictions, old[2]))
+          for (const std::string &prolongation :
+               list_or(parameters.prolongations, old[3]))
+            {
+              record.smoother = m.smoother = smoother;
+              record.cycle = m.cycle = cycle;
+              record.restriction = m.restriction = restriction;
+              record.prolongation = m.prolongation = prolongation;
+              record.coarsening                    = m.coarsening;
+              record.names_prolongation = parameters.prolongations.size() > 1;
+              record.names_coarsening   = parameters.coarsenings.size() > 1;
+              run(record);
+            }
+    std::tie(m.smoother, m.cycle, m.restriction, m.prolongation) =
+      std::tie(old[0], old[1], old[2], old[3]);
   }
 
 
 
   template <int dim>
   SolveRecord
-  MassBenchmark::run_solver(const std::string         &solver_name,
-                            MassHierarchy<dim>        &mass,
-                            const OrderHierarchy<dim> &orders,
-                            const Function<dim>       &acceleration,
-                            const unsigned int         n_cells)
+  MassBenchmark::solve(MassProblem<dim>   &problem,
+                       MassHierarchy<dim> &mass,
+                       SolveRecord         record)
   {
-    const SplineSpace<dim> &space = orders.finest();
+    const SplineSpace<dim> &space = mass.finest().space();
     const MPI_Comm          comm  = space.communicator();
-
-    SolveRecord record;
-    record.solver = solver_name;
-    if (MassSolver<dim>::uses_multigrid(solver_name))
-      {
-        record.smoother    = multigrid_parameters.smoother;
-        record.cycle       = multigrid_parameters.cycle;
-        record.restriction = multigrid_parameters.restriction;
-      }
-    record.dim       = dim;
-    record.cells     = n_cells;
-    record.p         = space.degree();
-    record.processes = Utilities::MPI::n_mpi_processes(comm);
-    record.unknowns  = space.n_dofs();
-    progress.show(record.variant() + ", " + std::to_string(n_cells) +
+    progress.show(record.variant() + ", " + std::to_string(record.cells) +
                   " cells, p = " + std::to_string(space.degree()));
 
-    MassSolver<dim> solver(solver_name,
+    MassSolver<dim> solver(record.solver,
                            mass,
                            solver_parameters,
                            multigrid_parameters,
@@ -472,7 +493,7 @@ namespace greville
 
     const bool has_peak =
       Utilities::MPI::min(int(reset_peak_memory()), comm) == 1;
-    std::vector<double> assembly, setup, solve;
+    std::vector<double> assembly, setup, solution;
     const auto timed = [&](std::vector<double> &times, const auto &action) {
       MPI_Barrier(comm);
       Timer timer;
@@ -483,14 +504,11 @@ namespace greville
       try
         {
           timed(assembly, [&]() { solver.assemble(); });
-          const auto &cross = mass.finest().mass().cross_mass();
-          cross.integrate(b, acceleration);
+          problem.right_hand_side(b, mass.finest());
           timed(setup, [&]() { solver.setup(); });
-          timed(solve, [&]() { record.result = solver.solve(x, b); });
+          timed(solution, [&]() { record.result = solver.solve(x, b); });
 
-          const auto norms = cross.difference(x, acceleration);
-          record.error =
-            norms.second > 0 ? norms.first / norms.second : norms.first;
+          record.error = problem.error(x, mass.finest());
         }
       catch (const std::exception &error)
         {
@@ -512,7 +530,7 @@ namespace greville
       }
     record.assembly = assembly.empty() ? 0. : median(assembly);
     record.setup    = setup.empty() ? 0. : median(setup);
-    record.solve    = solve.empty() ? 0. : median(solve);
+    record.solve    = solution.empty() ? 0. : median(solution);
     mass.clear();
     return record;
   }

@@ -19,8 +19,18 @@ namespace greville
   std::string
   SolveRecord::variant() const
   {
-    std::string text = std::to_string(dim) + "D, " + solver;
-    for (const std::string &part : {cycle, smoother, restriction})
+    std::string text = std::to_string(dim) + "D, ";
+    if (!body.empty())
+      text += body + " of " + std::to_string(points_per_direction) + "^" +
+              std::to_string(dim) + " points per cell, ";
+    text += solver;
+    for (const std::string &part :
+         {cycle,
+          smoother,
+          restriction,
+          names_prolongation ? prolongation : std::string(),
+          names_coarsening && !coarsening.empty() ? "coarsening " + coarsening
+                                                  : std::string()})
       if (!part.empty())
         text += ", " + part;
     return text;
@@ -79,7 +89,8 @@ namespace greville
     std::ostringstream out;
     out << "solver,smoother,cycle,restriction,dim,cells,p,processes,unknowns,"
            "iterations,converged,reduction,error,assembly_s,setup_s,solve_s,"
-           "peak_bytes\n"
+           "peak_bytes,prolongation,coarsening,body,points_per_direction,"
+           "stable,extended,lumped\n"
         << std::setprecision(6);
     for (const SolveRecord &r : records)
       {
@@ -93,6 +104,15 @@ namespace greville
             << ',';
         if (r.peak_bytes)
           out << *r.peak_bytes;
+        out << ',' << r.prolongation << ',' << r.coarsening << ',' << r.body
+            << ',';
+        if (r.points_per_direction > 0)
+          out << r.points_per_direction;
+        for (const unsigned long n : {r.stable, r.extended, r.lumped})
+          if (r.stable > 0)
+            out << ',' << n;
+          else
+            out << ',';
         out << '\n';
       }
     return out.str();

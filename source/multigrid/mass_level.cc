@@ -24,19 +24,46 @@ namespace greville
   void
   MassLevel<dim>::assemble(const bool with_matrix, const bool apply)
   {
-    apply_matrix  = apply;
-    mass_operator = std::make_unique<MassOperator<dim>>(*spline_space,
-                                                        density_weights,
-                                                        wall_constraints);
+    apply_matrix = apply;
     // The pattern of the matrix serves all weights.
     if (!(with_matrix || apply))
       mass_matrix.reset();
-    else if (mass_matrix)
-      mass_matrix->assemble(density_weights, wall_constraints);
     else
-      mass_matrix = std::make_unique<MassMatrix<dim>>(*spline_space,
-                                                      density_weights,
-                                                      wall_constraints);
+      {
+        if (!mass_matrix)
+          {
+            mass_matrix = std::make_unique<MassMatrix<dim>>();
+            mass_matrix->reinit(*spline_space);
+          }
+        mass_matrix->assemble(density_weights, constraints, lumped);
+      }
+    mass_operator = std::make_unique<MassOperator<dim>>();
+    if (mass_matrix && mass_matrix->is_extended())
+      {
+        // Its diagonal is cheap where the matrix is there.
+        const VectorType diagonal = mass_matrix->active_diagonal();
+        mass_operator->reinit(
+          *spline_space, density_weights, constraints, lumped, &diagonal);
+      }
+    else
+      mass_operator->reinit(*spline_space,
+                            density_weights,
+                            constraints,
+                            lumped);
+  }
+
+
+
+  template <int dim>
+  void
+  MassLevel<dim>::constrain(const Constraints    &held,
+                            const Extension<dim> &extension)
+  {
+    constraints = merge_constraints(extension, held);
+    lumped.clear();
+    for (unsigned int i = 0; i < spline_space->n_locally_owned_dofs(); ++i)
+      if (extension[i] == Extension<dim>::lumped)
+        lumped.push_back(i);
   }
 
 

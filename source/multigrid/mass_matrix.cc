@@ -25,6 +25,7 @@ namespace greville
            ExcMessage("The mass matrix is the same for all components; use a "
                       "space with one."));
     matrix.reset();
+    extended_matrix.reset();
     spline_space = &space;
     find_row_boxes();
 
@@ -221,8 +222,9 @@ namespace greville
 
   template <int dim>
   void
-  MassMatrix<dim>::assemble(const DensityWeights<dim> &weights,
-                            const Constraints         &constraints)
+  MassMatrix<dim>::assemble(const DensityWeights<dim>       &weights,
+                            const Constraints               &constraints,
+                            const std::vector<unsigned int> &lumped)
   {
     std::fill(box_values.begin(), box_values.end(), 0.);
     switch (spline_space->degree())
@@ -245,7 +247,7 @@ namespace greville
         default:
           Assert(false, ExcInternalError());
       }
-    finish(constraints);
+    finish(constraints, lumped);
   }
 
 
@@ -425,7 +427,8 @@ namespace greville
 
   template <int dim>
   void
-  MassMatrix<dim>::finish(const Constraints &constraints)
+  MassMatrix<dim>::finish(const Constraints               &constraints,
+                          const std::vector<unsigned int> &lumped)
   {
     Mat                     mat   = matrix.get();
     const SplineSpace<dim> &space = *spline_space;
@@ -455,11 +458,30 @@ namespace greville
     check_petsc(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
     check_petsc(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
 
+    const bool is_special =
+      Utilities::MPI::max<unsigned int>(!lumped.empty(), space.communicator()) >
+      0;
+    if (is_special)
+      lump(lumped);
+    extended_matrix.reset();
+    unsigned int has_entries = 0;
+    for (const auto &line : constraints.get_lines())
+      has_entries |= !line.entries.empty();
+    has_entries = Utilities::MPI::max(has_entries, space.communicator());
+    if (has_entries != 0)
+      extend(constraints);
+    mat = petsc();
+
     VectorType diagonal;
     space.initialize_vector(diagonal);
     view_dst.with(diagonal.begin(),
                   [&](Vec vec) { check_petsc(MatGetDiagonal(mat, vec)); });
+    if (has_entries != 0)
+      for (const auto &line : constraints.get_lines())
+        if (space.locally_owned_dofs().is_element(line.index))
+          diagonal(line.index) = 0.;
     const auto inactive = fill_inactive(diagonal, constraints);
+    inactive_functions  = inactive.second;
 
     std::vector<PetscInt> rows;
     for (const unsigned int i : inactive.second)
@@ -471,12 +493,27 @@ namespace greville
 
 
   template <int dim>
+  VectorType
+  MassMatrix<dim>::active_diagonal() const
+  {
+    VectorType diagonal;
+    spline_space->initialize_vector(diagonal);
+    view_dst.with(diagonal.begin(),
+                  [&](Vec vec) { check_petsc(MatGetDiagonal(petsc(), vec)); });
+    for (const unsigned int i : inactive_functions)
+      diagonal.local_element(i) = 0.;
+    return diagonal;
+  }
+
+
+
+  template <int dim>
   void
   MassMatrix<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     view_src.with(src.begin(), [&](Vec x) {
       view_dst.with(dst.begin(),
-                    [&](Vec y) { check_petsc(MatMult(matrix.get(), x, y)); });
+                    [&](Vec y) { check_petsc(MatMult(petsc(), x, y)); });
     });
   }
 
@@ -486,7 +523,10 @@ namespace greville
   std::size_t
   MassMatrix<dim>::memory_consumption() const
   {
-    return box_values.size() * sizeof(double) +
+    MatInfo info{};
+    if (extended_matrix)
+      check_petsc(MatGetInfo(extended_matrix.get(), MAT_LOCAL, &info));
+    return info.memory + box_values.size() * sizeof(double) +
            (diagonal_values.size() + remote_values.size()) *
              (sizeof(double) + sizeof(unsigned int)) +
            (diagonal_columns.size() + remote_columns.size() +

@@ -434,17 +434,46 @@ namespace greville
 
   template <int dim>
   void
-  MassOperator<dim>::reinit(const SplineSpace<dim>    &space,
-                            const DensityWeights<dim> &weights,
-                            const Constraints         &constraints)
+  MassOperator<dim>::reinit(const SplineSpace<dim>          &space,
+                            const DensityWeights<dim>       &weights,
+                            const Constraints               &constraints,
+                            const std::vector<unsigned int> &lumped,
+                            const VectorType                *with_diagonal)
   {
     Assert(space.n_components() == 1,
            ExcMessage("The mass matrix is the same for all components; use a "
                       "space with one."));
-    spline_space = &space;
-    cross        = CrossMassOperator<dim>(space, space, weights);
+    spline_space     = &space;
+    cross            = CrossMassOperator<dim>(space, space, weights);
+    coefficients     = Expansion<dim>(space, constraints);
+    lumped_functions = lumped;
+    const bool has_lumped =
+      Utilities::MPI::max<unsigned int>(lumped.size(), space.communicator()) >
+      0;
+    if (has_lumped)
+      {
+        VectorType lumped_ones, sums;
+        for (VectorType *v : {&lumped_ones, &sums, &lumped_diagonal})
+          space.initialize_vector(*v);
+        for (const unsigned int i : lumped)
+          lumped_ones.local_element(i) = 1.;
+        cross.vmult(lumped_diagonal, lumped_ones);
+        cross.row_sums(sums);
+        for (const unsigned int i : lumped)
+          lumped_diagonal.local_element(i) = sums.local_element(i);
+      }
+    else
+      lumped_diagonal.reinit(0);
+
     space.initialize_vector(matrix_diagonal);
-    cross.diagonal(matrix_diagonal);
+    if (with_diagonal != nullptr)
+      matrix_diagonal.copy_locally_owned_data_from(*with_diagonal);
+    else
+      {
+        cross.diagonal(matrix_diagonal);
+        if (coefficients.has_extended() || has_lumped)
+          coefficients.condense_diagonal(matrix_diagonal, weights, lumped);
+      }
     std::tie(inactive_diagonal, inactive_functions) =
       fill_inactive(matrix_diagonal, constraints);
 
@@ -452,7 +481,7 @@ namespace greville
     has_constraints = constraints.n_constraints() > 0;
     has_constraints =
       Utilities::MPI::max<unsigned int>(has_constraints, space.communicator());
-    if (has_constraints)
+    if (has_constraints || has_lumped)
       space.initialize_vector(free_source);
   }
 
@@ -462,17 +491,56 @@ namespace greville
   void
   MassOperator<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
-    if (has_constraints)
+    const bool has_lumped = lumped_diagonal.size() > 0;
+    if (has_constraints || has_lumped)
       {
         free_source.copy_locally_owned_data_from(src);
-        for (const unsigned int i : inactive_functions)
-          free_source.local_element(i) = 0.;
+        distribute(free_source);
+        lumped_source.clear();
+        for (const unsigned int i : lumped_functions)
+          {
+            lumped_source.push_back(free_source.local_element(i));
+            free_source.local_element(i) = 0.;
+          }
         cross.vmult(dst, free_source);
+        for (const unsigned int i : lumped_functions)
+          dst.local_element(i) = 0.;
+        if (has_lumped)
+          {
+            for (unsigned int k = 0; k < lumped_functions.size(); ++k)
+              free_source.local_element(lumped_functions[k]) = lumped_source[k];
+            for (unsigned int i = 0; i < dst.locally_owned_size(); ++i)
+              dst.local_element(i) +=
+                lumped_diagonal.local_element(i) * free_source.local_element(i);
+          }
+        coefficients.condense(dst);
       }
     else
       cross.vmult(dst, src);
     for (const unsigned int i : inactive_functions)
       dst.local_element(i) = inactive_diagonal * src.local_element(i);
+  }
+
+
+
+  template <int dim>
+  void
+  MassOperator<dim>::distribute(VectorType &x) const
+  {
+    for (const unsigned int i : inactive_functions)
+      x.local_element(i) = 0.;
+    coefficients.distribute(x);
+  }
+
+
+
+  template <int dim>
+  void
+  MassOperator<dim>::condense(VectorType &x) const
+  {
+    coefficients.condense(x);
+    for (const unsigned int i : inactive_functions)
+      x.local_element(i) = 0.;
   }
 
 
@@ -484,6 +552,7 @@ namespace greville
     VectorType sums;
     initialize_dof_vector(sums);
     cross.row_sums(sums);
+    coefficients.condense(sums);
     for (const unsigned int i : inactive_functions)
       sums.local_element(i) = inactive_diagonal;
     return sums;

@@ -192,7 +192,10 @@ namespace greville
     const auto levels = hierarchy.all_levels();
     for (unsigned int l = 0; l < levels.size(); ++l)
       if (l + 1 == levels.size() || uses_multigrid(name))
-        levels[l]->assemble(l > 0 && smoother_wants_matrix, apply_matrix);
+        levels[l]->assemble(smoother_wants_matrix &&
+                              (l > 0 || OrderHierarchy<dim>::is_single(
+                                          multigrid_parameters.coarsening)),
+                            apply_matrix);
   }
 
 
@@ -204,7 +207,7 @@ namespace greville
     MassLevel<dim> &finest = hierarchy.finest();
     if (uses_multigrid(name))
       {
-        // A single level is solved by the coarse solver: to the end.
+        // p = 1 alone is solved by the coarse solver: to the end.
         const auto levels = hierarchy.all_levels();
         preconditioner    = std::make_unique<PMultigrid<dim>>(
           levels,

@@ -37,6 +37,8 @@ namespace greville
         const MassLevel<dim> &fine   = *levels[l];
         const MassLevel<dim> &coarse = *levels[l - 1];
         Step                 &step   = steps[l - 1];
+        step.fine_mass               = &fine.mass();
+        step.coarse_mass             = &coarse.mass();
 
         if (weighting == "unit")
           step.unit_weights = std::make_unique<DensityWeights<dim>>(
@@ -108,7 +110,14 @@ namespace greville
                                  const VectorType  &src) const
   {
     const Step &step = steps[to_level - 1];
-    step.cross.vmult(dst, src);
+    if (step.coarse_mass->expansion().has_extended())
+      {
+        step.coarse = src;
+        step.coarse_mass->distribute(step.coarse);
+        step.cross.vmult(dst, step.coarse);
+      }
+    else
+      step.cross.vmult(dst, src);
     if (prolongation == "exact-l2")
       inverses[to_level]->apply(dst);
     else
@@ -145,10 +154,19 @@ namespace greville
         else
           step.fine.scale(step.inverse_row_sums);
         step.cross.Tvmult(step.coarse, step.fine);
+        if (step.coarse_mass->expansion().has_extended())
+          step.coarse_mass->condense(step.coarse);
       }
     else
       {
-        step.cross.Tvmult(step.coarse, src);
+        if (step.fine_mass->expansion().has_extended())
+          {
+            step.fine = src;
+            step.fine_mass->distribute(step.fine);
+            step.cross.Tvmult(step.coarse, step.fine);
+          }
+        else
+          step.cross.Tvmult(step.coarse, src);
         if (restriction == "exact-l2")
           inverses[from_level - 1]->apply(step.coarse);
         else

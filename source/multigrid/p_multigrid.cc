@@ -44,7 +44,8 @@ namespace greville
                   Patterns::Selection(OrderTransfer<2>::weightings()));
     add_parameter("Smoother",
                   smoother,
-                  "The smoother of all levels but the coarsest.",
+                  "The smoother of all levels but the coarsest, or of the "
+                  "only level where Coarsening is none.",
                   prm,
                   Patterns::Selection(smoother_names()));
     add_parameter("Pre-smoothing steps",
@@ -290,11 +291,15 @@ namespace greville
     , residual(levels.size())
   {
     const bool is_symmetric = parameters.restriction == "transpose";
+    const bool has_coarse =
+      !OrderHierarchy<dim>::is_single(parameters.coarsening);
+    AssertThrow(has_coarse || levels.size() == 1,
+                ExcMessage("Coarsening none has one level."));
     for (unsigned int l = 0; l < levels.size(); ++l)
       {
         for (auto *vectors : {&x, &b, &residual})
           levels[l]->space().initialize_vector((*vectors)[l]);
-        if (l > 0)
+        if (l > 0 || !has_coarse)
           smoothers[l] = make_smoother<dim>(parameters.smoother,
                                             smoother_parameters,
                                             *levels[l],
@@ -302,16 +307,17 @@ namespace greville
       }
     pre = std::make_unique<Smoother>(
       *level_matrices, smoothers, residual, parameters.pre_smoothing, false);
-    post   = std::make_unique<Smoother>(*level_matrices,
+    post = std::make_unique<Smoother>(*level_matrices,
                                       smoothers,
                                       residual,
                                       parameters.post_smoothing,
                                       is_symmetric);
-    coarse = std::make_unique<CoarseSolver>(*levels[0],
-                                            parameters.coarse_preconditioner,
-                                            smoother_parameters,
-                                            coarse_tolerance,
-                                            parameters.coarse_max_iterations);
+    if (has_coarse)
+      coarse = std::make_unique<CoarseSolver>(*levels[0],
+                                              parameters.coarse_preconditioner,
+                                              smoother_parameters,
+                                              coarse_tolerance,
+                                              parameters.coarse_max_iterations);
   }
 
 
@@ -347,7 +353,7 @@ namespace greville
                          const Cycle        type,
                          const bool         from_zero) const
   {
-    if (l == 0)
+    if (l == 0 && coarse)
       {
         (*coarse)(0, x[0], b[0]);
         return;
@@ -356,6 +362,11 @@ namespace greville
       pre->apply(l, x[l], b[l]);
     else
       pre->smooth(l, x[l], b[l]);
+    if (l == 0)
+      {
+        post->smooth(l, x[l], b[l]);
+        return;
+      }
 
     level_matrices->vmult(l, residual[l], x[l]);
     residual[l].sadd(-1., 1., b[l]);
@@ -376,8 +387,8 @@ namespace greville
   std::size_t
   PMultigrid<dim>::memory_consumption() const
   {
-    std::size_t n =
-      order_transfer.memory_consumption() + coarse->memory_consumption();
+    std::size_t n = order_transfer.memory_consumption() +
+                    (coarse ? coarse->memory_consumption() : 0);
     for (const auto &smoother : smoothers)
       if (smoother)
         n += smoother->memory_consumption();
@@ -419,6 +430,7 @@ namespace greville
   const MGCoarseGridBase<VectorType> &
   PMultigrid<dim>::coarse_solver() const
   {
+    Assert(coarse, ExcMessage("There is no coarse level."));
     return *coarse;
   }
 

@@ -103,20 +103,6 @@ namespace greville
 
 
 
-    /**
-     * A point before it gets the numbers of its material.
-     */
-    template <int dim>
-    struct NewPoint
-    {
-      Point<dim>    x;
-      double        volume;
-      std::uint64_t id;
-      unsigned int  cell;
-    };
-
-
-
     template <int dim>
     std::string
     text_of(const Point<dim> &x)
@@ -125,103 +111,103 @@ namespace greville
       text << "(" << x << ")";
       return text.str();
     }
+  } // namespace
 
 
 
-    /**
-     * Points of a shape on the owned cells.
-     */
-    template <int dim>
-    std::vector<NewPoint<dim>>
-    points_of_shape(const BodyParameters   &parameters,
-                    const std::string      &section,
-                    const SplineSpace<dim> &space)
-    {
-      const Shape<dim> shape(parameters.shape, section + "/Shape");
-      const auto      &lattice = space.lattice();
-      const bool       gauss   = parameters.placement == "Gauss";
-      const auto      &given   = parameters.points_per_direction;
-      AssertThrow(given.size() == 1 || given.size() == dim,
-                  ExcMessage("The parameter '" + section +
-                             "/Points per direction' takes 1 or " +
-                             std::to_string(dim) + " numbers, not " +
-                             std::to_string(given.size()) + "."));
-      MultiIndex<dim>        extents;
-      std::vector<QGauss<1>> quadratures;
-      unsigned int           n_in_cell = 1;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          extents[d] = given[given.size() == 1 ? 0 : d];
-          n_in_cell *= extents[d];
-          quadratures.emplace_back(extents[d]);
-        }
+  template <int dim>
+  std::vector<PlacedPoint<dim>>
+  place_points(const PointPlacement   &parameters,
+               const std::string      &section,
+               const SplineSpace<dim> &space)
+  {
+    const Shape<dim> shape(parameters.shape, section + "/Shape");
+    const auto      &lattice = space.lattice();
+    const bool       gauss   = parameters.placement == "Gauss";
+    const auto      &given   = parameters.points_per_direction;
+    AssertThrow(given.size() == 1 || given.size() == dim,
+                ExcMessage("The parameter '" + section +
+                           "/Points per direction' takes 1 or " +
+                           std::to_string(dim) + " numbers, not " +
+                           std::to_string(given.size()) + "."));
+    MultiIndex<dim>        extents;
+    std::vector<QGauss<1>> quadratures;
+    unsigned int           n_in_cell = 1;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        extents[d] = given[given.size() == 1 ? 0 : d];
+        n_in_cell *= extents[d];
+        quadratures.emplace_back(extents[d]);
+      }
 
-      std::vector<NewPoint<dim>> result;
-      for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
-        {
-          const std::uint64_t position = space.owned_cells()[cell];
-          const auto index  = multi_index<dim>(position, lattice.n_cells());
-          const auto corner = lattice.cell_corner(index);
-          for (unsigned int k = 0; k < n_in_cell; ++k)
-            {
-              const auto    local = multi_index<dim>(k, extents);
-              NewPoint<dim> point;
-              point.id     = position * n_in_cell + k;
-              point.cell   = cell;
-              point.volume = 1.;
-              // As costly as all the rest: only where it is wanted.
-              std::array<double, dim> shift{};
-              if (parameters.jitter > 0.)
-                {
-                  std::mt19937_64 random(point.id * 0x9E3779B97F4A7C15ull +
-                                         parameters.seed);
-                  std::uniform_real_distribution<double> uniform(-1., 1.);
-                  for (double &entry : shift)
-                    entry = parameters.jitter * uniform(random);
-                }
-              for (unsigned int d = 0; d < dim; ++d)
-                {
-                  const unsigned int n = extents[d];
-                  double xi = gauss ? quadratures[d].point(local[d])(0)
-                                    : (local[d] + 0.5) / n;
-                  xi += shift[d] * 0.5 / n;
-                  xi         = std::min(std::max(xi, 1e-9), 1. - 1e-9);
-                  point.x[d] = corner[d] + xi * lattice.cell_size(d);
-                  point.volume *=
-                    lattice.cell_size(d) *
-                    (gauss ? quadratures[d].weight(local[d]) : 1. / n);
-                }
-              if (shape.contains(point.x))
-                result.push_back(point);
+    std::vector<PlacedPoint<dim>> result;
+    for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
+      {
+        const std::uint64_t position = space.owned_cells()[cell];
+        const auto index  = multi_index<dim>(position, lattice.n_cells());
+        const auto corner = lattice.cell_corner(index);
+        for (unsigned int k = 0; k < n_in_cell; ++k)
+          {
+            const auto       local = multi_index<dim>(k, extents);
+            PlacedPoint<dim> point;
+            point.id     = position * n_in_cell + k;
+            point.cell   = cell;
+            point.volume = 1.;
+            // As costly as all the rest: only where it is wanted.
+            std::array<double, dim> shift{};
+            if (parameters.jitter > 0.)
+              {
+                std::mt19937_64 random(point.id * 0x9E3779B97F4A7C15ull +
+                                       parameters.seed);
+                std::uniform_real_distribution<double> uniform(-1., 1.);
+                for (double &entry : shift)
+                  entry = parameters.jitter * uniform(random);
+              }
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                const unsigned int n = extents[d];
+                double xi            = gauss ? quadratures[d].point(local[d])(0)
+                                             : (local[d] + 0.5) / n;
+                xi += shift[d] * 0.5 / n;
+                xi         = std::min(std::max(xi, 1e-9), 1. - 1e-9);
+                point.x[d] = corner[d] + xi * lattice.cell_size(d);
+                point.volume *=
+                  lattice.cell_size(d) *
+                  (gauss ? quadratures[d].weight(local[d]) : 1. / n);
+              }
+            if (shape.contains(point.x))
+              result.push_back(point);
 
-              // One cell beyond each wall there must not be anything.
-              for (unsigned int d = 0; d < dim && !parameters.clip; ++d)
-                for (const int side : {-1, 1})
-                  if (index[d] == (side < 0 ? 0 : lattice.n_cells()[d] - 1))
-                    {
-                      Point<dim> outside = point.x;
-                      outside[d] += side * lattice.cell_size(d);
-                      AssertThrow(
-                        !shape.contains(outside),
-                        ExcMessage(
-                          "The body of '" + section +
-                          "' sticks out of the grid, for instance at " +
-                          text_of(outside) +
-                          " m. Make the grid larger, the shape smaller, or set "
-                          "'Clip at the grid' to true."));
-                    }
-            }
-        }
-      return result;
-    }
+            // One cell beyond each wall there must not be anything.
+            for (unsigned int d = 0; d < dim && !parameters.clip; ++d)
+              for (const int side : {-1, 1})
+                if (index[d] == (side < 0 ? 0 : lattice.n_cells()[d] - 1))
+                  {
+                    Point<dim> outside = point.x;
+                    outside[d] += side * lattice.cell_size(d);
+                    AssertThrow(
+                      !shape.contains(outside),
+                      ExcMessage(
+                        "The body of '" + section +
+                        "' sticks out of the grid, for instance at " +
+                        text_of(outside) +
+                        " m. Make the grid larger, the shape smaller, or set "
+                        "'Clip at the grid' to true."));
+                  }
+          }
+      }
+    return result;
+  }
 
 
 
+  namespace
+  {
     /**
      * Points of a file on the owned cells.
      */
     template <int dim>
-    std::vector<NewPoint<dim>>
+    std::vector<PlacedPoint<dim>>
     points_of_file(const BodyParameters   &parameters,
                    const std::string      &section,
                    const SplineSpace<dim> &space)
@@ -236,11 +222,11 @@ namespace greville
       wanted.push_back("volume");
       std::vector<unsigned int> columns;
 
-      const auto                &lattice = space.lattice();
-      std::vector<NewPoint<dim>> result;
-      std::string                line;
-      unsigned int               line_number = 0;
-      std::uint64_t              id          = 0;
+      const auto                   &lattice = space.lattice();
+      std::vector<PlacedPoint<dim>> result;
+      std::string                   line;
+      unsigned int                  line_number = 0;
+      std::uint64_t                 id          = 0;
       while (std::getline(file, line))
         {
           ++line_number;
@@ -277,7 +263,7 @@ namespace greville
                             ExcMessage(where + "no number for '" + wanted[k] +
                                        "' in <" + line + ">."));
               }
-          NewPoint<dim> point;
+          PlacedPoint<dim> point;
           for (unsigned int d = 0; d < dim; ++d)
             point.x[d] = numbers[d];
           point.volume = numbers[dim];
@@ -438,10 +424,10 @@ namespace greville
 
     template <int dim>
     void
-    insert_points(Body<dim>                        &body,
-                  const std::vector<NewPoint<dim>> &new_points,
-                  const std::string                &section,
-                  const Tensor<1, dim>             &gravity)
+    insert_points(Body<dim>                           &body,
+                  const std::vector<PlacedPoint<dim>> &new_points,
+                  const std::string                   &section,
+                  const Tensor<1, dim>                &gravity)
     {
       using Layout                              = PointLayout<dim>;
       const BodyParameters          &parameters = *body.parameters;
@@ -461,7 +447,7 @@ namespace greville
                                     dim);
 
       std::vector<double> values(layout.size);
-      for (const NewPoint<dim> &point : new_points)
+      for (const PlacedPoint<dim> &point : new_points)
         {
           std::fill(values.begin(), values.end(), 0.);
           MaterialPoint state;
@@ -534,7 +520,7 @@ namespace greville
                                "' has both 'Shape' and 'Points file'."));
         const auto new_points =
           parameters.points_file.empty()
-            ? points_of_shape<dim>(parameters, section, space)
+            ? place_points<dim>(parameters, section, space)
             : points_of_file<dim>(parameters, section, space);
         insert_points(body, new_points, section, gravity);
         if (!parameters.imposed_velocity.empty())
@@ -562,6 +548,14 @@ namespace greville
 
 
 
+  template std::vector<PlacedPoint<2>>
+  place_points<2>(const PointPlacement &,
+                  const std::string &,
+                  const SplineSpace<2> &);
+  template std::vector<PlacedPoint<3>>
+  place_points<3>(const PointPlacement &,
+                  const std::string &,
+                  const SplineSpace<3> &);
   template std::vector<unsigned int>
   make_points<2>(Body<2> &,
                  const SplineSpace<2> &,

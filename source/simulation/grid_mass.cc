@@ -72,10 +72,7 @@ namespace greville
         std::vector<unsigned int> n_points;
         for (unsigned int l = 0; l < orders.n_levels(); ++l)
           n_points.push_back(2 * orders[l].degree() + 1);
-        group.mass = std::make_unique<MassHierarchy<dim>>(orders, n_points);
-        const auto levels = group.mass->all_levels();
-        for (unsigned int l = 0; l < levels.size(); ++l)
-          levels[l]->constrain(walls.constraints(orders[l], c));
+        group.mass   = std::make_unique<MassHierarchy<dim>>(orders, n_points);
         group.solver = std::make_unique<MassSolver<dim>>(solver_name,
                                                          *group.mass,
                                                          parameters.solver,
@@ -164,7 +161,6 @@ namespace greville
     const PointTransfer<dim>                       &transfer,
     const bool                                      unknowns_changed)
   {
-    (void)unknowns_changed;
     const bool with_levels = MassSolver<dim>::uses_multigrid(solver_name);
     for (unsigned int k = 0; k < groups.size(); ++k)
       {
@@ -172,6 +168,10 @@ namespace greville
         for (unsigned int l = 0; l < levels.size(); ++l)
           if (l + 1 == levels.size() || with_levels)
             {
+              if (unknowns_changed)
+                levels[l]->constrain(walls.constraints(orders[l],
+                                                       groups[k].components[0]),
+                                     extensions[l]);
               if (k == 0)
                 transfer.mass_weights(bodies, levels[l]->weights());
               else

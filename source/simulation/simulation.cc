@@ -2,6 +2,7 @@
 #include <greville/simulation/critical_step.h>
 #include <greville/simulation/simulation.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -17,6 +18,9 @@ namespace greville
     // groups.
     constexpr unsigned int remember_every   = 50;
     constexpr unsigned int defragment_every = 200;
+
+    // Estimates of the critical step of which the smallest counts.
+    constexpr unsigned int n_estimates = 10;
 
 
 
@@ -229,8 +233,17 @@ namespace greville
     grid_mass->update(lumped_mass, summed_points, transfer);
     if (!grid_mass->is_consistent())
       grid_mass->prepare_product(summed_points, transfer);
-    critical_dt = critical_step<dim>(
+    const double estimate = critical_step<dim>(
       *grid_mass, transfer, bodies, walls, parameters.scheme.stress_update);
+
+    // With the exact mass the highest frequency depends on how the surface cuts
+    // the cells, and a moving body meets the same cuts again and again.
+    estimates.push_back(estimate);
+    if (!grid_mass->is_consistent() || estimates.size() > n_estimates)
+      estimates.erase(estimates.begin(),
+                      estimates.end() -
+                        (grid_mass->is_consistent() ? n_estimates : 1));
+    critical_dt = *std::min_element(estimates.begin(), estimates.end());
   }
 
 

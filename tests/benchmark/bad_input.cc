@@ -58,6 +58,8 @@ main(int argc, char **argv)
   in("Benchmark", "Smoothers = ilut, ilu");
   in("Benchmark", "Cycles = X");
   in("Benchmark", "Restrictions = injection");
+  in("Benchmark", "Prolongations = injection");
+  in("Benchmark", "Coarsenings = by three");
   in("Benchmark", "Repetitions = 0");
   in("Benchmark", "Published iterations = cg");
   in("Benchmark", "Published iterations = cg:no_such_file.csv");
@@ -66,6 +68,10 @@ main(int argc, char **argv)
   in("Problem", "Density = 1 + ");
   in("Problem", "Density = 1 + w");
   in("Problem", "Density = 0");
+  in("Problem", "Points = ball");
+  in("Problem", "Points = cone");
+  test("subsection Problem\n  set Points = box\n  set Density = 0\nend");
+  test("subsection Problem\n  set Points = box\n  set Density = x - 0.5\nend");
   in("Problem", "Upper corner = 1, 0, 1");
   in("Problem", "Upper corner = 1");
   in("Solver", "Tolerance = -1");

@@ -139,6 +139,15 @@ main(int argc, char **argv)
   check("Restrictions",
         column(run(in("Benchmark", "Restrictions = transpose")),
                "restriction") == "transpose");
+  check("Prolongations",
+        column(run(in("Benchmark", "Prolongations = lumped-l2, exact-l2")),
+               "prolongation",
+               2) == "exact-l2");
+  rows = run(in("Benchmark", "Coarsenings = none, direct") +
+             in("Benchmark", "Solvers = cg, p-multigrid"));
+  check("Coarsenings",
+        rows.size() == 4 && column(rows, "coarsening", 2) == "none" &&
+          column(rows, "coarsening", 3) == "direct");
   check("smoother, cycle and restriction of p-multigrid",
         column(run(in("p-multigrid", "Smoother = ic0") +
                    in("p-multigrid", "Cycle = W") +
@@ -157,6 +166,47 @@ main(int argc, char **argv)
         error(f + in("Problem", "Upper corner = 2, 2")) > 2 * base);
   check("Lower corner",
         error(f + in("Problem", "Lower corner = -1, 0")) > 1.5 * base);
+
+  // Material points. A polynomial of the splines' order is found again.
+  const std::string points = in("Benchmark", "Solvers = cg-jacobi") +
+                             in("Solver", "Tolerance = 1e-12") + f +
+                             in("Problem", "Points = disk");
+  rows = run(points);
+  check("Points",
+        column(rows, "body") == "disk" && column(rows, "stable") != "" &&
+          std::stoi(column(rows, "extended")) > 0 &&
+          column(run(points + in("Problem", "Points = box")), "extended") ==
+            "0");
+  check("Points, acceleration",
+        std::stod(column(rows, "error")) > 1e-6 &&
+          error(points + in("Problem", "Acceleration = x*y-y*y")) < 1e-9);
+  check("Points, density",
+        std::abs(error(points + in("Problem", "Density = 1+9*x")) -
+                 error(points)) > 1e-4 * error(points));
+  rows = run(points + in("Problem", "Points per direction = 2, 4"));
+  check("Points per direction",
+        rows.size() == 3 && column(rows, "points_per_direction", 2) == "4" &&
+          column(rows, "error", 1) != column(rows, "error", 2));
+  check("Jitter", error(points) != error(points + in("Problem", "Jitter = 0")));
+  check("Filling threshold",
+        column(run(points + in("Problem", "Filling threshold = 0.2")),
+               "extended") != column(run(points), "extended"));
+  check("Extension",
+        column(run(points + in("Problem", "Extension = false")), "extended")
+          .empty());
+
+  rows              = run(in("Problem", "Points = box, column, disk") +
+             in("Benchmark", "Solvers = cg-p-multigrid") +
+             in("Benchmark", "Coarsenings = one by one, by two, none") +
+             in("Benchmark", "Smoothers = schwarz") +
+             in("Benchmark", "Orders = 1, 2") +
+             in("p-multigrid", "Restriction = transpose"));
+  bool all_converge = rows.size() == 19;
+  for (unsigned int row = 1; row < rows.size(); ++row)
+    all_converge = all_converge && column(rows, "converged", row) == "1" &&
+                   std::stoi(column(rows, "iterations", row)) <= 30;
+  check("Points, p-multigrid", all_converge);
+
   check("Output directory",
         run("", "elsewhere").size() == 2 &&
           std::filesystem::exists("elsewhere/parameters.prm"));

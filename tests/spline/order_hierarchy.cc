@@ -9,7 +9,8 @@ main(int argc, char **argv)
 {
   Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   Box<2>                           box(MultiIndex<2>{{4, 8}});
-  for (const std::string coarsening : {"one by one", "by two", "direct"})
+  for (const std::string coarsening :
+       {"one by one", "by two", "direct", "none"})
     for (unsigned int p = 1; p <= 5; ++p)
       {
         const OrderHierarchy<2> orders(box.mesh, p, coarsening);

@@ -3,8 +3,8 @@
 
 #include <deal.II/base/conditional_ostream.h>
 
+#include <greville/benchmark/mass_problem.h>
 #include <greville/benchmark/report.h>
-#include <greville/multigrid/mass_solver.h>
 
 #include <string>
 
@@ -25,6 +25,8 @@ namespace greville
     std::vector<std::string>  smoothers;
     std::vector<std::string>  cycles;
     std::vector<std::string>  restrictions;
+    std::vector<std::string>  prolongations;
+    std::vector<std::string>  coarsenings;
     std::vector<std::string>  published;
     unsigned int              repetitions = 1;
     bool                      throughput  = false;
@@ -33,27 +35,10 @@ namespace greville
   };
 
   /**
-   * The body: a box, its density and its acceleration.
-   */
-  class MassProblemParameters : public dealii::ParameterAcceptor
-  {
-  public:
-    MassProblemParameters();
-
-    std::vector<double>       lower        = {0., 0., 0.};
-    std::vector<double>       upper        = {1., 1., 1.};
-    std::vector<unsigned int> cell_ratio   = {1, 1, 1};
-    std::string               density      = "1";
-    std::string               acceleration = "-9.81";
-  };
-
-
-
-  /**
-   * Solves M a = F with F_i = int rho f N_i dx for sweeps over dimensions,
-   * orders, meshes and solvers, and reports iterations and times. The exact
-   * solution is the projection of the acceleration f onto the splines in the
-   * norm of the density.
+   * Solves M a = F, F_i = int rho f N_i dx or sum_p m_p f(x_p) N_i(x_p), for
+   * sweeps over dimensions, orders, meshes, bodies and solvers, and reports
+   * iterations and times. The exact solution is the projection of the
+   * acceleration f onto the splines in the norm of the mass.
    */
   class MassBenchmark
   {
@@ -75,18 +60,25 @@ namespace greville
 
     template <int dim>
     void
-    run_solvers(const OrderHierarchy<dim>   &orders,
-                const dealii::Function<dim> &density,
-                const dealii::Function<dim> &acceleration,
-                const unsigned int           n_cells);
+    run_problem(MassProblem<dim>              &problem,
+                DistributedTriangulation<dim> &triangulation,
+                const SolveRecord             &record);
+
+    /**
+     * All variants of a solver. @p record says what is being solved.
+     */
+    template <int dim>
+    void
+    run_solver(const std::string  &solver,
+               MassProblem<dim>   &problem,
+               MassHierarchy<dim> &mass,
+               const SolveRecord  &record);
 
     template <int dim>
     SolveRecord
-    run_solver(const std::string           &solver,
-               MassHierarchy<dim>          &mass,
-               const OrderHierarchy<dim>   &orders,
-               const dealii::Function<dim> &acceleration,
-               const unsigned int           n_cells);
+    solve(MassProblem<dim>   &problem,
+          MassHierarchy<dim> &mass,
+          SolveRecord         record);
 
     /**
      * Check what the patterns of the parameters cannot, and read the published
@@ -108,7 +100,7 @@ namespace greville
     write_results() const;
 
     MassBenchmarkParameters    parameters;
-    MassProblemParameters      problem;
+    MassProblemParameters      problem_parameters;
     MassSolverParameters       solver_parameters;
     PMultigridParameters       multigrid_parameters;
     SmootherParameters         smoother_parameters;

@@ -19,12 +19,22 @@ namespace greville
   struct SolveRecord
   {
     std::string                  solver, smoother, cycle, restriction;
+    std::string                  prolongation, coarsening;
     unsigned int                 dim = 0, cells = 0, p = 0, processes = 0;
     unsigned long                unknowns = 0;
     SolveResult                  result;
     double                       error    = 0.;
     double                       assembly = 0., setup = 0., solve = 0.;
     std::optional<unsigned long> peak_bytes;
+
+    /// The body of material points, empty without points.
+    std::string  body;
+    unsigned int points_per_direction = 0;
+    /// Functions by their class, where B-splines are extended.
+    unsigned long stable = 0, extended = 0, lumped = 0;
+
+    /// Whether these belong to the name of the variant.
+    bool names_prolongation = false, names_coarsening = false;
 
     /**
      * Solver with its variant, the key of a table.

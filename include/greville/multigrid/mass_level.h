@@ -36,10 +36,18 @@ namespace greville
      * The coefficients that are held at zero from the next assemble() on.
      */
     void
-    constrain(Constraints constraints)
+    constrain(Constraints held)
     {
-      wall_constraints = std::move(constraints);
+      constraints = std::move(held);
+      lumped.clear();
     }
+
+    /**
+     * Collective. Extended B-splines from the next assemble() on, besides
+     * coefficients that are @p held. The extension is not needed afterwards.
+     */
+    void
+    constrain(const Constraints &held, const Extension<dim> &extension);
 
     /**
      * Collective. Make the operators. vmult() works on the assembled matrix if
@@ -101,7 +109,8 @@ namespace greville
   private:
     const SplineSpace<dim>            *spline_space;
     DensityWeights<dim>                density_weights;
-    Constraints                        wall_constraints;
+    Constraints                        constraints;
+    std::vector<unsigned int>          lumped;
     std::unique_ptr<MassOperator<dim>> mass_operator;
     std::unique_ptr<MassMatrix<dim>>   mass_matrix;
     bool                               apply_matrix = false;

@@ -9,13 +9,14 @@ namespace greville
   /**
    * The consistent mass matrix M_ij = sum_q w_q N_i(x_q) N_j(x_q), assembled as
    * a PETSc matrix (MPIAIJ). Row i has the columns j with |i_d - j_d| <= p in
-   * each direction d: (2 p + 1)^dim entries away from the walls. Inactive
-   * coefficients are treated as in MassOperator.
+   * each direction d: (2 p + 1)^dim entries away from the walls. Inactive,
+   * constrained and lumped coefficients are treated as in MassOperator.
    *
    * The rows lie in arrays of this class, which PETSc uses in place. A row of
    * the arrays is filled run by run in x; its entries are found by arithmetic,
    * not by search. assemble() can be called again with new weights (each step
-   * of a simulation has a new matrix).
+   * of a simulation has a new matrix). Where constraints have entries,
+   * E^T M E is a second matrix, with the numbers of the first.
    */
   template <int dim>
   class MassMatrix
@@ -38,12 +39,12 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /**
-     * Collective. Fill the matrix. Coefficients that @p constraints holds (at
-     * zero) are treated as inactive ones.
+     * Collective. Fill the matrix. Arguments as of MassOperator.
      */
     void
-    assemble(const DensityWeights<dim> &weights,
-             const Constraints         &constraints = Constraints());
+    assemble(const DensityWeights<dim>       &weights,
+             const Constraints               &constraints = Constraints(),
+             const std::vector<unsigned int> &lumped      = {});
 
     const SplineSpace<dim> &
     space() const
@@ -54,8 +55,23 @@ namespace greville
     Mat
     petsc() const
     {
-      return matrix.get();
+      return extended_matrix ? extended_matrix.get() : matrix.get();
     }
+
+    /**
+     * Whether the constraints have entries.
+     */
+    bool
+    is_extended() const
+    {
+      return extended_matrix != nullptr;
+    }
+
+    /**
+     * The diagonal, but zero where coefficients are inactive. Collective.
+     */
+    VectorType
+    active_diagonal() const;
 
     void
     vmult(VectorType &dst, const VectorType &src) const;
@@ -84,7 +100,14 @@ namespace greville
     add_cells(const DensityWeights<dim> &weights);
 
     void
-    finish(const Constraints &constraints);
+    finish(const Constraints               &constraints,
+           const std::vector<unsigned int> &lumped);
+
+    void
+    lump(const std::vector<unsigned int> &functions);
+
+    void
+    extend(const Constraints &constraints);
 
     const SplineSpace<dim> *spline_space = nullptr;
 
@@ -106,8 +129,9 @@ namespace greville
     std::vector<PetscInt> ghost_rows;
     std::vector<PetscInt> ghost_columns; // -1: meets no owned cell
 
-    PetscMatrix     matrix;
-    PetscVectorView view_dst, view_src;
+    PetscMatrix               matrix, extended_matrix;
+    std::vector<unsigned int> inactive_functions;
+    PetscVectorView           view_dst, view_src;
   };
 } // namespace greville
 

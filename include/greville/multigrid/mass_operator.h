@@ -1,16 +1,12 @@
 #ifndef greville_multigrid_mass_operator_h
 #define greville_multigrid_mass_operator_h
 
-#include <deal.II/lac/affine_constraints.h>
-
-#include <greville/multigrid/density_weights.h>
+#include <greville/multigrid/expansion.h>
 
 #include <memory>
 
 namespace greville
 {
-  using Constraints = dealii::AffineConstraints<double>;
-
   /**
    * The cross matrix P_ij = sum_q w_q N_i^rows(x_q) N_j^columns(x_q) of two
    * orders on one mesh, applied without being stored: cell by cell, by sum
@@ -100,6 +96,16 @@ namespace greville
    * (see CrossMassOperator). Coefficients whose functions meet no mass are
    * *inactive*: their row and column would be zero; M has the largest diagonal
    * entry there, so that a right-hand side of zero gives zero.
+   *
+   * Coefficients with constraints are treated as inactive ones. If some have
+   * entries (extended B-splines), the operator is E^T M E on the others, with
+   * the matrix E of the constraints (see Expansion).
+   *
+   * Some coefficients L can be lumped: M is replaced by
+   *   M' = M + sum_(i < j, i in L or j in L) m_ij (e_i - e_j) (e_i - e_j)^T,
+   * which has no other entries in the rows and columns of L than the diagonal.
+   * Row sums, and so mass and momentum, stay the same. With the projections
+   * P_L, P_N = 1 - P_L it is P_N M P_N + diag(P_N M P_L 1 + P_L M 1).
    */
   template <int dim>
   class MassOperator
@@ -118,13 +124,17 @@ namespace greville
     }
 
     /**
-     * Collective. Space and weights are kept by reference. Coefficients that
-     * @p constraints holds (at zero) are treated as inactive ones.
+     * Collective. Space and weights are kept by reference. @p constraints are
+     * those of Expansion, @p lumped the local numbers of the owned coefficients
+     * in L. The diagonal is computed unless there is one @p with_diagonal to
+     * take over, of E^T M' E with zero where coefficients are constrained.
      */
     void
-    reinit(const SplineSpace<dim>    &space,
-           const DensityWeights<dim> &weights,
-           const Constraints         &constraints = Constraints());
+    reinit(const SplineSpace<dim>          &space,
+           const DensityWeights<dim>       &weights,
+           const Constraints               &constraints   = Constraints(),
+           const std::vector<unsigned int> &lumped        = {},
+           const VectorType                *with_diagonal = nullptr);
 
     const SplineSpace<dim> &
     space() const
@@ -132,11 +142,34 @@ namespace greville
       return *spline_space;
     }
 
+    /**
+     * M itself, without constraints and lumping.
+     */
     const CrossMassOperator<dim> &
     cross_mass() const
     {
       return cross;
     }
+
+    const Expansion<dim> &
+    expansion() const
+    {
+      return coefficients;
+    }
+
+    /**
+     * A right-hand side for the operator from one for M: x <- E^T x, and zero
+     * where coefficients are inactive. Collective.
+     */
+    void
+    condense(VectorType &x) const;
+
+    /**
+     * All coefficients from the active ones: x <- E x, zero where coefficients
+     * are inactive and not extended. Collective.
+     */
+    void
+    distribute(VectorType &x) const;
 
     size_type
     m() const
@@ -176,7 +209,7 @@ namespace greville
 
     /**
      * The row sums (the lumped mass), with the diagonal of inactive
-     * coefficients.
+     * coefficients. Those of extended B-splines can be negative.
      */
     VectorType
     lumped() const;
@@ -199,7 +232,8 @@ namespace greville
     std::size_t
     memory_consumption() const
     {
-      return cross.memory_consumption() + matrix_diagonal.memory_consumption();
+      return cross.memory_consumption() + matrix_diagonal.memory_consumption() +
+             coefficients.memory_consumption();
     }
 
   private:
@@ -209,7 +243,13 @@ namespace greville
     double                    inactive_diagonal = 1.;
     std::vector<unsigned int> inactive_functions;
     bool                      has_constraints = false;
+    Expansion<dim>            coefficients;
     mutable VectorType        free_source;
+
+    // Lumped coefficients; the two others are empty where no process has any.
+    std::vector<unsigned int>   lumped_functions;
+    VectorType                  lumped_diagonal;
+    mutable std::vector<double> lumped_source;
   };
 
 

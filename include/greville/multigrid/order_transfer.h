@@ -23,6 +23,11 @@ namespace greville
    *   which makes a cycle with a symmetric smoother symmetric.
    * The weight w is the density ("density") or 1 ("unit"). Inactive
    * coefficients neither give nor take.
+   *
+   * With extended B-splines, P acts on all coefficients of a spline, E_l e with
+   * the matrix E_l of Expansion, and what it gives to coefficients that are not
+   * extended is taken: prolongation D_k^-1 P E_l, the transpose
+   * E_l^T P^T D_k^-1, restriction D_l^-1 P^T E_k. So constants stay constants.
    */
   template <int dim>
   class OrderTransfer : public dealii::MGTransferBase<VectorType>
@@ -79,6 +84,8 @@ namespace greville
      */
     struct Step
     {
+      const MassOperator<dim>             *fine_mass;
+      const MassOperator<dim>             *coarse_mass;
       std::unique_ptr<DensityWeights<dim>> unit_weights;
       CrossMassOperator<dim>               cross;
       VectorType                           inverse_row_sums;

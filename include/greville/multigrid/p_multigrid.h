@@ -46,6 +46,9 @@ namespace greville
    * steps after the coarse correction use S^T, so that V- and W-cycles are
    * symmetric (up to the tolerance of the coarse solver).
    *
+   * With coarsening = "none" there is no coarse level: a cycle is nu1 + nu2
+   * smoothing steps.
+   *
    * The cycle is not dealii::Multigrid's, whose W-cycle runs as a V-cycle up to
    * version 9.7. Its parts have deal.II's interfaces and can be given to it.
    */
@@ -56,7 +59,8 @@ namespace greville
     /**
      * Collective. @p levels, whose operators have to be made, are kept by
      * reference, from the coarsest to the finest. @p coarse_tolerance is the
-     * relative tolerance on level 0.
+     * relative tolerance on level 0. For coarsening = "none" there is one
+     * level.
      */
     PMultigrid(const std::vector<MassLevel<dim> *> &levels,
                const PMultigridParameters          &parameters,
@@ -90,6 +94,9 @@ namespace greville
     const dealii::MGSmootherBase<VectorType> &
     post_smoother() const;
 
+    /**
+     * Not with coarsening = "none".
+     */
     const dealii::MGCoarseGridBase<VectorType> &
     coarse_solver() const;
 

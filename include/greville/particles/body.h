@@ -13,28 +13,64 @@
 namespace greville
 {
   /**
-   * Parameters of a body: where its points are in the beginning, their velocity
-   * and stress.
+   * How a shape is filled with points, see the parameters of the same names.
    */
-  class BodyParameters : public dealii::ParameterAcceptor
+  struct PointPlacement
   {
-  public:
-    BodyParameters(const std::string &section);
-
-    std::string               material;
     std::string               shape;
-    bool                      clip = false;
-    std::string               points_file;
+    bool                      clip                 = false;
     std::vector<unsigned int> points_per_direction = {2};
     std::string               placement            = "equidistant";
     double                    jitter               = 0.;
     unsigned int              seed                 = 1;
-    std::string               displacement;
-    std::string               velocity;
-    std::string               stress;
-    double                    K0 = -1.;
-    std::string               surface;
-    std::string               imposed_velocity;
+  };
+
+
+
+  /**
+   * A point before it gets the numbers of its material.
+   */
+  template <int dim>
+  struct PlacedPoint
+  {
+    dealii::Point<dim> x;
+    double             volume;
+    std::uint64_t      id;
+    unsigned int       cell;
+  };
+
+
+
+  /**
+   * The points of a shape on the owned cells. They, and their ids, do not
+   * depend on the number of processes. Throws dealii::ExcMessage, which names
+   * the @p section, for wrong formulas and a shape that sticks out of the grid.
+   */
+  template <int dim>
+  std::vector<PlacedPoint<dim>>
+  place_points(const PointPlacement   &placement,
+               const std::string      &section,
+               const SplineSpace<dim> &space);
+
+
+
+  /**
+   * Parameters of a body: where its points are in the beginning, their velocity
+   * and stress.
+   */
+  class BodyParameters : public dealii::ParameterAcceptor, public PointPlacement
+  {
+  public:
+    BodyParameters(const std::string &section);
+
+    std::string material;
+    std::string points_file;
+    std::string displacement;
+    std::string velocity;
+    std::string stress;
+    double      K0 = -1.;
+    std::string surface;
+    std::string imposed_velocity;
   };
 
 

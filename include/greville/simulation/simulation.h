@@ -140,7 +140,8 @@ namespace greville
     n_removed() const;
 
     /**
-     * The last estimate of the critical step, s.
+     * The critical step, s: the last estimate, with consistent mass the
+     * smallest of the last ones.
      */
     double
     critical() const
@@ -293,6 +294,7 @@ namespace greville
     std::uint64_t n_all_points = 0, n_all_removed = 0, n_own_sent = 0;
     std::vector<std::vector<unsigned int>> left_cells; // per body
     std::string                            problem;    // of this process
+    std::vector<double>                    estimates;  // of the critical step
     std::vector<std::string>               warnings;
     std::map<std::string, double>          seconds;
 

@@ -11,7 +11,7 @@ namespace greville
    * The levels of p-multigrid: spline spaces of falling order on one and the
    * same mesh (R. Tielen, M. Moeller, C. Vuik, Efficient multigrid based
    * solvers for B-spline MPM, 2019). As in deal.II, level 0 is the coarsest,
-   * here the one of order 1.
+   * here the one of order 1, unless there is no coarsening.
    */
   template <int dim>
   class OrderHierarchy
@@ -43,7 +43,16 @@ namespace greville
     static std::string
     coarsenings()
     {
-      return "auto|none|one by one|by two|direct";
+      return "one by one|by two|direct|none|auto";
+    }
+
+    /**
+     * Whether there is no coarse level.
+     */
+    static bool
+    is_single(const std::string &coarsening)
+    {
+      return coarsening == "none" || coarsening == "auto";
     }
 
     /**

@@ -1,0 +1,358 @@
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/benchmark/mass_problem.h>
+#include <greville/particles/body.h>
+#include <greville/particles/point_transfer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  MassProblemParameters::MassProblemParameters()
+    : ParameterAcceptor("Problem")
+  {
+    add_parameter("Lower corner",
+                  lower,
+                  "Corner of the box with the smallest coordinates; 2D takes "
+                  "the first two. Unit: m.",
+                  prm,
+                  Patterns::List(Patterns::Double(), 2, 3));
+    add_parameter("Upper corner",
+                  upper,
+                  "Corner with the largest coordinates. Unit: m.",
+                  prm,
+                  Patterns::List(Patterns::Double(), 2, 3));
+    add_parameter("Cell ratio",
+                  cell_ratio,
+                  "The box has this multiple of the number of cells in each "
+                  "direction. Unit: none.",
+                  prm,
+                  Patterns::List(Patterns::Integer(1), 2, 3));
+    add_parameter("Density",
+                  density,
+                  "Density as an expression of x, y, z; not negative, zero in "
+                  "holes, as in if(x<0.5,1,0). Unit: kg/m^dim.");
+    add_parameter("Acceleration",
+                  acceleration,
+                  "The force is density times this expression of x, y, z, "
+                  "which is then the solution, up to its projection. Unit: "
+                  "m/s^2.");
+    add_parameter("Points",
+                  bodies,
+                  "Bodies of material points with this density, one after the "
+                  "other: box fills the grid, column stands on the floor (the "
+                  "lower wall in the last direction) away from all other "
+                  "walls, disk (2D) and ball (3D) are round, in the middle, "
+                  "and touch no wall. Empty: the density itself, without "
+                  "points.",
+                  prm,
+                  Patterns::List(Patterns::Selection("box|column|disk|ball"),
+                                 0));
+    add_parameter("Points per direction",
+                  points_per_direction,
+                  "Material points per cell in each direction; several numbers "
+                  "one after the other. Unit: none.",
+                  prm,
+                  Patterns::List(Patterns::Integer(2, 4), 1));
+    add_parameter("Jitter",
+                  jitter,
+                  "Each material point is moved at random by at most this part "
+                  "of half the distance between points; 0: a lattice. Unit: "
+                  "none.",
+                  prm,
+                  Patterns::Double(0., 1.));
+    add_parameter("Filling threshold",
+                  filling_threshold,
+                  "Cells of which material points fill this part are "
+                  "well-filled: B-splines without such a cell are extended "
+                  "from those with one. Unit: none.",
+                  prm,
+                  Patterns::Double(0.));
+    add_parameter("Extension",
+                  extend,
+                  "Extended B-splines for material points; without, the matrix "
+                  "of all functions that see a point.");
+  }
+
+
+
+  void
+  MassProblemParameters::check(const unsigned int dim) const
+  {
+    AssertThrow(lower.size() >= dim && upper.size() >= dim &&
+                  cell_ratio.size() >= dim,
+                ExcMessage("'Lower corner', 'Upper corner' and 'Cell "
+                           "ratio' need " +
+                           std::to_string(dim) + " numbers in " +
+                           std::to_string(dim) + "D."));
+    for (unsigned int d = 0; d < dim; ++d)
+      AssertThrow(lower[d] < upper[d],
+                  ExcMessage("'Lower corner' has to be below 'Upper corner' in "
+                             "each direction."));
+    const std::string names =
+      dim == 2 ? PointProblem<2>::body_names() : PointProblem<3>::body_names();
+    const auto list = Utilities::split_string_list(names, '|');
+    for (const std::string &body : bodies)
+      AssertThrow(std::count(list.begin(), list.end(), body) == 1,
+                  ExcMessage("The value <" + body +
+                             "> of the parameter 'Points' is none of " + names +
+                             " of " + std::to_string(dim) + "D."));
+  }
+
+
+
+  template <int dim>
+  DensityProblem<dim>::DensityProblem(const MassProblemParameters &parameters)
+    : density(make_function<dim>(parameters.density, "Density"))
+    , acceleration(make_function<dim>(parameters.acceleration, "Acceleration"))
+  {}
+
+
+
+  template <int dim>
+  std::unique_ptr<MassHierarchy<dim>>
+  DensityProblem<dim>::make_mass(const OrderHierarchy<dim> &orders)
+  {
+    return std::make_unique<MassHierarchy<dim>>(orders, *density);
+  }
+
+
+
+  template <int dim>
+  void
+  DensityProblem<dim>::right_hand_side(VectorType           &b,
+                                       const MassLevel<dim> &level)
+  {
+    level.mass().cross_mass().integrate(b, *acceleration);
+  }
+
+
+
+  template <int dim>
+  double
+  DensityProblem<dim>::error(const VectorType &x, const MassLevel<dim> &level)
+  {
+    const auto norms = level.mass().cross_mass().difference(x, *acceleration);
+    return norms.second > 0. ? norms.first / norms.second : norms.first;
+  }
+
+
+
+  template <int dim>
+  typename Extension<dim>::Counts
+  DensityProblem<dim>::count_functions(const SplineSpace<dim> &) const
+  {
+    return {};
+  }
+
+
+
+  namespace
+  {
+    /**
+     * A body as a formula of Shape. Its surfaces cut cells.
+     */
+    template <int dim>
+    std::string
+    shape_of(const std::string &body, const Lattice<dim> &lattice)
+    {
+      std::ostringstream formula;
+      formula << std::setprecision(17);
+      const auto at = [&](const unsigned int d, const double part) {
+        return lattice.lower(d) + part * (lattice.upper(d) - lattice.lower(d));
+      };
+      if (body == "disk" || body == "ball")
+        {
+          double width = lattice.upper(0) - lattice.lower(0);
+          formula << "ball(";
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              formula << at(d, 0.5) << ", ";
+              width = std::min(width, lattice.upper(d) - lattice.lower(d));
+            }
+          formula << 0.4 * width << ")";
+        }
+      else
+        {
+          formula << "box(";
+          for (const bool upper : {false, true})
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                double part = upper;
+                if (body == "column")
+                  part =
+                    d + 1 < dim ? (upper ? 0.77 : 0.23) : (upper ? 0.67 : 0.);
+                formula << (upper || d > 0 ? ", " : "") << at(d, part);
+              }
+          formula << ")";
+        }
+      return formula.str();
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  PointProblem<dim>::PointProblem(const MassProblemParameters   &p,
+                                  const std::string             &body,
+                                  const unsigned int             n,
+                                  DistributedTriangulation<dim> &triangulation)
+    : parameters(p)
+    , space(triangulation, 1)
+    , filling(space)
+  {
+    points.reinit(space, PointLayout<dim>(0, false, false));
+    run_on_all([&]() { make_points(body, n); }, space.communicator());
+    AssertThrow(Utilities::MPI::sum<std::uint64_t>(points.n_points(),
+                                                   space.communicator()) > 0,
+                ExcMessage("The density is zero at all points: there is no "
+                           "mass."));
+
+    double cell_volume = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      cell_volume *= space.lattice().cell_size(d);
+    std::vector<double> parts(space.owned_cells().size(), 0.);
+    points.for_each([&](const unsigned int cell, const double *q) {
+      parts[cell] +=
+        q[PointLayout<dim>::volume0 * points.stride()] / cell_volume;
+    });
+    filling.update(parts, parameters.filling_threshold);
+  }
+
+
+
+  template <int dim>
+  void
+  PointProblem<dim>::make_points(const std::string &body, const unsigned int n)
+  {
+    using Layout       = PointLayout<dim>;
+    const auto density = make_function<dim>(parameters.density, "Density");
+    const auto acceleration =
+      make_function<dim>(parameters.acceleration, "Acceleration");
+    PointPlacement placement;
+    placement.shape                = shape_of(body, space.lattice());
+    placement.points_per_direction = {n};
+    placement.jitter               = parameters.jitter;
+
+    std::vector<double> numbers(points.layout().size, 0.);
+    numbers[Layout::J] = 1.;
+    for (const auto &point : place_points<dim>(placement, "Problem", space))
+      {
+        const double rho = density->value(point.x);
+        if (!(rho >= 0. && std::isfinite(rho)))
+          {
+            std::ostringstream text;
+            text << "The density has to be a number >= 0, but is " << rho
+                 << " at (" << point.x << ").";
+            AssertThrow(false, ExcMessage(text.str()));
+          }
+        if (rho == 0.)
+          continue;
+        for (unsigned int d = 0; d < dim; ++d)
+          numbers[Layout::position + d] = point.x[d];
+        numbers[Layout::velocity] = acceleration->value(point.x);
+        numbers[Layout::mass]     = rho * point.volume;
+        numbers[Layout::volume0]  = point.volume;
+        numbers[Layout::id]       = double(point.id);
+        points.insert(point.cell, make_array_view(numbers));
+      }
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<MassHierarchy<dim>>
+  PointProblem<dim>::make_mass(const OrderHierarchy<dim> &orders)
+  {
+    std::vector<unsigned int> n_points;
+    for (unsigned int l = 0; l < orders.n_levels(); ++l)
+      n_points.push_back(2 * orders[l].degree() + 1);
+    auto mass = std::make_unique<MassHierarchy<dim>>(orders, n_points);
+    for (MassLevel<dim> *level : mass->all_levels())
+      {
+        PointTransfer<dim> transfer;
+        transfer.reinit(level->space());
+        transfer.mass_weights({&points}, level->weights());
+        if (parameters.extend)
+          level->constrain(Constraints(),
+                           Extension<dim>(level->space(), filling));
+      }
+    return mass;
+  }
+
+
+
+  template <int dim>
+  void
+  PointProblem<dim>::right_hand_side(VectorType &b, const MassLevel<dim> &level)
+  {
+    PointTransfer<dim> transfer;
+    VectorType         mass;
+    VectorField<dim>   momentum;
+    transfer.reinit(level.space());
+    level.space().initialize_vector(mass);
+    for (VectorType &component : momentum)
+      level.space().initialize_vector(component);
+    transfer.points_to_grid({&points}, &mass, &momentum, nullptr);
+    b.copy_locally_owned_data_from(momentum[0]);
+    level.mass().condense(b);
+  }
+
+
+
+  template <int dim>
+  double
+  PointProblem<dim>::error(const VectorType &x, const MassLevel<dim> &level)
+  {
+    using Layout = PointLayout<dim>;
+    PointTransfer<dim> transfer;
+    VectorField<dim>   u, zero;
+    transfer.reinit(level.space());
+    for (VectorField<dim> *field : {&u, &zero})
+      for (VectorType &component : *field)
+        level.space().initialize_vector(component);
+    u[0].copy_locally_owned_data_from(x);
+    level.mass().distribute(u[0]);
+
+    // A step of length -1 leaves f - u at the points.
+    MaterialPoints<dim> differences = points;
+    PointUpdate<dim>    update;
+    update.acceleration  = &u;
+    update.velocity      = &zero;
+    update.velocity_step = -1.;
+    transfer.grid_to_points(differences, update);
+
+    const auto square = [&](const MaterialPoints<dim> &some) {
+      double sum = 0.;
+      some.for_each([&](const unsigned int, const double *q) {
+        const double v = q[Layout::velocity * some.stride()];
+        sum += q[Layout::mass * some.stride()] * v * v;
+      });
+      return Utilities::MPI::sum(sum, space.communicator());
+    };
+    const double norm = square(points);
+    return std::sqrt(square(differences) / (norm > 0. ? norm : 1.));
+  }
+
+
+
+  template <int dim>
+  typename Extension<dim>::Counts
+  PointProblem<dim>::count_functions(const SplineSpace<dim> &s) const
+  {
+    return parameters.extend ? Extension<dim>(s, filling).counts()
+                             : typename Extension<dim>::Counts();
+  }
+
+
+
+  template class DensityProblem<2>;
+  template class DensityProblem<3>;
+  template class PointProblem<2>;
+  template class PointProblem<3>;
+} // namespace greville

@@ -1,0 +1,57 @@
+#ifndef greville_tests_filling_h
+#define greville_tests_filling_h
+
+#include <greville/spline/extension.h>
+
+#include <tests.h>
+
+// The part of a cell that is filled, as a function of its lattice index.
+template <int dim>
+using Filling = std::function<double(const MultiIndex<dim> &)>;
+
+
+
+// From a drawing, rows from the top to the bottom: # is well-filled, + cut.
+inline Filling<2>
+drawing(const std::vector<std::string> &rows)
+{
+  return [rows](const MultiIndex<2> &cell) {
+    const char c = rows[rows.size() - 1 - cell[1]][cell[0]];
+    return c == '#' ? 1. : c == '+' ? 0.3 : 0.;
+  };
+}
+
+
+
+// A ball with a layer of cut cells, and a fragment in the last corner.
+template <int dim>
+Filling<dim>
+ball(const unsigned int n, const double center, const double radius)
+{
+  return [=](const MultiIndex<dim> &cell) {
+    double square = 0.;
+    bool   corner = true;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        square += std::pow(cell[d] + 0.5 - center, 2);
+        corner = corner && cell[d] + 1 == n;
+      }
+    const double distance = std::sqrt(square);
+    return distance < radius ? 1. : distance < radius + 1. || corner ? 0.3 : 0.;
+  };
+}
+
+
+
+template <int dim>
+std::vector<double>
+fillings(const SplineSpace<dim> &space, const Filling<dim> &filling)
+{
+  std::vector<double> result;
+  for (const std::uint64_t cell : space.owned_cells())
+    result.push_back(
+      filling(multi_index<dim>(cell, space.lattice().n_cells())));
+  return result;
+}
+
+#endif

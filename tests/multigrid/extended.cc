@@ -1,0 +1,359 @@
+// Extended B-splines: the matrix-free and the assembled operator are the dense
+// matrix E^T M' E, with coefficients held at a wall and lumped fragments, on
+// any number of processes; transfers keep constants, the transpose is the
+// transpose, and solvers converge.
+
+#include <deal.II/lac/full_matrix.h>
+
+#include <greville/multigrid/mass_solver.h>
+
+#include <filling.h>
+
+// Weights where cells are filled, more or less at random.
+template <int dim>
+void
+fill_weights(DensityWeights<dim>    &weights,
+             const SplineSpace<dim> &space,
+             const Filling<dim>     &filling,
+             const double            amplitude = 1.)
+{
+  const std::vector<double> parts = fillings<dim>(space, filling);
+  for (unsigned int c = 0; c < parts.size(); ++c)
+    for (unsigned int q = 0; q < weights.n_points(); ++q)
+      weights.at_cell(c)[q * CellBatches<dim>::width()] =
+        parts[c] *
+        (1.2 + amplitude * pseudo_random(space.owned_cells()[c] * 1000 + q)) /
+        weights.n_points();
+}
+
+
+
+// Coefficients held at the lower wall in the last direction.
+template <int dim>
+Constraints
+held_at_floor(const SplineSpace<dim> &space, const bool is_held)
+{
+  Constraints constraints;
+  constraints.reinit(space.locally_owned_dofs());
+  for (unsigned int i = 0; i < space.owned_functions().size() && is_held; ++i)
+    if (multi_index<dim>(space.owned_functions()[i],
+                         space.n_functions())[dim - 1] == 0)
+      constraints.add_line(space.partitioner()->local_range().first + i);
+  constraints.close();
+  return constraints;
+}
+
+
+
+// The matrix by its definition, on one process; its diagonal is 0 where
+// coefficients are inactive.
+template <int dim>
+FullMatrix<double>
+dense(const SplineSpace<dim>    &space,
+      const DensityWeights<dim> &weights,
+      const Extension<dim>      &extension,
+      const Constraints         &held)
+{
+  const unsigned int           n = space.n_dofs();
+  const CrossMassOperator<dim> cross(space, space, weights);
+  FullMatrix<double>           M(n, n), lumped(n, n), E(n, n), product(n, n);
+  VectorType                   unit, column;
+  space.initialize_vector(unit);
+  space.initialize_vector(column);
+  for (unsigned int j = 0; j < n; ++j)
+    {
+      unit    = 0.;
+      unit(j) = 1.;
+      cross.vmult(column, unit);
+      for (unsigned int i = 0; i < n; ++i)
+        M(i, j) = column(i);
+    }
+  lumped = M;
+  for (unsigned int i = 0; i < n; ++i)
+    for (unsigned int j = 0; j < i; ++j)
+      if (extension[i] == Extension<dim>::lumped ||
+          extension[j] == Extension<dim>::lumped)
+        {
+          lumped(i, i) += M(i, j);
+          lumped(j, j) += M(i, j);
+          lumped(i, j) -= M(i, j);
+          lumped(j, i) -= M(i, j);
+        }
+  std::vector<std::uint64_t> positions;
+  std::vector<double>        row;
+  for (unsigned int i = 0; i < n; ++i)
+    if (held.is_constrained(i))
+      continue;
+    else if (extension[i] != Extension<dim>::extended)
+      E(i, i) = 1.;
+    else
+      {
+        extension.row(i, positions, row);
+        for (unsigned int k = 0; k < row.size(); ++k)
+          if (!held.is_constrained(positions[k]))
+            E(i, positions[k]) = row[k];
+      }
+  lumped.mmult(product, E);
+  E.Tmmult(M, product);
+  return M;
+}
+
+
+
+template <int dim>
+void
+test(const MultiIndex<dim> &cells,
+     const unsigned int     p,
+     const Filling<dim>    &is_filled,
+     const bool             is_held,
+     const std::string     &name)
+{
+  print() << dim << "D, p = " << p << ", " << name
+          << (is_held ? ", held at a wall" : "") << std::endl;
+  // Once on all processes, and on each alone.
+  Box<dim>               box(cells), own_box(cells, MPI_COMM_SELF);
+  const SplineSpace<dim> space(box.mesh, p), own_space(own_box.mesh, p);
+  CellFilling<dim>       filling(space), own_filling(own_space);
+  filling.update(fillings<dim>(space, is_filled), 0.8);
+  own_filling.update(fillings<dim>(own_space, is_filled), 0.8);
+  const Extension<dim> extension(space, filling);
+  const Extension<dim> own_extension(own_space, own_filling);
+
+  DensityWeights<dim> own_weights(own_space, 2 * p + 1);
+  fill_weights<dim>(own_weights, own_space, is_filled);
+  const FullMatrix<double> exact   = dense(own_space,
+                                         own_weights,
+                                         own_extension,
+                                         held_at_floor(own_space, is_held));
+  double                   largest = 0.;
+  for (unsigned int i = 0; i < exact.m(); ++i)
+    largest = std::max(largest, exact(i, i));
+
+  MassLevel<dim> free(space, DensityWeights<dim>(space, 2 * p + 1));
+  fill_weights<dim>(free.weights(), space, is_filled);
+  free.constrain(held_at_floor(space, is_held), extension);
+  free.assemble(false, false);
+  const VectorType diagonal = free.mass().diagonal();
+  free.assemble(true, false);
+  // A second assembly gives the same matrix.
+  free.assemble(true, false);
+
+  const VectorType x = pseudo_random_vector(space);
+  VectorType       y(x), z(x), sums(x), wanted(x), wanted_diagonal(x), one(x);
+  free.mass().vmult(y, x);
+  free.matrix().vmult(z, x);
+  one = 1.;
+  for (const unsigned int i : free.mass().inactive())
+    one.local_element(i) = 0.;
+  for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
+    {
+      const unsigned int row = space.owned_functions()[i];
+      double             sum = 0.;
+      for (unsigned int j = 0; j < exact.n(); ++j)
+        sum += exact(row, j) * pseudo_random(j);
+      const bool is_active    = exact(row, row) > 1e-15 * largest;
+      wanted.local_element(i) = is_active ? sum : largest * x.local_element(i);
+      wanted_diagonal.local_element(i) = is_active ? exact(row, row) : largest;
+    }
+  check("  matrix-free", difference(y, wanted), 1e-12);
+  check("  assembled", difference(z, wanted), 1e-12);
+  check("  diagonal, matrix-free",
+        difference(diagonal, wanted_diagonal),
+        1e-12);
+  check("  diagonal, assembled",
+        difference(free.mass().diagonal(), wanted_diagonal),
+        1e-12);
+  VectorType u(x), Mu(x);
+  for (unsigned int i = 0; i < u.locally_owned_size(); ++i)
+    u.local_element(i) = std::cos(3. * x.local_element(i));
+  free.mass().vmult(Mu, u);
+  check("  symmetric",
+        std::abs(y * u - x * Mu) / (y.l2_norm() * u.l2_norm()),
+        1e-13);
+  const auto counts = extension.counts();
+  print() << "  " << counts.stable << " stable, " << counts.extended
+          << " extended, " << counts.lumped << " lumped, active "
+          << free.mass().n_active() << std::endl;
+
+  // Mass, and the row sums.
+  free.mass().cross_mass().row_sums(sums);
+  double mass = 0.;
+  for (unsigned int i = 0; i < sums.locally_owned_size(); ++i)
+    mass += sums.local_element(i);
+  mass = Utilities::MPI::sum(mass, MPI_COMM_WORLD);
+  print() << "  mass " << std::setprecision(8) << mass << std::endl;
+  if (!is_held)
+    {
+      free.mass().vmult(y, one);
+      check("  keeps the mass", std::abs(y * one / mass - 1.), 1e-12);
+      VectorType lumped = free.mass().lumped();
+      lumped.scale(one);
+      lumped -= y;
+      check("  row sums", lumped.l2_norm() / y.l2_norm(), 1e-12);
+    }
+}
+
+
+
+template <int dim>
+void
+test_transfer(const MultiIndex<dim> &cells,
+              const unsigned int     p,
+              const unsigned int     q,
+              const Filling<dim>    &is_filled)
+{
+  print() << dim << "D, orders " << q << " and " << p << std::endl;
+  Box<dim>               box(cells);
+  const SplineSpace<dim> fine(box.mesh, p), coarse(box.mesh, q);
+  CellFilling<dim>       filling(fine);
+  filling.update(fillings<dim>(fine, is_filled), 0.8);
+  MassLevel<dim> fine_level(fine, DensityWeights<dim>(fine, 2 * p + 1));
+  MassLevel<dim> coarse_level(coarse, DensityWeights<dim>(coarse, 2 * q + 1));
+  for (const bool is_held : {false, true})
+    {
+      for (MassLevel<dim> *level : {&coarse_level, &fine_level})
+        {
+          fill_weights<dim>(level->weights(), level->space(), is_filled);
+          const Extension<dim> extension(level->space(), filling);
+          level->constrain(held_at_floor(level->space(), is_held), extension);
+          level->assemble(false, false);
+        }
+      for (const std::string prolongation : {"lumped-l2", "exact-l2"})
+        {
+          const std::string name =
+            "  " + prolongation + (is_held ? ", held: " : ": ");
+          const std::vector<MassLevel<dim> *> levels{&coarse_level,
+                                                     &fine_level};
+          const OrderTransfer<dim>            transposed(levels,
+                                              prolongation,
+                                              "transpose",
+                                              "density");
+          VectorType e = pseudo_random_vector(coarse), r(e);
+          VectorType f = pseudo_random_vector(fine), Ie(f);
+          transposed.prolongate(1, Ie, e);
+          r = 0.;
+          transposed.restrict_and_add(1, r, f);
+          check(name + "transpose",
+                std::abs(Ie * f - e * r) / (Ie.l2_norm() * f.l2_norm()),
+                1e-13);
+          double inactive = 0.;
+          for (const unsigned int i : fine_level.mass().inactive())
+            inactive += std::abs(Ie.local_element(i));
+          for (const unsigned int i : coarse_level.mass().inactive())
+            inactive += std::abs(r.local_element(i));
+          check(name + "inactive coefficients", max_all(inactive), 0.);
+
+          if (prolongation == "lumped-l2" && !is_held)
+            {
+              const OrderTransfer<dim> own(levels,
+                                           "lumped-l2",
+                                           "lumped-l2",
+                                           "density");
+              e = 1.;
+              own.prolongate(1, Ie, e);
+              for (const unsigned int i : fine_level.mass().inactive())
+                Ie.local_element(i) = 1.;
+              Ie.add(-1.);
+              f = 1.;
+              r = 0.;
+              own.restrict_and_add(1, r, f);
+              for (const unsigned int i : coarse_level.mass().inactive())
+                r.local_element(i) = 1.;
+              r.add(-1.);
+              check(name + "constants",
+                    std::max(Ie.linfty_norm(), r.linfty_norm()),
+                    1e-11);
+            }
+        }
+    }
+}
+
+
+
+template <int dim>
+void
+test_solvers(const MultiIndex<dim> &cells,
+             const unsigned int     p,
+             const Filling<dim>    &is_filled)
+{
+  print() << dim << "D, p = " << p << ": solvers" << std::endl;
+  Box<dim> box(cells);
+  ParameterAcceptor::clear();
+  MassSolverParameters solver_parameters;
+  PMultigridParameters multigrid;
+  SmootherParameters   smoother;
+  solver_parameters.tolerance = 1e-10;
+  multigrid.restriction       = "transpose";
+  VectorType reference;
+  const auto run = [&](const std::string &name,
+                       const std::string &coarsening,
+                       const std::string &smoother_name) {
+    multigrid.coarsening = coarsening;
+    multigrid.smoother   = smoother_name;
+    const OrderHierarchy<dim> orders(box.mesh, p, coarsening);
+    CellFilling<dim>          filling(orders.finest());
+    filling.update(fillings<dim>(orders.finest(), is_filled), 0.8);
+    std::vector<unsigned int> n_points;
+    for (unsigned int l = 0; l < orders.n_levels(); ++l)
+      n_points.push_back(2 * orders[l].degree() + 1);
+    MassHierarchy<dim> mass(orders, n_points);
+    for (MassLevel<dim> *level : mass.all_levels())
+      {
+        fill_weights<dim>(level->weights(), level->space(), is_filled, 0.1);
+        const Extension<dim> extension(level->space(), filling);
+        level->constrain(held_at_floor(level->space(), true), extension);
+      }
+    MassSolver<dim> solver(name, mass, solver_parameters, multigrid, smoother);
+    solver.assemble();
+    solver.setup();
+    VectorType x = pseudo_random_vector(orders.finest()), b(x);
+    mass.finest().mass().condense(b);
+    const SolveResult result = solver.solve(x, b);
+    if (reference.size() == 0)
+      reference = x;
+    check("  " + name + ", " + coarsening + ", " + smoother_name +
+            (result.reason.empty() ? "" : " (" + result.reason + ")"),
+          result.converged ? difference(x, reference) : 1.,
+          1e-6);
+    return result.iterations.value_or(0);
+  };
+  for (const std::string coarsening : {"one by one", "direct", "none"})
+    {
+      const unsigned int n = run("cg-p-multigrid", coarsening, "schwarz");
+      check_range("  iterations", n, 1, 40);
+    }
+  run("cg-jacobi", "none", "");
+  run("cg-p-multigrid", "none", "jacobi");
+  run("cg-p-multigrid", "by two", "chebyshev");
+}
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  // A body at a wall with a fringe, and a fragment that it touches.
+  const Filling<2> drawn = drawing({"........++",
+                                    ".+++...+..",
+                                    "+###++++..",
+                                    "+#####....",
+                                    "+#####+...",
+                                    ".####++..."});
+  for (unsigned int p = 1; p <= 5; ++p)
+    for (const bool is_held : {false, true})
+      test<2>({{10, 6}}, p, drawn, is_held, "drawing");
+  test<2>(
+    {{10, 6}}, 2, [](const MultiIndex<2> &) { return 1.; }, true, "full");
+  for (unsigned int p = 1; p <= 3; ++p)
+    test<3>(cube<3>(4), p, ball<3>(4, 1., 1.3), p == 2, "ball");
+
+  test_transfer<2>({{10, 6}}, 2, 1, drawn);
+  test_transfer<2>({{10, 6}}, 3, 2, drawn);
+  test_transfer<2>({{10, 6}}, 5, 1, drawn);
+  test_transfer<3>(cube<3>(4), 2, 1, ball<3>(4, 1., 1.3));
+
+  test_solvers<2>({{10, 6}}, 2, drawn);
+  test_solvers<2>(cube<2>(12), 3, ball<2>(12, 6., 3.6));
+  test_solvers<3>(cube<3>(5), 2, ball<3>(5, 2., 1.8));
+}

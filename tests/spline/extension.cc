@@ -1,0 +1,185 @@
+// Hosts of cells and classes of functions on drawings, and extension keeps
+// polynomials, at the walls, too.
+
+#include <filling.h>
+
+// Characters of all functions or cells of the grid, rows from the top.
+void
+print_map(const std::vector<std::pair<std::uint64_t, char>> &own,
+          const MultiIndex<2>                               &extents)
+{
+  std::vector<unsigned int> all(std::uint64_t(extents[0]) * extents[1], 0);
+  for (const auto &entry : own)
+    all[entry.first] = entry.second;
+  Utilities::MPI::sum(all, MPI_COMM_WORLD, all);
+  for (unsigned int y = extents[1]; y-- > 0;)
+    {
+      for (unsigned int x = 0; x < extents[0]; ++x)
+        print() << char(all[y * extents[0] + x]);
+      print() << std::endl;
+    }
+}
+
+
+
+// Well-filled cells are #, cut ones have the column of their host in base 36 as
+// a letter or digit, or ? without a host.
+void
+test_drawing(const std::vector<std::string> &rows, const unsigned int p)
+{
+  const MultiIndex<2> cells{
+    {(unsigned int)rows[0].size(), (unsigned int)rows.size()}};
+  Box<2>               box(cells);
+  const SplineSpace<2> space(box.mesh, p);
+  CellFilling<2>       filling(space);
+  check("changed", filling.update(fillings<2>(space, drawing(rows)), 0.8));
+  check("not changed", !filling.update(fillings<2>(space, drawing(rows)), 0.8));
+
+  std::vector<std::pair<std::uint64_t, char>> map;
+  for (unsigned int c = 0; c < space.owned_cells().size(); ++c)
+    map.emplace_back(space.owned_cells()[c], '.');
+  for (const unsigned int c : filling.filled_cells())
+    {
+      const std::uint64_t host = filling.host(c);
+      const unsigned int  column =
+        host == CellFilling<2>::none ? 0 : host % cells[0];
+      map[c].second = filling.is_well_filled(c)      ? '#'
+                      : host == CellFilling<2>::none ? '?'
+                      : column < 10                  ? '0' + column
+                                                     : 'a' + column - 10;
+    }
+  print() << "Hosts:" << std::endl;
+  print_map(map, cells);
+
+  const Extension<2> extension(space, filling);
+  map.clear();
+  for (unsigned int f = 0; f < space.owned_functions().size(); ++f)
+    map.emplace_back(space.owned_functions()[f], ".sel"[extension[f]]);
+  print() << "Functions, p = " << p << ":" << std::endl;
+  print_map(map, space.n_functions());
+  const auto counts = extension.counts();
+  print() << counts.stable << " stable, " << counts.extended << " extended, "
+          << counts.lumped << " lumped; fragments: " << filling.n_fragments()
+          << std::endl;
+}
+
+
+
+// The coefficient of the product of (x_d - 0.3 (d + 1))^p.
+template <int dim>
+double
+coefficient(const SplineSpace<dim> &space, const std::uint64_t position)
+{
+  const auto i       = multi_index<dim>(position, space.n_functions());
+  double     product = 1.;
+  for (unsigned int d = 0; d < dim; ++d)
+    for (unsigned int k = 1; k <= space.degree(); ++k)
+      product *= space.knots(d).knots()[i[d] + k] - 0.3 * (d + 1);
+  return product;
+}
+
+
+
+template <int dim>
+void
+test_polynomials(const unsigned int  n,
+                 const unsigned int  p,
+                 const Filling<dim> &is_filled,
+                 const std::string  &name)
+{
+  Box<dim>               box(cube<dim>(n));
+  const SplineSpace<dim> space(box.mesh, p);
+  CellFilling<dim>       filling(space);
+  filling.update(fillings<dim>(space, is_filled), 0.8);
+  const Extension<dim> extension(space, filling);
+  const auto           counts = extension.counts();
+  print() << dim << "D, p = " << p << ", " << name << ": " << counts.stable
+          << " stable, " << counts.extended << " extended, " << counts.lumped
+          << " lumped" << std::endl;
+
+  double                     error = 0., sum = 0., size = 0.;
+  bool                       hosts_are_stable = true;
+  std::vector<std::uint64_t> positions;
+  std::vector<double>        weights;
+  unsigned int               n_owned = 0;
+  std::vector<bool>          is_owned_stable(space.n_dofs(), false);
+  for (unsigned int f = 0; f < space.owned_functions().size(); ++f)
+    is_owned_stable[space.owned_functions()[f]] =
+      extension[f] == Extension<dim>::stable;
+  for (const unsigned int f : extension.extended_functions())
+    {
+      extension.row(f, positions, weights);
+      const std::uint64_t position = space.function_position(f);
+      const double        wanted   = coefficient(space, position);
+      double              value = 0., scale = 1e-3;
+      for (unsigned int k = 0; k < positions.size(); ++k)
+        {
+          const double term = weights[k] * coefficient(space, positions[k]);
+          value += term;
+          scale = std::max(scale, std::abs(term));
+        }
+      error = std::max(error, std::abs(value - wanted) / scale);
+      if (f >= space.owned_functions().size())
+        continue;
+      ++n_owned;
+      for (unsigned int k = 0; k < positions.size(); ++k)
+        {
+          if (std::binary_search(space.owned_functions().begin(),
+                                 space.owned_functions().end(),
+                                 positions[k]))
+            hosts_are_stable =
+              hosts_are_stable && is_owned_stable[positions[k]];
+          sum += weights[k] * pseudo_random(31 * position + positions[k]);
+          size += std::abs(weights[k]);
+        }
+    }
+  check("  polynomials", max_all(error), 1e-12);
+  check("  hosts have stable functions only", max_all(!hosts_are_stable), 0.);
+  sum  = Utilities::MPI::sum(sum, MPI_COMM_WORLD);
+  size = Utilities::MPI::sum(size, MPI_COMM_WORLD);
+  print() << "  mean of all weights at random: " << std::setprecision(8)
+          << sum / size << std::endl;
+
+  // The same lines as constraints.
+  const auto   constraints = extension.constraints();
+  unsigned int n_lines     = 0;
+  double       difference  = 0.;
+  for (const auto &line : constraints.get_lines())
+    {
+      n_lines += space.locally_owned_dofs().is_element(line.index);
+      double weight = -1.;
+      for (const auto &entry : line.entries)
+        weight += entry.second;
+      difference = std::max(difference, std::abs(weight));
+    }
+  check("  lines of constraints",
+        max_all(n_lines != n_owned) == 0. && max_all(difference) < 1e-8);
+}
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  // A body with a fringe, a second one behind a gap of an empty cell, whose
+  // cells are all cut, and a chain of cut cells, longer than hosts reach.
+  test_drawing({"+++++.......",
+                "+####.......",
+                "+####.++....",
+                "+####.++....",
+                ".+##+......."},
+               2);
+  test_drawing({"####.+##", "####.+##", "###+.+##"}, 2);
+  test_drawing({"#++++++....", "##.........", "##........."}, 1);
+  test_drawing({"++..+....#", "+...+...##", "....++++##"}, 3);
+
+  for (unsigned int p = 1; p <= 5; ++p)
+    {
+      test_polynomials<2>(12, p, ball<2>(12, 6., 3.6), "disk");
+      test_polynomials<2>(8, p, ball<2>(8, 4., 3.2), "disk at walls");
+      test_polynomials<2>(8, p, ball<2>(8, 0., 3.2), "disk in a corner");
+    }
+  for (unsigned int p = 1; p <= 5; ++p)
+    test_polynomials<3>(5, p, ball<3>(5, 1.5, 1.6), "ball");
+}
