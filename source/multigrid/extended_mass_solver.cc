@@ -215,6 +215,9 @@ namespace greville
 
   namespace
   {
+    // With an old factorization no solve is worth more iterations.
+    constexpr unsigned int most_iterations_if_old = 25;
+
     template <int width>
     using Columns = std::array<double, width>;
 
@@ -267,27 +270,27 @@ namespace greville
     VectorType unknowns, rows;
     mass.initialize_vector(unknowns, width);
     mass.initialize_vector(rows, width);
-    const auto prepare = [&]() {
+    const auto run = [&](const unsigned int max_iterations) {
       mass.restrict_fields(rows, b, width);
       mass.subtract_held(rows, x, width);
-      mass.read_fields(unknowns,
-                       std::vector<const VectorField<dim> *>(x.begin(),
-                                                             x.end()),
-                       width);
+      return width == 2 ? iterate<2>(unknowns, rows, x.size(), max_iterations)
+             : width == 4
+               ? iterate<4>(unknowns, rows, x.size(), max_iterations)
+               : iterate<8>(unknowns, rows, x.size(), max_iterations);
     };
-    const auto run = [&]() {
-      return width == 2   ? iterate<2>(unknowns, rows, x.size())
-             : width == 4 ? iterate<4>(unknowns, rows, x.size())
-                          : iterate<8>(unknowns, rows, x.size());
-    };
-    prepare();
-    SolveResult result = run();
+    mass.read_fields(unknowns,
+                     std::vector<const VectorField<dim> *>(x.begin(), x.end()),
+                     width);
+    SolveResult result = run(
+      is_fresh ? parameters.max_iterations
+               : std::min(parameters.max_iterations, most_iterations_if_old));
     if (!result.converged && !is_fresh)
       {
-        // Perhaps the factorization is too old.
+        // The factorization is too old: go on with a new one.
+        const unsigned int n = *result.iterations;
         factorize();
-        prepare();
-        result = run();
+        result = run(parameters.max_iterations);
+        *result.iterations += n;
       }
     mass.write_fields(x, unknowns, width);
     return result;
@@ -300,7 +303,8 @@ namespace greville
   SolveResult
   ExtendedMassSolver<dim>::iterate(VectorType        &x,
                                    VectorType        &r,
-                                   const unsigned int n_fields)
+                                   const unsigned int n_fields,
+                                   const unsigned int max_iterations)
   {
     const MPI_Comm comm = mass.communicator();
     VectorType     p, q, z;
@@ -352,7 +356,7 @@ namespace greville
     unsigned int   k     = 0;
     Columns<width> rho{};
     while (ratio > parameters.tolerance && std::isfinite(ratio) &&
-           k < parameters.max_iterations)
+           k < max_iterations)
       {
         precondition(z, r, width);
         const auto     new_rho = dot<width>(r, z, comm);

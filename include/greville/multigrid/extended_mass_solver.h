@@ -76,7 +76,10 @@ namespace greville
 
     template <int width>
     SolveResult
-    iterate(VectorType &x, VectorType &r, const unsigned int n_fields);
+    iterate(VectorType        &x,
+            VectorType        &r,
+            const unsigned int n_fields,
+            const unsigned int max_iterations);
 
     const ExtendedMass<dim>    &mass;
     const MassSolverParameters &parameters;

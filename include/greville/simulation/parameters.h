@@ -58,9 +58,9 @@ namespace greville
     double       end = 1.;
     std::string  step;
     double       cfl            = 0.5;
-    double       safety         = 0.8;
+    double       safety         = 0.7;
     std::string  too_large_step = "refuse";
-    unsigned int estimate_every = 50;
+    unsigned int estimate_every = 20;
     std::string  velocities     = "half steps";
     unsigned int max_steps      = 0;
   };
