@@ -613,9 +613,32 @@ namespace greville
             k, extended_entries[e].weight};
     }
 
+    // Unknowns that no extended function meets have the entries of M.
+    std::vector<bool> is_plain(n, true);
+    for (unsigned int u = 0; u < n; ++u)
+      is_plain[u] = transpose_begin[u] == transpose_begin[u + 1] && u < n_owned;
+    for (const unsigned int place : extended)
+      points_mass.for_each_entry(place,
+                                 [&](const unsigned int j, const double) {
+                                   if (roles[j] > 0)
+                                     is_plain[roles[j] - 1] = false;
+                                 });
+    const bool is_ascending = n == n_owned; // in the order of places
+
     // A = (E^T B) with the rows of B = M E, lower part.
+    result.row_begin.reserve(n + 1);
     for (unsigned int i = 0; i < n; ++i)
       {
+        if (is_plain[i] && is_ascending)
+          {
+            points_mass.for_each_lower_entry(
+              unknowns[i], [&](const unsigned int j, const double value) {
+                result.columns.push_back(roles[j] - 1);
+                result.values.push_back(value);
+              });
+            result.row_begin.push_back(result.columns.size());
+            continue;
+          }
         if (unknowns[i] != numbers::invalid_unsigned_int)
           add_row_times_E(unknowns[i]);
         for (std::size_t t = transpose_begin[i]; t < transpose_begin[i + 1];

@@ -31,7 +31,7 @@ namespace greville
     total_mass = new_total_mass;
     const bool is_parallel =
       Utilities::MPI::n_mpi_processes(mass.communicator()) > 1;
-    if (is_due || smoother_parameters.reuse == 0. ||
+    if (is_due || smoother_parameters.reuse == 0 ||
         (unknowns_changed && is_parallel))
       factorize();
     else if (unknowns_changed)
@@ -405,17 +405,15 @@ namespace greville
           x.local_element(i + c) += sums[c] / total_mass;
 
     // Does the factorization still serve?
-    if (k > 0 && result.converged && ratio > 0.)
+    if (is_fresh)
       {
-        const double rate = std::log10(start / ratio) / k;
-        if (is_fresh)
-          {
-            fresh_rate = rate;
-            is_fresh   = false;
-          }
-        else if (k > 2 && rate * smoother_parameters.reuse < fresh_rate)
-          is_due = true;
+        fresh_iterations  = k;
+        excess_iterations = 0;
       }
+    else if (k > fresh_iterations)
+      excess_iterations += k - fresh_iterations;
+    is_fresh = false;
+    is_due   = excess_iterations > smoother_parameters.reuse;
     return result;
   }
 

@@ -141,43 +141,57 @@ namespace greville
 
   template <int width>
   void
-  IncompleteCholesky::solve_interleaved(double *x) const
+  IncompleteCholesky::solve_interleaved(double *values) const
   {
     namespace simd = std::experimental;
-    using Vector  = simd::simd<double, simd::simd_abi::deduce_t<double, width>>;
+    using Vector   = simd::simd<float, simd::simd_abi::deduce_t<float, width>>;
+
+    // In single precision, of numbers of the size 1.
+    const std::size_t n       = size();
+    double            largest = 0.;
+    for (std::size_t k = 0; k < n * width; ++k)
+      largest = std::max(largest, std::abs(values[k]));
+    if (!(largest > 0.))
+      return;
+    single.resize(n * width);
+    const double scale = 1. / largest;
+    for (std::size_t k = 0; k < n * width; ++k)
+      single[k] = scale * values[k];
+
+    float     *x  = single.data();
     const auto at = [x](const unsigned int i) {
       return Vector(x + std::size_t(i) * width, simd::element_aligned);
     };
     const auto put = [x](const unsigned int i, const Vector &value) {
       value.copy_to(x + std::size_t(i) * width, simd::element_aligned);
     };
-
-    const unsigned int  n = size();
     const unsigned int *c = columns.data();
     const float        *l = entries.data();
-    for (unsigned int i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < n; ++i)
       {
         // Two sums: the last entries of a row wait for the rows just before.
-        Vector            sum[2] = {at(i), Vector(0.)};
-        std::size_t       e      = row_begin[i];
-        const std::size_t end    = row_begin[i + 1];
+        Vector            sum = at(i), other_sum = 0.f;
+        std::size_t       e   = row_begin[i];
+        const std::size_t end = row_begin[i + 1];
         for (; e + 1 < end; e += 2)
           {
-            sum[0] -= Vector(double(l[e])) * at(c[e]);
-            sum[1] -= Vector(double(l[e + 1])) * at(c[e + 1]);
+            sum -= l[e] * at(c[e]);
+            other_sum -= l[e + 1] * at(c[e + 1]);
           }
         if (e < end)
-          sum[0] -= Vector(double(l[e])) * at(c[e]);
-        put(i, sum[0] + sum[1]);
+          sum -= l[e] * at(c[e]);
+        put(i, sum + other_sum);
       }
-    for (unsigned int i = 0; i < n; ++i)
-      put(i, at(i) * Vector(inverse_pivots[i]));
-    for (unsigned int i = n; i-- > 0;)
+    for (std::size_t i = 0; i < n; ++i)
+      put(i, at(i) * inverse_pivots[i]);
+    for (std::size_t i = n; i-- > 0;)
       {
         const Vector value = at(i);
         for (std::size_t e = row_begin[i]; e < row_begin[i + 1]; ++e)
-          put(c[e], at(c[e]) - Vector(double(l[e])) * value);
+          put(c[e], at(c[e]) - l[e] * value);
       }
+    for (std::size_t k = 0; k < n * width; ++k)
+      values[k] = largest * single[k];
   }
 
 

@@ -36,12 +36,12 @@ namespace greville
                   Patterns::Double(0.));
     add_parameter("Reuse",
                   reuse,
-                  "In simulations: a factorization serves following steps, "
-                  "too, until the residual falls by less per iteration than "
-                  "right after the factorization, by more than this factor (of "
-                  "its logarithm). 0: each step factorizes. Unit: none.",
+                  "In simulations with the coarsening auto: a factorization "
+                  "serves following steps, too, until the iterations that "
+                  "they need more than the first solve add up to this number. "
+                  "0: each step factorizes. Unit: iterations.",
                   prm,
-                  Patterns::Double(0.));
+                  Patterns::Integer(0));
     add_parameter("Overlap",
                   overlap,
                   "ilut, ilu0, ic0, schwarz: overlap of the domains of "

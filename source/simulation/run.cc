@@ -231,7 +231,8 @@ namespace greville
       if (all || l + 1 == hierarchy.n_levels())
         out << std::setw(7) << l << std::setw(7) << hierarchy[l].degree()
             << std::setw(15) << hierarchy[l].n_dofs() << "   "
-            << (l == 0 && all                   ? "conjugate gradients"
+            << (l == 0 && all && hierarchy.n_levels() > 1
+                  ? "conjugate gradients"
                 : simulation.mass().is_lumped() ? "lumped"
                 : all                           ? parameters.multigrid.smoother
                                                 : simulation.mass().solver())
@@ -301,6 +302,18 @@ namespace greville
     if (summary.n_removed > 0)
       out << ", of which " << summary.n_removed << " have left the grid";
     out << '\n';
+    if (simulation.mass().is_consistent() && simulation.n_steps() > 0)
+      {
+        const auto functions = simulation.mass().extension().counts();
+        const auto fragments = simulation.mass().n_fragments();
+        out << "  mass: " << std::setprecision(3)
+            << double(simulation.n_all_iterations()) /
+                 std::max(1u, simulation.n_steps())
+            << " iterations per step, " << simulation.mass().n_factorizations()
+            << " factorizations; at the end " << functions.stable << " stable, "
+            << functions.extended << " extended, " << functions.lumped
+            << " lumped functions, " << fragments << " cells of fragments\n";
+      }
     if (parameters.output.print_times)
       {
         out << std::setprecision(3) << "  " << summary.wall_time << " s, "

@@ -371,6 +371,7 @@ namespace greville
     const PartTimer timer(*this, "solve");
     grid_mass->solve(fields, sums);
     iterations = std::max(iterations, grid_mass->n_iterations());
+    all_iterations += grid_mass->n_iterations();
   }
 
 
@@ -661,6 +662,7 @@ namespace greville
     result.step       = dt;
     result.iterations = iterations;
     result.active     = grid_mass->n_active();
+    result.fragments  = grid_mass->n_fragments();
     return result;
   }
 

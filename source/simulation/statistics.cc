@@ -26,8 +26,13 @@ namespace greville
       result.push_back(name);
     for (const std::string &axis : axes)
       result.push_back("center_" + axis);
-    for (const char *name :
-         {"front", "height", "iterations", "largest_speed", "active", "points"})
+    for (const char *name : {"front",
+                             "height",
+                             "iterations",
+                             "largest_speed",
+                             "active",
+                             "points",
+                             "fragments"})
       result.push_back(name);
     return result;
   }
@@ -56,7 +61,8 @@ namespace greville
                                double(iterations),
                                largest_speed,
                                double(active),
-                               double(n_points)})
+                               double(n_points),
+                               double(fragments)})
       result.push_back(value);
     return result;
   }

@@ -15,9 +15,10 @@ namespace greville
    * It has no coarse level: doc/mass_of_points.md shows what one would bring.
    *
    * A factorization serves the matrices of following steps, too, until the
-   * residual falls by less per iteration than right after the factorization, by
-   * a factor (SmootherParameters::reuse). On one process it outlives changes of
-   * the unknowns; new ones are divided by their diagonal entry.
+   * iterations that their solves need more than the first one add up to
+   * SmootherParameters::reuse: until it has cost what a new one costs. On one
+   * process it outlives changes of the unknowns; new ones are divided by their
+   * diagonal entry.
    *
    * The residual of the solution is orthogonal to constants in columns without
    * held functions, so that momentum does not depend on the tolerance.
@@ -93,10 +94,11 @@ namespace greville
     std::vector<double> inverse_diagonal; // of those with none
     mutable std::vector<double> work;
 
-    unsigned int factorizations = 0;
-    bool         is_due         = true;  // to factorize
-    bool         is_fresh       = false; // factorized and not yet used
-    double       fresh_rate     = 0.;    // digits per iteration
+    unsigned int factorizations    = 0;
+    bool         is_due            = true;  // to factorize
+    bool         is_fresh          = false; // factorized and not yet used
+    unsigned int fresh_iterations  = 0;     // of the first solve
+    unsigned int excess_iterations = 0;     // beyond them, of the others
   };
 } // namespace greville
 

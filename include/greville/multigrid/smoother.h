@@ -22,7 +22,7 @@ namespace greville
     double       drop_tolerance = 1e-12;
     double       fill_factor    = 1.;
     double       shift          = 0.;
-    double       reuse          = 1.5;
+    unsigned int reuse          = 10;
     unsigned int overlap        = 1;
     std::string  ordering       = "lexicographic";
     std::string  combination    = "automatic";

@@ -4,6 +4,8 @@
 #include <greville/base/zeroed_array.h>
 #include <greville/spline/spline_space.h>
 
+#include <algorithm>
+
 namespace greville
 {
   /**
@@ -107,6 +109,13 @@ namespace greville
     for_each_entry(const unsigned int i, const Visit &visit) const;
 
     /**
+     * The same for the places j <= i only.
+     */
+    template <typename Visit>
+    void
+    for_each_lower_entry(const unsigned int i, const Visit &visit) const;
+
+    /**
      * y = M x for @p width interleaved vectors, which have to be zero at all
      * places without a row.
      */
@@ -185,6 +194,30 @@ namespace greville
             const double       value =
               full >= center ? values[std::size_t(i) * half + (full - center)]
                                    : values[std::size_t(j) * half + (center - full)];
+            if (value != 0.)
+              visit(j, value);
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  template <typename Visit>
+  void
+  StencilMatrix<dim>::for_each_lower_entry(const unsigned int i,
+                                           const Visit       &visit) const
+  {
+    const int          p      = spline_space->degree();
+    const unsigned int line   = line_of[i];
+    std::size_t        mirror = half - 1;
+    for (unsigned int k = 0; k <= neighbor_lines.size() / 2; ++k)
+      {
+        const unsigned int first = int(i) + distance(line, k) - p;
+        const unsigned int end   = std::min(first + 2 * p + 1, i + 1);
+        for (unsigned int j = first; j < end; ++j, --mirror)
+          {
+            const double value = values[std::size_t(j) * half + mirror];
             if (value != 0.)
               visit(j, value);
           }

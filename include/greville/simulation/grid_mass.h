@@ -129,6 +129,15 @@ namespace greville
     }
 
     /**
+     * Cells of fragments. Collective.
+     */
+    std::uint64_t
+    n_fragments() const
+    {
+      return is_consistent() ? filling.n_fragments() : 0;
+    }
+
+    /**
      * Factorizations so far of the solver of all components.
      */
     unsigned int

@@ -159,6 +159,15 @@ namespace greville
     }
 
     /**
+     * Iterations of all solves so far.
+     */
+    std::uint64_t
+    n_all_iterations() const
+    {
+      return all_iterations;
+    }
+
+    /**
      * Warnings since the last call.
      */
     std::vector<std::string>
@@ -291,6 +300,7 @@ namespace greville
     double        last_kinetic   = 0.;
     unsigned int  steps          = 0;
     unsigned int  iterations     = 0;
+    std::uint64_t all_iterations = 0;
     std::uint64_t n_all_points = 0, n_all_removed = 0, n_own_sent = 0;
     std::vector<std::vector<unsigned int>> left_cells; // per body
     std::string                            problem;    // of this process

@@ -34,7 +34,9 @@ namespace greville
     unsigned int  iterations    = 0;
     double        largest_speed = 0.;
     std::uint64_t active        = 0;
-    std::uint64_t n_points      = 0;
+    /// Cells whose points see no well-filled cell (consistent mass).
+    std::uint64_t fragments = 0;
+    std::uint64_t n_points  = 0;
 
     /**
      * The names of the columns of statistics.csv.
