@@ -69,8 +69,9 @@ namespace greville
     add_parameter("Filling threshold",
                   filling_threshold,
                   "Cells of which material points fill this part are "
-                  "well-filled: B-splines without such a cell are extended "
-                  "from those with one. Unit: none.",
+                  "well-filled. B-splines without a cell that is surrounded by "
+                  "such cells are extended from those with one; 0: all cells "
+                  "with points count. Unit: none.",
                   prm,
                   Patterns::Double(0.));
     add_parameter("Extension",

@@ -137,6 +137,7 @@ namespace greville
         matrix = assemble(lower, *layout.get_partitioner(), comm);
         domain = std::make_unique<OverlappingDomain<dim>>(
           matrix.get(),
+          comm,
           mass.unknown_positions(),
           smoother_parameters.overlap,
           SchwarzCombination::symmetric,

@@ -16,8 +16,12 @@ namespace greville
                                             const unsigned int       overlap,
                                             const SchwarzCombination c,
                                             const std::string       &ordering)
-    : OverlappingDomain(
-        mass.petsc(), mass.space().owned_functions(), overlap, c, ordering)
+    : OverlappingDomain(mass.petsc(),
+                        mass.space().communicator(),
+                        mass.space().owned_functions(),
+                        overlap,
+                        c,
+                        ordering)
   {}
 
 
@@ -25,12 +29,13 @@ namespace greville
   template <int dim>
   OverlappingDomain<dim>::OverlappingDomain(
     const Mat                         matrix,
+    const MPI_Comm                    communicator,
     const std::vector<std::uint64_t> &positions,
     const unsigned int                overlap,
     const SchwarzCombination          c,
     const std::string                &ordering)
     : combination(c)
-    , comm(PetscObjectComm(reinterpret_cast<PetscObject>(matrix)))
+    , comm(communicator)
     , n_owned(positions.size())
   {
     std::pair<PetscInt, PetscInt> range;

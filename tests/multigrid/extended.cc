@@ -189,7 +189,7 @@ test(const MultiIndex<dim> &cells,
       VectorType lumped = free.mass().lumped();
       lumped.scale(one);
       lumped -= y;
-      check("  row sums", lumped.l2_norm() / y.l2_norm(), 1e-12);
+      check("  row sums", lumped.l2_norm() / y.l2_norm(), 1e-11);
     }
 }
 
@@ -284,6 +284,8 @@ test_solvers(const MultiIndex<dim> &cells,
   SmootherParameters   smoother;
   solver_parameters.tolerance = 1e-10;
   multigrid.restriction       = "transpose";
+  // Extended functions couple over more than one cell.
+  smoother.overlap = 2;
   VectorType reference;
   const auto run = [&](const std::string &name,
                        const std::string &coarsening,
@@ -319,7 +321,7 @@ test_solvers(const MultiIndex<dim> &cells,
   };
   for (const std::string coarsening : {"one by one", "direct", "none"})
     {
-      const unsigned int n = run("cg-p-multigrid", coarsening, "schwarz");
+      const unsigned int n = run("cg-p-multigrid", coarsening, "ic0");
       check_range("  iterations", n, 1, 40);
     }
   run("cg-jacobi", "none", "");
@@ -333,27 +335,28 @@ int
 main(int argc, char **argv)
 {
   Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  // A body at a wall with a fringe, and a fragment that it touches.
-  const Filling<2> drawn = drawing({"........++",
-                                    ".+++...+..",
-                                    "+###++++..",
-                                    "+#####....",
-                                    "+#####+...",
-                                    ".####++..."});
+  // A body at two walls with a fringe, a strip, and a fragment.
+  const Filling<2> drawn = drawing({"..........++",
+                                    "##++.....+++",
+                                    "####++..+++.",
+                                    "#####+......",
+                                    "#####+...+#.",
+                                    "#####+...+#.",
+                                    "####++....#."});
   for (unsigned int p = 1; p <= 5; ++p)
     for (const bool is_held : {false, true})
-      test<2>({{10, 6}}, p, drawn, is_held, "drawing");
+      test<2>({{12, 7}}, p, drawn, is_held, "drawing");
   test<2>(
-    {{10, 6}}, 2, [](const MultiIndex<2> &) { return 1.; }, true, "full");
+    {{12, 7}}, 2, [](const MultiIndex<2> &) { return 1.; }, true, "full");
   for (unsigned int p = 1; p <= 3; ++p)
     test<3>(cube<3>(4), p, ball<3>(4, 1., 1.3), p == 2, "ball");
 
-  test_transfer<2>({{10, 6}}, 2, 1, drawn);
-  test_transfer<2>({{10, 6}}, 3, 2, drawn);
-  test_transfer<2>({{10, 6}}, 5, 1, drawn);
+  test_transfer<2>({{12, 7}}, 2, 1, drawn);
+  test_transfer<2>({{12, 7}}, 3, 2, drawn);
+  test_transfer<2>({{12, 7}}, 5, 1, drawn);
   test_transfer<3>(cube<3>(4), 2, 1, ball<3>(4, 1., 1.3));
 
-  test_solvers<2>({{10, 6}}, 2, drawn);
-  test_solvers<2>(cube<2>(12), 3, ball<2>(12, 6., 3.6));
-  test_solvers<3>(cube<3>(5), 2, ball<3>(5, 2., 1.8));
+  test_solvers<2>({{12, 7}}, 2, drawn);
+  test_solvers<2>(cube<2>(12), 2, ball<2>(12, 6., 4.6));
+  test_solvers<3>(cube<3>(6), 1, ball<3>(6, 2., 3.2));
 }

@@ -22,8 +22,22 @@ print_map(const std::vector<std::pair<std::uint64_t, char>> &own,
 
 
 
-// Well-filled cells are #, cut ones have the column of their host in base 36 as
-// a letter or digit, or ? without a host.
+// Whether a cell and all around it are well-filled, by the drawing.
+bool
+is_core(const std::vector<std::string> &rows, const int x, const int y)
+{
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx)
+      if (y + dy < 0 || y + dy >= int(rows.size()) || x + dx < 0 ||
+          x + dx >= int(rows[0].size()) || rows[y + dy][x + dx] != '#')
+        return false;
+  return true;
+}
+
+
+
+// Hosts are #, other cells have the column of their host in base 36 as a letter
+// or digit, or ? without a host.
 void
 test_drawing(const std::vector<std::string> &rows, const unsigned int p)
 {
@@ -43,13 +57,35 @@ test_drawing(const std::vector<std::string> &rows, const unsigned int p)
       const std::uint64_t host = filling.host(c);
       const unsigned int  column =
         host == CellFilling<2>::none ? 0 : host % cells[0];
-      map[c].second = filling.is_well_filled(c)      ? '#'
+      map[c].second = filling.is_host(c)             ? '#'
                       : host == CellFilling<2>::none ? '?'
                       : column < 10                  ? '0' + column
                                                      : 'a' + column - 10;
     }
   print() << "Hosts:" << std::endl;
   print_map(map, cells);
+
+  // Cells inside the body host themselves and all cells around them.
+  bool is_right = true;
+  for (const unsigned int c : filling.filled_cells())
+    {
+      const int n_y = cells[1], x = space.owned_cells()[c] % cells[0],
+                y    = n_y - 1 - int(space.owned_cells()[c] / cells[0]);
+      bool near_core = false;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx)
+          near_core = near_core || is_core(rows, x + dx, y + dy);
+      if (is_core(rows, x, y))
+        is_right = is_right && filling.is_host(c);
+      else if (near_core)
+        {
+          const auto host = filling.host(c);
+          is_right =
+            is_right && host != CellFilling<2>::none &&
+            is_core(rows, host % cells[0], n_y - 1 - int(host / cells[0]));
+        }
+    }
+  check("cells near the inside have hosts there", max_all(!is_right), 0.);
 
   const Extension<2> extension(space, filling);
   map.clear();
@@ -173,6 +209,17 @@ main(int argc, char **argv)
   test_drawing({"####.+##", "####.+##", "###+.+##"}, 2);
   test_drawing({"#++++++....", "##.........", "##........."}, 1);
   test_drawing({"++..+....#", "+...+...##", "....++++##"}, 3);
+  // Hosts inside a body, in the middle of a cross, and in strips one cell wide,
+  // which walls do not change.
+  test_drawing({".+++++..+#+.....",
+                "+######.###.####",
+                "+######.+#+.....",
+                "+######......#..",
+                "+######.##...#..",
+                ".+++##..##...#.#"},
+               2);
+  // A box of two cells has no surface there.
+  test_drawing({"########", "########"}, 2);
 
   for (unsigned int p = 1; p <= 5; ++p)
     {

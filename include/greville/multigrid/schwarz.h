@@ -45,9 +45,11 @@ namespace greville
 
     /**
      * Collective. The same for any distributed matrix (MPIAIJ), whose rows on
-     * this process belong to functions at lexicographic @p positions.
+     * this process belong to functions at lexicographic @p positions. PETSc's
+     * communicator of the matrix ends with its last matrix, @p comm does not.
      */
     OverlappingDomain(const Mat                         matrix,
+                      const MPI_Comm                    comm,
                       const std::vector<std::uint64_t> &positions,
                       const unsigned int                overlap,
                       const SchwarzCombination          combination,
