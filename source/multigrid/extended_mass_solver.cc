@@ -216,7 +216,8 @@ namespace greville
 
   namespace
   {
-    // With an old factorization no solve is worth more iterations.
+    // With an old factorization no solve is worth more iterations, unless the
+    // first one needed half as many.
     constexpr unsigned int most_iterations_if_old = 25;
 
     template <int width>
@@ -282,9 +283,11 @@ namespace greville
     mass.read_fields(unknowns,
                      std::vector<const VectorField<dim> *>(x.begin(), x.end()),
                      width);
-    SolveResult result = run(
-      is_fresh ? parameters.max_iterations
-               : std::min(parameters.max_iterations, most_iterations_if_old));
+    SolveResult result =
+      run(is_fresh
+            ? parameters.max_iterations
+            : std::min(parameters.max_iterations,
+                       std::max(most_iterations_if_old, 2 * fresh_iterations)));
     if (!result.converged && !is_fresh)
       {
         // The factorization is too old: go on with a new one.

@@ -373,6 +373,7 @@ namespace greville
     // Consistent mass by default: a symmetric cycle for conjugate gradients.
     multigrid.restriction = "transpose";
     multigrid.smoother    = "ic0";
+    smoother.overlap      = 2;
 
     if (file.empty())
       {

@@ -131,33 +131,9 @@ namespace greville
     three.fill(3);
     constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
 
-    // Whether all neighbours are well-filled, too.
-    const auto is_core = [&](const unsigned int c) {
-      const auto index = multi_index<dim>(positions[c], extents);
-      for (unsigned int k = 0; k < n_neighbors; ++k)
-        {
-          const auto      offset = multi_index<dim>(k, three);
-          MultiIndex<dim> neighbor;
-          bool            is_beyond_wall = false, is_ignored = false;
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              neighbor[d] = index[d] + offset[d] - 1;
-              if (neighbor[d] >= extents[d])
-                (extents[d] > 2 ? is_beyond_wall : is_ignored) = true;
-            }
-          if (is_ignored)
-            continue;
-          if (is_beyond_wall)
-            return false;
-          const unsigned int n = find(lexicographic<dim>(neighbor, extents));
-          if (n == dealii::numbers::invalid_unsigned_int ||
-              classes[n] != well_filled)
-            return false;
-        }
-      return true;
-    };
-    // Whether those are that share a face.
-    const auto has_filled_faces = [&](const unsigned int c) {
+    // Whether the cells that share a face are well-filled, too.
+    const auto is_inside_body = [&](const unsigned int c,
+                                    const bool         walls_are_surface) {
       const auto index = multi_index<dim>(positions[c], extents);
       for (unsigned int d = 0; d < dim; ++d)
         for (const int side : {-1, 1})
@@ -165,7 +141,11 @@ namespace greville
             auto neighbor = index;
             neighbor[d] += side;
             if (neighbor[d] >= extents[d])
-              continue;
+              {
+                if (walls_are_surface && extents[d] > 2)
+                  return false;
+                continue;
+              }
             const unsigned int n = find(lexicographic<dim>(neighbor, extents));
             if (n == dealii::numbers::invalid_unsigned_int ||
                 classes[n] != well_filled)
@@ -241,8 +221,8 @@ namespace greville
       {
         adopt([&](const unsigned int c) {
           return classes[c] == well_filled &&
-                     (rank == 2 || (rank == 1 && has_filled_faces(c)) ||
-                      (rank == 0 && is_core(c)))
+                     (rank == 2 || (rank == 1 && is_inside_body(c, false)) ||
+                      (rank == 0 && is_inside_body(c, true)))
                    ? positions[c]
                    : none;
         });

@@ -31,7 +31,7 @@ namespace greville
     std::vector<std::string>  bodies;
     std::vector<unsigned int> points_per_direction = {2};
     double                    jitter               = 0.5;
-    double                    filling_threshold    = 0.7;
+    double                    filling_threshold    = 0.45;
     bool                      extend               = true;
   };
 

@@ -76,7 +76,7 @@ namespace greville
     SchemeParameters();
 
     std::string mass          = "consistent";
-    double      filling       = 0.7;
+    double      filling       = 0.45;
     std::string stress_update = "USL";
     std::string transfer      = "FLIP";
     double      flip          = 1.;

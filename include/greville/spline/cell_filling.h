@@ -10,10 +10,9 @@ namespace greville
    * points, but too few for splines to be determined by them) or *well-filled*.
    * The polynomials of a spline on certain well-filled cells, the *hosts*, are
    * extended to the other cells of the body. Hosts are
-   * 1. cells inside the body: all cells around them (3^dim - 1; none is beyond
-   *    a wall) are well-filled,
-   * 2. where no such host is near, well-filled cells whose 2 dim neighbours are
-   *    well-filled or beyond a wall,
+   * 1. cells inside the body: the 2 dim cells that share a face with it are
+   *    well-filled, and none is beyond a wall,
+   * 2. where no such host is near, the same without looking at walls,
    * 3. where none of those is near, any well-filled cell.
    * *Near* a cell is what at most ::reach steps from neighbour to neighbour (by
    * a face, an edge or a vertex), all of them over cells with points, lead to;
