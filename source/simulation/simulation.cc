@@ -99,6 +99,14 @@ namespace greville
                 ExcMessage("'Scheme/Transfer' = APIC goes with "
                            "'Scheme/Quadrature' = points, not <" +
                            run_case.quadrature + ">."));
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      AssertThrow(parameters.walls.type[w] != "friction" ||
+                    MassSolver<dim>::fmpm_order_of(run_case.mass) > 0,
+                  ExcMessage("A wall of the type friction ('Walls/" +
+                             WallParameters::names[w] +
+                             "') goes with 'Scheme/Mass' = lumped or fmpm-K, "
+                             "not <" +
+                             run_case.mass + ">."));
     create_box_mesh<dim>(mesh,
                          to_point<dim>(parameters.grid.lower),
                          to_point<dim>(parameters.grid.upper),

@@ -31,9 +31,10 @@ main(int argc, char **argv)
       check(mass + ", free", std::abs(velocity("free") - 1.), 1e-10);
       check(mass + ", sliding", std::abs(velocity("sliding") - 1.), 1e-10);
       check(mass + ", fixed", velocity("fixed"), 0.98);
-      check(mass + ", friction without force is sliding",
-            std::abs(velocity("friction") - 1.),
-            1e-10);
+      if (mass == "lumped")
+        check(mass + ", friction without force is sliding",
+              std::abs(velocity("friction") - 1.),
+              1e-10);
     }
 
   // Between a fixed and a moving wall: in the end a linear velocity. Viscous

@@ -75,7 +75,7 @@ namespace greville
   public:
     SchemeParameters();
 
-    std::string mass          = "consistent";
+    std::string mass          = "lumped";
     double      filling       = 0.45;
     std::string stress_update = "USL";
     std::string transfer      = "FLIP";
