@@ -22,14 +22,15 @@ print_map(const std::vector<std::pair<std::uint64_t, char>> &own,
 
 
 
-// Whether a cell and all around it are well-filled, by the drawing.
+// Whether a cell and those that share a face are well-filled, by the drawing.
 bool
 is_core(const std::vector<std::string> &rows, const int x, const int y)
 {
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx)
-      if (y + dy < 0 || y + dy >= int(rows.size()) || x + dx < 0 ||
-          x + dx >= int(rows[0].size()) || rows[y + dy][x + dx] != '#')
+      if ((dx == 0 || dy == 0) &&
+          (y + dy < 0 || y + dy >= int(rows.size()) || x + dx < 0 ||
+           x + dx >= int(rows[0].size()) || rows[y + dy][x + dx] != '#'))
         return false;
   return true;
 }
@@ -65,7 +66,8 @@ test_drawing(const std::vector<std::string> &rows, const unsigned int p)
   print() << "Hosts:" << std::endl;
   print_map(map, cells);
 
-  // Cells inside the body host themselves and all cells around them.
+  // Cells inside the body host themselves, and cells around them have hosts
+  // inside.
   bool is_right = true;
   for (const unsigned int c : filling.filled_cells())
     {

@@ -1,0 +1,90 @@
+// The exact mass matrix at free surfaces: colliding disks keep energy and
+// momentum; fragments fall as they should; factorizations are reused; the cycle
+// with all orders gives what the solver of all components gives.
+
+#include "simulation.h"
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+
+  const auto disks = [](const unsigned int p, const std::string &end) {
+    return Text()
+      .add("Simulation", {"Bodies = lower, upper", "Materials = rubber"})
+      .add("Grid", {"Cells = 20, 20", "Order = " + std::to_string(p)})
+      .add("Time", {"End = " + end, "CFL number = 0.2"})
+      .add("Scheme", {"Mass = consistent", "Stress update = MUSL"})
+      .add("Body lower",
+           {"Material = rubber",
+            "Shape = ball(0.2, 0.2, 0.2)",
+            "Points per direction = 3",
+            "Velocity = 0.1; 0.1"})
+      .add("Body upper",
+           {"Material = rubber",
+            "Shape = ball(0.8, 0.8, 0.2)",
+            "Points per direction = 3",
+            "Velocity = -0.1; -0.1"})
+      .add("Material rubber",
+           {"Model = neo-hookean",
+            "Density = 1000",
+            "Youngs modulus = 1000",
+            "Poissons ratio = 0.3"});
+  };
+
+  for (const unsigned int p : {2, 3})
+    {
+      Simulated<2> run(disks(p, "3.5"));
+      const auto   start = run->statistics();
+      run.run();
+      const auto end = run->statistics();
+      print() << "Disks, p = " << p << std::endl;
+      check("  energy changes by less than 2 %",
+            std::abs((end.kinetic + end.strain) / start.kinetic - 1.),
+            0.02);
+      check("  they have bounced", end.kinetic > 0.8 * start.kinetic);
+      // The momentum of one of them is about 18 kg m / s.
+      for (unsigned int d = 0; d < 2; ++d)
+        check("  momentum", std::abs(end.momentum[d]) / 18., 1e-12);
+      check("  factorizations are reused",
+            run->mass().n_factorizations() < run->n_steps());
+    }
+
+  {
+    Simulated<2> run(
+      disks(2, "0.1").with("Smoother", {"Reuse = 0"}).with("Grid", {}));
+    run.run();
+    check("each step factorizes where it is asked for",
+          run->mass().n_factorizations() >= run->n_steps());
+  }
+
+  // The same by the cycle over all orders, component by component.
+  {
+    const Text   text = disks(2, "1.7").with("Time", {"Step = 0.005"});
+    Simulated<2> all(text.with("Solver", {"Tolerance = 1e-12"}));
+    all.run();
+    Simulated<2> levels(text.with("Solver", {"Tolerance = 1e-12"})
+                          .with("p-multigrid", {"Coarsening = one by one"}));
+    levels.run();
+    check("solver by levels",
+          std::abs(levels->statistics().strain / all->statistics().strain - 1.),
+          1e-6);
+  }
+
+  // A disk and a single point fall; the point is a fragment.
+  {
+    Simulated<2> run(
+      disks(2, "0.2")
+        .with("Body upper",
+              {"Shape = box(0.76, 0.76, 0.79, 0.79)", "Velocity = 0; 0"})
+        .with("Body lower", {"Shape = ball(0.3, 0.6, 0.2)", "Velocity = 0; 0"})
+        .with("Loads", {"Gravity = 0; -1"}));
+    const double start = run->statistics().center[1];
+    run.run();
+    check("there are fragments", run->mass().n_fragments() > 0);
+    check("free fall",
+          std::abs(run->statistics().center[1] - start + 0.5 * 0.2 * 0.2),
+          1e-10);
+    check("no stress", run->statistics().strain, 1e-12);
+  }
+}
