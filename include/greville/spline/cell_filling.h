@@ -14,7 +14,7 @@ namespace greville
    *    well-filled, and none is beyond a wall,
    * 2. where no such host is near, the same without looking at walls,
    * 3. where none of those is near, any well-filled cell.
-   * *Near* a cell is what at most ::reach steps from neighbour to neighbour (by
+   * *Near* a cell is what at most `reach` steps from neighbour to neighbour (by
    * a face, an edge or a vertex), all of them over cells with points, lead to;
    * so a host does not lie across a gap. Of the hosts that its neighbours have,
    * a cell takes the nearest, and the first in lexicographic order among
