@@ -21,8 +21,14 @@ namespace greville
                ExcMessage("Coefficients are held at zero."));
         result.add_line(line.index);
       }
+    // Nobody may ask about lines that are not stored (without an index set, all
+    // are).
+    const IndexSet &stored   = held.get_local_lines();
+    const auto      is_known = [&](const types::global_dof_index line) {
+      return stored.size() == 0 || stored.is_element(line);
+    };
     for (const auto &line : extended.get_lines())
-      if (!held.is_constrained(line.index))
+      if (!(is_known(line.index) && held.is_constrained(line.index)))
         {
           result.add_line(line.index);
           result.add_entries(line.index, line.entries);
