@@ -389,6 +389,7 @@ namespace greville
     points_mass.vmult(place_y.data(), place_x.data(), width);
     collect(y.begin(), width);
     y.compress(VectorOperation::add);
+    zero_held_unknowns(y, width);
     x.zero_out_ghost_values();
   }
 

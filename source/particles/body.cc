@@ -478,9 +478,10 @@ namespace greville
             }
           if (dim == 2)
             values[Layout::F + 4] = state.F[2][2];
-          values[Layout::mass]    = material.density * point.volume;
-          values[Layout::volume0] = point.volume / J_of_shape;
-          values[Layout::J]       = state.J;
+          values[Layout::mass]         = material.density * point.volume;
+          values[Layout::volume0]      = point.volume / J_of_shape;
+          values[Layout::J]            = state.J;
+          values[Layout::wave_modulus] = state.wave_modulus;
           for (unsigned int d = 0; d < 3; ++d)
             values[Layout::stress + d] = state.stress[d][d];
           values[Layout::stress + 3] = state.stress[0][1];

@@ -40,8 +40,7 @@ namespace greville
                     const Simd (&F)[dim][dim],
                     const double            step,
                     const PointLayout<dim> &layout,
-                    const Material         &material,
-                    Simd                   &wave_modulus)
+                    const Material         &material)
     {
       using Layout = PointLayout<dim>;
       MaterialPoint points[simd_width];
@@ -71,8 +70,7 @@ namespace greville
         }
       material.update(ArrayView<MaterialPoint>(points, count));
 
-      bool good    = true;
-      wave_modulus = 0.;
+      bool good = true;
       for (unsigned int lane = 0; lane < count; ++lane)
         {
           const MaterialPoint &point  = points[lane];
@@ -87,8 +85,8 @@ namespace greville
               }
           for (unsigned int k = 0; k < layout.n_state; ++k)
             values[(layout.state + k) * simd_width] = point.state[k];
-          wave_modulus[lane] = point.wave_modulus;
-          good               = good && point.J > 0. && std::isfinite(sum);
+          values[Layout::wave_modulus * simd_width] = point.wave_modulus;
+          good = good && point.J > 0. && std::isfinite(sum);
         }
       return good;
     }
@@ -325,15 +323,13 @@ namespace greville
                   const Simd J = det * load(group + Layout::J * simd_width);
                   store(J, group + Layout::J * simd_width);
 
-                  Simd wave_modulus;
                   if (!update_material<dim>(group,
                                             count,
                                             increment,
                                             new_F,
                                             update.step,
                                             layout,
-                                            *update.material,
-                                            wave_modulus))
+                                            *update.material))
                     report_bad_point<dim>(group, count, report);
 
                   // c^2 = modulus / density
@@ -343,9 +339,9 @@ namespace greville
                     v2 += v[i] * v[i];
                   Simd m            = load(group + Layout::mass * simd_width);
                   where(m <= 0., m) = 1.;
-                  const Simd c2     = wave_modulus * J *
-                                  load(group + Layout::volume0 * simd_width) /
-                                  m;
+                  const Simd c2 =
+                    load(group + Layout::wave_modulus * simd_width) * J *
+                    load(group + Layout::volume0 * simd_width) / m;
                   fastest = max(fastest, sqrt(c2) + sqrt(v2));
                 }
             }
@@ -446,9 +442,10 @@ namespace greville
                        const double                             *source,
                        double                                   *target)
     {
-      using Layout              = PointLayout<dim>;
-      constexpr int n_functions = power(n, dim);
-      constexpr int n_z         = dim == 3 ? n : 1;
+      using Layout               = PointLayout<dim>;
+      constexpr int n_functions  = power(n, dim);
+      constexpr int n_z          = dim == 3 ? n : 1;
+      const double  wave_modulus = lambda + 2. * shear;
       for (const unsigned int cell : points.cells())
         {
           const CellGeometry<dim, n> geometry(space, tables, cell);
@@ -464,8 +461,10 @@ namespace greville
               load_numbers<dim>(group, Layout::position, x);
               Shape<dim, n> shape;
               shape.template evaluate<true>(geometry, x);
-              const Simd volume = load(group + Layout::volume0 * simd_width) *
-                                  load(group + Layout::J * simd_width);
+              const Simd volume =
+                load(group + Layout::volume0 * simd_width) *
+                load(group + Layout::J * simd_width) *
+                load(group + Layout::wave_modulus * simd_width) / wave_modulus;
 
               const auto for_each_function = [&](const auto &action) {
                 int a = 0;

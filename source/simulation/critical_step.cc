@@ -156,17 +156,19 @@ namespace greville
       {
         bool first = true;
         for (const Body<dim> *body : bodies)
-          if (body->imposed_velocity.empty())
-            {
-              const Moduli moduli = body->material->moduli();
-              transfer.add_stiffness(body->points,
-                                     moduli.bulk - 2. / 3. * moduli.shear,
-                                     moduli.shear,
-                                     q,
-                                     K_q,
-                                     first);
-              first = false;
-            }
+          {
+            const Moduli moduli = body->material->moduli();
+            if (!body->imposed_velocity.empty() ||
+                !(moduli.bulk + 4. / 3. * moduli.shear > 0.))
+              continue;
+            transfer.add_stiffness(body->points,
+                                   moduli.bulk - 2. / 3. * moduli.shear,
+                                   moduli.shear,
+                                   q,
+                                   K_q,
+                                   first);
+            first = false;
+          }
         if (first)
           return std::numeric_limits<double>::infinity();
         for (unsigned int d = 0; d < dim; ++d)

@@ -217,7 +217,7 @@ namespace greville
         adopt([&](const unsigned int c) { return positions[c]; });
         return;
       }
-    for (const unsigned int rank : {0, 1, 2})
+    for (const unsigned int rank : {0, 1})
       {
         adopt([&](const unsigned int c) {
           return classes[c] == well_filled &&

@@ -737,11 +737,14 @@ template <int dim>
 void
 test_stiffness(const SplineSpace<dim> &space, const Material &material)
 {
-  using Layout = PointLayout<dim>;
+  using Layout               = PointLayout<dim>;
+  const Moduli        moduli = material.moduli();
+  const double        lambda = moduli.bulk - 2. / 3. * moduli.shear;
   MaterialPoints<dim> start;
   random_points<dim>(
     start, space, Layout(0, false, false), cube<dim>(2), 0.9, 5, 0.2);
   start.for_each([&](const unsigned int, double *p) {
+    at(p, Layout::wave_modulus) = lambda + 2. * moduli.shear;
     for (unsigned int k = 0; k < Layout::n_stress; ++k)
       at(p, Layout::stress + k) = 0.;
     for (unsigned int k = 0; k < Layout::n_F; ++k)
@@ -749,8 +752,6 @@ test_stiffness(const SplineSpace<dim> &space, const Material &material)
         (k < dim * dim ? k % (dim + 1) == 0 : true) ? 1. : 0.;
     at(p, Layout::J) = 1.;
   });
-  const Moduli       moduli = material.moduli();
-  const double       lambda = moduli.bulk - 2. / 3. * moduli.shear;
   PointTransfer<dim> transfer;
   transfer.reinit(space);
   const VectorField<dim> u = random_field(space, 1), w = random_field(space, 2);
@@ -796,6 +797,16 @@ test_stiffness(const SplineSpace<dim> &space, const Material &material)
       twice = std::max(twice, difference(sum[d], Ku[d]));
     }
   check("    added", twice, 1e-14);
+
+  // Points that got stiffer count as much.
+  start.for_each(
+    [&](const unsigned int, double *p) { at(p, Layout::wave_modulus) *= 3.; });
+  transfer.add_stiffness(start, lambda, moduli.shear, u, sum, true);
+  transfer.add_stiffness(start, 3. * lambda, 3. * moduli.shear, u, Ku, true);
+  double scaled = 0.;
+  for (unsigned int d = 0; d < dim; ++d)
+    scaled = std::max(scaled, difference(sum[d], Ku[d]));
+  check("    in proportion to wave moduli", scaled, 1e-14);
 }
 
 

@@ -35,8 +35,10 @@ namespace greville
     static constexpr unsigned int J = volume0 + 1;
     /// Cauchy stress, Pa.
     static constexpr unsigned int stress = J + 1;
+    /// rho c^2 of the fastest wave, Pa (MaterialPoint::wave_modulus).
+    static constexpr unsigned int wave_modulus = stress + n_stress;
     /// Deformation gradient from the stress-free state.
-    static constexpr unsigned int F = stress + n_stress;
+    static constexpr unsigned int F = wave_modulus + 1;
     /// The position in the beginning, m.
     static constexpr unsigned int reference = F + n_F;
     /// A number that no other point of the body has.

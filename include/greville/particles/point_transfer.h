@@ -164,9 +164,11 @@ namespace greville
 
     /**
      * Collective. The action of the stiffness matrix of an isotropic body on
-     * the displacement u, k_i = sum_p V_p (lambda div u 1 + 2 G sym grad u)
+     * the displacement u, k_i = sum_p V_p s_p (lambda div u 1 + 2 G sym grad u)
      * grad N_i at x_p: add it for @p points with lambda (@p lambda) and G
-     * (@p shear) in Pa. @p k is overwritten if @p overwrite.
+     * (@p shear) in Pa of the stress-free state, lambda + 2 G > 0; s_p is the
+     * wave modulus of the point over lambda + 2 G. @p k is overwritten if
+     * @p overwrite.
      */
     void
     add_stiffness(const MaterialPoints<dim> &points,
