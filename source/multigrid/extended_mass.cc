@@ -90,6 +90,7 @@ namespace greville
     // E of the extended functions, with positions for numbers.
     std::vector<std::uint64_t> all_positions, positions;
     std::vector<double>        all_weights, weights;
+    extended_begin.assign(1, 0);
     for (const unsigned int f : extended_functions)
       {
         extended.push_back(points_mass.place(f));
@@ -98,6 +99,7 @@ namespace greville
                              positions.begin(),
                              positions.end());
         all_weights.insert(all_weights.end(), weights.begin(), weights.end());
+        extended_begin.push_back(all_positions.size());
       }
 
     // Unknowns of other processes: functions of own cells, then the others that
@@ -158,28 +160,20 @@ namespace greville
       if (unknowns[u] != numbers::invalid_unsigned_int)
         roles[unknowns[u]] = 1 + int(u);
 
-    extended_begin.assign(1, 0);
-    extended_entries.clear();
-    const std::size_t n_weights =
-      extended.empty() ? 0 : all_weights.size() / extended.size();
     for (unsigned int k = 0; k < extended.size(); ++k)
+      roles[extended[k]] = -1 - int(k);
+    extended_entries.clear();
+    const auto &owned = space.owned_functions();
+    for (std::size_t e = 0; e < all_positions.size(); ++e)
       {
-        roles[extended[k]] = -1 - int(k);
-        for (std::size_t e = k * n_weights; e < (k + 1) * n_weights; ++e)
-          {
-            if (all_weights[e] == 0.)
-              continue;
-            const auto &owned = space.owned_functions();
-            const auto  place =
-              std::lower_bound(owned.begin(), owned.end(), all_positions[e]);
-            const bool is_owned =
-              place != owned.end() && *place == all_positions[e];
-            const unsigned int unknown =
-              is_owned ? roles[points_mass.place(place - owned.begin())] - 1
-                       : ghost_of.at(all_positions[e]);
-            extended_entries.push_back({unknown, all_weights[e]});
-          }
-        extended_begin.push_back(extended_entries.size());
+        const auto place =
+          std::lower_bound(owned.begin(), owned.end(), all_positions[e]);
+        const bool is_owned =
+          place != owned.end() && *place == all_positions[e];
+        const unsigned int unknown =
+          is_owned ? roles[points_mass.place(place - owned.begin())] - 1
+                   : ghost_of.at(all_positions[e]);
+        extended_entries.push_back({unknown, all_weights[e]});
       }
   }
 

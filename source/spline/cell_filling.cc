@@ -131,26 +131,30 @@ namespace greville
     three.fill(3);
     constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
 
-    // Whether the cells that share a face are well-filled, too.
-    const auto is_inside_body = [&](const unsigned int c,
-                                    const bool         walls_are_surface) {
+    // Whether the cell and all its neighbours are well-filled.
+    const auto is_inside_body = [&](const unsigned int c) {
       const auto index = multi_index<dim>(positions[c], extents);
-      for (unsigned int d = 0; d < dim; ++d)
-        for (const int side : {-1, 1})
-          {
-            auto neighbor = index;
-            neighbor[d] += side;
-            if (neighbor[d] >= extents[d])
-              {
-                if (walls_are_surface && extents[d] > 2)
-                  return false;
+      for (unsigned int k = 0; k < n_neighbors; ++k)
+        {
+          const auto      offset = multi_index<dim>(k, three);
+          MultiIndex<dim> neighbor;
+          bool            is_beyond_thin_grid = false;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              neighbor[d] = index[d] + offset[d] - 1;
+              if (neighbor[d] < extents[d])
                 continue;
-              }
-            const unsigned int n = find(lexicographic<dim>(neighbor, extents));
-            if (n == dealii::numbers::invalid_unsigned_int ||
-                classes[n] != well_filled)
-              return false;
-          }
+              if (extents[d] > 2)
+                return false;
+              is_beyond_thin_grid = true;
+            }
+          if (is_beyond_thin_grid)
+            continue;
+          const unsigned int n = find(lexicographic<dim>(neighbor, extents));
+          if (n == dealii::numbers::invalid_unsigned_int ||
+              classes[n] != well_filled)
+            return false;
+        }
       return true;
     };
 
@@ -217,18 +221,11 @@ namespace greville
         adopt([&](const unsigned int c) { return positions[c]; });
         return;
       }
-    for (const unsigned int rank : {0, 1})
-      {
-        adopt([&](const unsigned int c) {
-          return classes[c] == well_filled &&
-                     (rank == 2 || (rank == 1 && is_inside_body(c, false)) ||
-                      (rank == 0 && is_inside_body(c, true)))
-                   ? positions[c]
-                   : none;
-        });
-        for (unsigned int sweep = 0; sweep < reach; ++sweep)
-          adopt(host_of_neighbors);
-      }
+    adopt([&](const unsigned int c) {
+      return is_inside_body(c) ? positions[c] : none;
+    });
+    for (unsigned int sweep = 0; sweep < reach; ++sweep)
+      adopt(host_of_neighbors);
   }
 
 

@@ -1,11 +1,20 @@
 #include <greville/spline/extension.h>
 
 #include <algorithm>
-#include <limits>
+#include <map>
 
 namespace greville
 {
   using namespace dealii;
+
+  namespace
+  {
+    // Numbers of the cells that functions see: hosts count as with_host, others
+    // that hold points as 1.
+    constexpr double with_host = 1024.;
+  } // namespace
+
+
 
   template <int dim>
   void
@@ -13,105 +22,120 @@ namespace greville
                          const CellFilling<dim> &filling)
   {
     if (spline_space != &space)
-      for (VectorType *vector : {&seen, &distances, &best_hosts})
-        space.initialize_vector(*vector);
-    spline_space               = &space;
-    cell_filling               = &filling;
-    const unsigned int p       = space.degree();
-    const auto        &lattice = space.lattice();
-    const auto        &extents = space.n_functions();
+      space.initialize_vector(seen);
+    spline_space = &space;
+    cell_filling = &filling;
     const unsigned int n_local =
       space.owned_functions().size() + space.ghost_functions().size();
-    const bool is_parallel =
-      Utilities::MPI::n_mpi_processes(space.communicator()) > 1;
 
-    // Numbers of cells: well-filled ones count as well_filled, others that hold
-    // points as 1.
-    constexpr double well_filled = 1024.;
     seen.zero_out_ghost_values();
     seen = 0.;
     for (const unsigned int cell : filling.filled_cells())
       {
-        const double add = filling.is_host(cell) ? well_filled : 1.;
+        const double add = filling.is_host(cell) ? with_host : 1.;
         for (const unsigned int f : space.cell_functions(cell))
           seen.local_element(f) += add;
       }
-    if (is_parallel)
+    if (Utilities::MPI::n_mpi_processes(space.communicator()) > 1)
       {
         seen.compress(VectorOperation::add);
         seen.update_ghost_values();
       }
 
-    // The nearest host: squared distances of centres in halves of a cell.
-    constexpr double far           = std::numeric_limits<float>::max();
-    const auto       for_each_host = [&](const auto &visit) {
-      for (const unsigned int cell : filling.filled_cells())
-        {
-          if (filling.is_host(cell) ||
-              filling.host(cell) == CellFilling<dim>::none)
-            continue;
-          const std::uint64_t host = filling.host(cell);
-          const auto          index = multi_index<dim>(host, lattice.n_cells());
-          for (const unsigned int f : space.cell_functions(cell))
-            if (seen.local_element(f) < well_filled)
-              {
-                const auto i =
-                  multi_index<dim>(space.function_position(f), extents);
-                std::int64_t distance = 0;
-                for (unsigned int d = 0; d < dim; ++d)
-                  {
-                    const std::int64_t difference =
-                      2 * std::int64_t(i[d]) - p - 2 * std::int64_t(index[d]);
-                    distance += difference * difference;
-                  }
-                visit(f, double(distance), double(host));
-              }
-        }
-    };
-    for (VectorType *vector : {&distances, &best_hosts})
-      for (unsigned int f = 0; f < n_local; ++f)
-        vector->local_element(f) = far;
-    for_each_host(
-      [&](const unsigned int f, const double distance, const double) {
-        distances.local_element(f) =
-          std::min(distances.local_element(f), distance);
-      });
-    if (is_parallel)
-      {
-        distances.compress(VectorOperation::min);
-        distances.update_ghost_values();
-      }
-    for_each_host(
-      [&](const unsigned int f, const double distance, const double host) {
-        if (distance == distances.local_element(f))
-          best_hosts.local_element(f) =
-            std::min(best_hosts.local_element(f), host);
-      });
-    if (is_parallel)
-      {
-        best_hosts.compress(VectorOperation::min);
-        best_hosts.update_ghost_values();
-      }
-
+    find_hosts();
     classes.resize(n_local);
-    extended_numbers.clear();
-    hosts.clear();
     for (unsigned int f = 0; f < n_local; ++f)
       {
         const double n = seen.local_element(f);
-        classes[f]     = n == 0.                            ? inactive
-                         : n >= well_filled                 ? stable
-                         : distances.local_element(f) < far ? extended
-                                                            : lumped;
-        if (classes[f] == extended)
-          {
-            extended_numbers.push_back(f);
-            hosts.push_back(best_hosts.local_element(f));
-          }
+        classes[f]     = n == 0. ? inactive : n >= with_host ? stable : lumped;
       }
-    if (is_parallel)
-      for (VectorType *vector : {&distances, &best_hosts})
-        vector->zero_out_ghost_values();
+    for (const unsigned int f : extended_numbers)
+      classes[f] = extended;
+  }
+
+
+
+  template <int dim>
+  void
+  Extension<dim>::find_hosts()
+  {
+    const SplineSpace<dim> &space = *spline_space;
+
+    // Of functions without a host among their cells, those that their owned
+    // cells have.
+    using HostOfFunction = std::pair<unsigned int, std::uint64_t>;
+    std::vector<HostOfFunction> found;
+    for (const unsigned int cell : cell_filling->filled_cells())
+      if (!cell_filling->is_host(cell) &&
+          cell_filling->host(cell) != CellFilling<dim>::none)
+        for (const unsigned int f : space.cell_functions(cell))
+          if (seen.local_element(f) < with_host)
+            found.emplace_back(f, cell_filling->host(cell));
+    const auto sort = [&]() {
+      std::sort(found.begin(), found.end());
+      found.erase(std::unique(found.begin(), found.end()), found.end());
+    };
+    sort();
+
+    if (Utilities::MPI::n_mpi_processes(space.communicator()) > 1)
+      {
+        // The owners of functions collect their hosts, and tell them to all
+        // that see the function.
+        using Message = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
+        const auto &partitioner = *space.partitioner();
+        const auto  n_owned     = space.owned_functions().size();
+        const auto  add = [&](const std::map<unsigned int, Message> &in) {
+          for (const auto &message : in)
+            for (const auto &entry : message.second)
+              found.emplace_back(partitioner.global_to_local(entry.first),
+                                 entry.second);
+          sort();
+        };
+        const auto for_each_host = [&](const unsigned int f,
+                                       const auto        &action) {
+          for (auto entry = std::lower_bound(found.begin(),
+                                             found.end(),
+                                             HostOfFunction(f, 0));
+               entry != found.end() && entry->first == f;
+               ++entry)
+            action(*entry);
+        };
+
+        std::map<unsigned int, Message> to_owners;
+        unsigned int                    f = n_owned;
+        for (const auto &target : partitioner.ghost_targets())
+          for (unsigned int k = 0; k < target.second; ++k, ++f)
+            for_each_host(f, [&](const HostOfFunction &entry) {
+              to_owners[target.first].emplace_back(
+                partitioner.local_to_global(f), entry.second);
+            });
+        add(Utilities::MPI::some_to_some(space.communicator(), to_owners));
+
+        std::map<unsigned int, Message> to_others;
+        auto range = partitioner.import_indices().begin();
+        for (const auto &target : partitioner.import_targets())
+          for (unsigned int n = 0; n < target.second; ++range)
+            for (f = range->first; f < range->second; ++f, ++n)
+              for_each_host(f, [&](const HostOfFunction &entry) {
+                to_others[target.first].emplace_back(
+                  partitioner.local_to_global(f), entry.second);
+              });
+        add(Utilities::MPI::some_to_some(space.communicator(), to_others));
+      }
+
+    extended_numbers.clear();
+    hosts.clear();
+    hosts_begin.clear();
+    for (const HostOfFunction &entry : found)
+      {
+        if (extended_numbers.empty() || extended_numbers.back() != entry.first)
+          {
+            extended_numbers.push_back(entry.first);
+            hosts_begin.push_back(hosts.size());
+          }
+        hosts.push_back(entry.second);
+      }
+    hosts_begin.push_back(hosts.size());
   }
 
 
@@ -130,33 +154,47 @@ namespace greville
                                         function);
     Assert(place != extended_numbers.end() && *place == function,
            ExcMessage("The function is not extended."));
-    const auto host = multi_index<dim>(hosts[place - extended_numbers.begin()],
-                                       space.lattice().n_cells());
     const auto i = multi_index<dim>(space.function_position(function), extents);
-
-    double factors[dim][SplineSpace<dim>::max_degree + 1];
-    for (unsigned int d = 0; d < dim; ++d)
-      space.knots(d).blossom(
-        host[d],
-        ArrayView<const double>(space.knots(d).knots().data() + i[d] + 1, p),
-        ArrayView<double>(factors[d], p + 1));
-
     MultiIndex<dim> local_extents;
     local_extents.fill(p + 1);
     const unsigned int n = space.n_dofs_per_cell() / space.n_components();
-    positions.resize(n);
-    weights.resize(n);
-    for (unsigned int k = 0; k < n; ++k)
+
+    const std::size_t begin = hosts_begin[place - extended_numbers.begin()],
+                      end   = hosts_begin[place - extended_numbers.begin() + 1];
+    std::vector<std::pair<std::uint64_t, double>> entries;
+    for (std::size_t h = begin; h < end; ++h)
       {
-        auto a     = multi_index<dim>(k, local_extents);
-        weights[k] = 1.;
+        const auto host = multi_index<dim>(hosts[h], space.lattice().n_cells());
+        double     factors[dim][SplineSpace<dim>::max_degree + 1];
         for (unsigned int d = 0; d < dim; ++d)
+          space.knots(d).blossom(host[d],
+                                 ArrayView<const double>(
+                                   space.knots(d).knots().data() + i[d] + 1, p),
+                                 ArrayView<double>(factors[d], p + 1));
+        for (unsigned int k = 0; k < n; ++k)
           {
-            weights[k] *= factors[d][a[d]];
-            a[d] += host[d];
+            auto   a      = multi_index<dim>(k, local_extents);
+            double weight = 1. / (end - begin);
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                weight *= factors[d][a[d]];
+                a[d] += host[d];
+              }
+            if (weight != 0.)
+              entries.emplace_back(lexicographic<dim>(a, extents), weight);
           }
-        positions[k] = lexicographic<dim>(a, extents);
       }
+    std::sort(entries.begin(), entries.end());
+    positions.clear();
+    weights.clear();
+    for (const auto &entry : entries)
+      if (!positions.empty() && positions.back() == entry.first)
+        weights.back() += entry.second;
+      else
+        {
+          positions.push_back(entry.first);
+          weights.push_back(entry.second);
+        }
   }
 
 
@@ -169,6 +207,7 @@ namespace greville
     Assert(space.n_components() == 1, ExcNotImplemented());
     std::vector<std::uint64_t> all_positions, positions;
     std::vector<double>        all_weights, weights;
+    std::vector<std::size_t>   begin(1, 0);
     for (const unsigned int f : extended_numbers)
       {
         row(f, positions, weights);
@@ -176,6 +215,7 @@ namespace greville
                              positions.begin(),
                              positions.end());
         all_weights.insert(all_weights.end(), weights.begin(), weights.end());
+        begin.push_back(all_positions.size());
       }
     const auto numbers = space.global_numbers(all_positions);
 
@@ -188,17 +228,13 @@ namespace greville
       lines.compress();
     }
     AffineConstraints<double> result(lines);
-    const std::size_t         n = extended_numbers.empty()
-                                    ? 0
-                                    : all_positions.size() / extended_numbers.size();
     for (unsigned int k = 0; k < extended_numbers.size(); ++k)
       {
         const auto line =
           space.partitioner()->local_to_global(extended_numbers[k]);
         result.add_line(line);
-        for (std::size_t e = k * n; e < (k + 1) * n; ++e)
-          if (all_weights[e] != 0.)
-            result.add_entry(line, numbers[e], all_weights[e]);
+        for (std::size_t e = begin[k]; e < begin[k + 1]; ++e)
+          result.add_entry(line, numbers[e], all_weights[e]);
       }
     result.close();
     return result;

@@ -181,7 +181,7 @@ test(const MultiIndex<dim> &cells,
   for (unsigned int i = 0; i < sums.locally_owned_size(); ++i)
     mass += sums.local_element(i);
   mass = Utilities::MPI::sum(mass, MPI_COMM_WORLD);
-  print() << "  mass " << std::setprecision(8) << mass << std::endl;
+  print() << "  mass " << std::setprecision(4) << mass << std::endl;
   if (!is_held)
     {
       free.mass().vmult(y, one);
@@ -349,12 +349,12 @@ main(int argc, char **argv)
   test<2>(
     {{12, 7}}, 2, [](const MultiIndex<2> &) { return 1.; }, true, "full");
   for (unsigned int p = 1; p <= 3; ++p)
-    test<3>(cube<3>(4), p, ball<3>(4, 1., 1.3), p == 2, "ball");
+    test<3>(cube<3>(6), p, ball<3>(6, 2.5, 1.8), p == 2, "ball");
 
   test_transfer<2>({{12, 7}}, 2, 1, drawn);
   test_transfer<2>({{12, 7}}, 3, 2, drawn);
   test_transfer<2>({{12, 7}}, 5, 1, drawn);
-  test_transfer<3>(cube<3>(4), 2, 1, ball<3>(4, 1., 1.3));
+  test_transfer<3>(cube<3>(6), 2, 1, ball<3>(6, 2.5, 1.8));
 
   test_solvers<2>({{12, 7}}, 2, drawn);
   test_solvers<2>(cube<2>(12), 2, ball<2>(12, 6., 4.6));

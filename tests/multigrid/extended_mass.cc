@@ -355,7 +355,7 @@ test_solver(const MultiIndex<dim> &cells,
   check("  two fields", first.converged ? residual(2).first : 1., 1e-9);
   check_range("  iterations", *first.iterations, 1, 60);
   const double size = norm<dim>(x[0]);
-  print() << "  |x| = " << std::setprecision(8) << size << std::endl;
+  print() << "  |x| = " << std::setprecision(4) << size << std::endl;
 
   // The same one by one.
   const auto both = x;
@@ -416,7 +416,7 @@ test_solver(const MultiIndex<dim> &cells,
   clear();
   const auto third = solver.solve({&x[0], &x[1]}, {&b[0], &b[1]});
   check("  other unknowns", third.converged ? residual(2).first : 1., 1e-9);
-  print() << "  |x| = " << std::setprecision(8) << norm<dim>(x[0]) << std::endl;
+  print() << "  |x| = " << std::setprecision(4) << norm<dim>(x[0]) << std::endl;
 }
 
 
@@ -443,7 +443,7 @@ main(int argc, char **argv)
   for (unsigned int p = 1; p <= 5; ++p)
     test_products<2>({{12, 7}}, p, drawn, "drawing");
   for (unsigned int p = 1; p <= 2; ++p)
-    test_products<3>(cube<3>(5), p, ball<3>(5, 1., 2.3), "ball");
+    test_products<3>(cube<3>(6), p, ball<3>(6, 2.5, 1.8), "ball");
   for (unsigned int p = 1; p <= 3; ++p)
     for (const bool is_held : {false, true})
       if (p < 3 || !is_held)

@@ -9,16 +9,14 @@ namespace greville
    * Which cells of a mesh a body fills: a cell is *empty*, *cut* (it holds
    * points, but too few for splines to be determined by them) or *well-filled*.
    * The polynomials of a spline on certain well-filled cells, the *hosts*, are
-   * extended to the other cells of the body. Hosts are
-   * 1. cells inside the body: the 2 dim cells that share a face with it are
-   *    well-filled, and none is beyond a wall,
-   * 2. where no such host is near, the same without looking at walls,
-   * 3. where none of those is near, any well-filled cell.
-   * *Near* a cell is what at most `reach` steps from neighbour to neighbour (by
-   * a face, an edge or a vertex), all of them over cells with points, lead to;
-   * so a host does not lie across a gap. Of the hosts that its neighbours have,
-   * a cell takes the nearest, and the first in lexicographic order among
-   * equally near ones. Cells without a host are *fragments*.
+   * extended to the other cells of the body. Hosts are the cells inside the
+   * body: all 3^dim - 1 neighbours are well-filled, too, and none is beyond a
+   * wall. A cell takes a host that at most `reach` steps from neighbour to
+   * neighbour (by a face, an edge or a vertex), all of them over cells with
+   * points, lead to; so a host does not lie across a gap. Of the hosts that its
+   * neighbours have, a cell takes the nearest, and the first in lexicographic
+   * order among equally near ones. Cells without a host are *fragments*: spray,
+   * and what is less than three cells thick.
    *
    * That surface cells do not host keeps the functions that see a body by a
    * corner out of its space, and joins the polynomials of the two outermost
@@ -36,7 +34,7 @@ namespace greville
     static constexpr std::uint64_t none = -1;
 
     /// Steps from a cell to its host.
-    static constexpr unsigned int reach = 3;
+    static constexpr unsigned int reach = 2;
 
     CellFilling() = default;
 

@@ -19,8 +19,8 @@ namespace greville
    *     c_i = b_host(t_(i+1), ..., t_(i+p)) = sum_j E_ij c_j,
    *   direction by direction, with the (p + 1)^dim functions j of the host,
    *   which are all stable. So polynomials of order p are extended exactly,
-   *   at the walls of the grid, too. Of several hosts the one nearest to the
-   *   centre of the function is taken, of equally near ones the first,
+   *   at the walls of the grid, too. Of several hosts of its cells the mean is
+   *   taken: a function over a hole in the body belongs to all of its sides,
    * - *lumped*: it sees fragments only. Such functions stay, but not their
    *   products with others: see MassMatrix.
    *
@@ -90,7 +90,8 @@ namespace greville
 
     /**
      * E_ij of an extended function i: lexicographic positions of the functions
-     * j, and the weights, (p + 1)^dim each.
+     * j, ascending, and the weights; (p + 1)^dim each at most where the
+     * function has one host.
      */
     void
     row(const unsigned int          function,
@@ -112,12 +113,16 @@ namespace greville
     counts() const;
 
   private:
+    void
+    find_hosts();
+
     const SplineSpace<dim>    *spline_space = nullptr;
     const CellFilling<dim>    *cell_filling = nullptr;
     std::vector<unsigned char> classes;
     std::vector<unsigned int>  extended_numbers;
-    std::vector<std::uint64_t> hosts; // of extended_numbers
-    VectorType                 seen, distances, best_hosts;
+    std::vector<std::uint64_t> hosts;       // of the extended numbers,
+    std::vector<std::size_t>   hosts_begin; // by number, with the end
+    VectorType                 seen;
   };
 } // namespace greville
 
