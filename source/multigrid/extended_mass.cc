@@ -183,8 +183,17 @@ namespace greville
   void
   ExtendedMass<dim>::finish()
   {
+    // A function that a point meets with its outermost edge only has the mass
+    // of round-off.
+    double largest = 0.;
+    for (const unsigned int place : unknowns)
+      if (place != numbers::invalid_unsigned_int)
+        largest = std::max(largest, points_mass.diagonal(place));
     for (const unsigned int place : lumped)
-      points_mass.decouple(place);
+      {
+        points_mass.decouple(place);
+        points_mass.raise_diagonal(place, 1e-15 * largest);
+      }
   }
 
 

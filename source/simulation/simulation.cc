@@ -377,7 +377,15 @@ namespace greville
                          const std::vector<const VectorField<dim> *> &sums)
   {
     const PartTimer timer(*this, "solve");
-    grid_mass->solve(fields, sums);
+    try
+      {
+        grid_mass->solve(fields, sums);
+      }
+    catch (const std::exception &exception)
+      {
+        // All processes know it.
+        check(message_of(exception));
+      }
     iterations = std::max(iterations, grid_mass->n_iterations());
     all_iterations += grid_mass->n_iterations();
   }

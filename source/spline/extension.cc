@@ -204,7 +204,9 @@ namespace greville
   Extension<dim>::constraints() const
   {
     const SplineSpace<dim> &space = *spline_space;
-    Assert(space.n_components() == 1, ExcNotImplemented());
+    Assert(space.n_components() == 1,
+           ExcMessage("Constraints of extended functions are those of a space "
+                      "of one component."));
     std::vector<std::uint64_t> all_positions, positions;
     std::vector<double>        all_weights, weights;
     std::vector<std::size_t>   begin(1, 0);

@@ -95,6 +95,16 @@ namespace greville
     void
     decouple(const unsigned int place);
 
+    /**
+     * Make the diagonal entry at @p place @p smallest at least.
+     */
+    void
+    raise_diagonal(const unsigned int place, const double smallest)
+    {
+      double &entry = values[std::size_t(place) * half];
+      entry         = std::max(entry, smallest);
+    }
+
     double
     diagonal(const unsigned int place) const
     {
