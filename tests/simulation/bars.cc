@@ -16,12 +16,14 @@ double
 error_of(const Text        &text,
          const unsigned int p,
          const std::string &mass,
-         const unsigned int n)
+         const unsigned int n,
+         const bool         is_square = false)
 {
   Simulated<2> run(text
                      .with("Grid",
                            {"Order = " + std::to_string(p),
-                            "Cells = " + std::to_string(n) + ", 1"})
+                            "Cells = " + std::to_string(n) + ", " +
+                              std::to_string(is_square ? n : 1)})
                      .with("Scheme", {"Mass = " + mass}));
   return run.run().displacement_error().l2;
 }
@@ -32,10 +34,11 @@ check_order(const std::string &name,
             const unsigned int p,
             const std::string &mass,
             const unsigned int n,
-            const double       wanted)
+            const double       wanted,
+            const bool         is_square = false)
 {
-  const double coarse = error_of(text, p, mass, n);
-  const double fine   = error_of(text, p, mass, 2 * n);
+  const double coarse = error_of(text, p, mass, n, is_square);
+  const double fine   = error_of(text, p, mass, 2 * n, is_square);
   const double order  = std::log2(coarse / fine);
   check(name + ", " + mass + ", p = " + std::to_string(p) +
           ": order at least " + std::to_string(wanted).substr(0, 3),
@@ -72,6 +75,13 @@ main(int argc, char **argv)
       check_order("both ends fixed", fixed, p, "consistent", 6, p + 1.);
       check_order("one end fixed", open, p, "consistent", 6, p + 1.);
     }
+  // In a larger grid, whose cells the free lateral surfaces cut.
+  const Text free =
+    fixed.with("Grid", {"Lower corner = 0, -12.5", "Upper corner = 25, 12.5"})
+      .with("Body body", {"Shape = box(0, -6, 25, 6.6)"})
+      .with("Walls", {"Bottom = free", "Top = free"});
+  for (const unsigned int p : {1, 2, 3})
+    check_order("free surfaces", free, p, "consistent", 8, p + 1., true);
   check_order("both ends fixed", fixed, 2, "lumped", 12, 2.);
   check_order("both ends fixed", fixed, 2, "fmpm-3", 6, 2.);
   check("consistent mass is worth a factor of 100",

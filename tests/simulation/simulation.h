@@ -132,6 +132,7 @@ block_2d(const std::string &shape, const unsigned int n = 8)
 {
   return Text()
     .add("Simulation", {"Bodies = body", "Materials = solid"})
+    .add("Scheme", {"Mass = lumped"})
     .add("Grid", {"Cells = " + std::to_string(n) + ", " + std::to_string(n)})
     .add("Body body", {"Material = solid", "Shape = " + shape})
     .add("Material solid",

@@ -75,7 +75,7 @@ namespace greville
   public:
     SchemeParameters();
 
-    std::string mass          = "lumped";
+    std::string mass          = "consistent";
     double      filling       = 0.45;
     std::string stress_update = "USL";
     std::string transfer      = "FLIP";

@@ -1,0 +1,47 @@
+// The exact mass matrix where a body is too small for it: a disk and a single
+// point fall, and the point is a fragment. Velocities of both are the same, so
+// no point feels a stress. Factorizations serve several steps.
+#include "simulation.h"
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const Text                       text =
+    Text()
+      .add("Simulation", {"Bodies = disk, point", "Materials = rubber"})
+      .add("Grid", {"Cells = 10, 10"})
+      .add("Time", {"End = 0.2", "CFL number = 0.2"})
+      .add("Body disk",
+           {"Material = rubber",
+            "Shape = ball(0.37, 0.6, 0.26)",
+            "Points per direction = 2"})
+      .add("Body point",
+           {"Material = rubber",
+            "Shape = box(0.82, 0.82, 0.88, 0.88)",
+            "Points per direction = 2"})
+      .add("Material rubber",
+           {"Model = neo-hookean",
+            "Density = 1000",
+            "Youngs modulus = 1000",
+            "Poissons ratio = 0.3"})
+      .add("Loads", {"Gravity = 0; -1"});
+  for (const unsigned int p : {1, 2, 3})
+    {
+      Simulated<2> run(text.with("Grid", {"Order = " + std::to_string(p)}));
+      const double start = run->statistics().center[1];
+      run.run();
+      print() << "p = " << p << std::endl;
+      check("  there are fragments", run->mass().n_fragments() > 0);
+      check("  free fall",
+            std::abs(run->statistics().center[1] - start + 0.5 * 0.2 * 0.2),
+            1e-10);
+      check("  no stress", run->statistics().strain, 1e-12);
+      check("  factorizations are reused",
+            run->mass().n_factorizations() < run->n_steps());
+    }
+  Simulated<2> each(text.with("Smoother", {"Reuse = 0"}));
+  each.run();
+  check("each step factorizes where it is asked for",
+        each->mass().n_factorizations() >= each->n_steps());
+}
