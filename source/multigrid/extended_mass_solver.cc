@@ -269,8 +269,9 @@ namespace greville
     const unsigned int columns = x.size() * dim;
     const unsigned int width   = columns <= 2 ? 2 : columns <= 4 ? 4 : 8;
     AssertThrow(columns <= 8,
-                ExcMessage("At most 8 components are solved for together, not " +
-                           std::to_string(columns) + "."));
+                ExcMessage(
+                  "At most 8 components are solved for together, not " +
+                  std::to_string(columns) + "."));
     VectorType unknowns, rows;
     mass.initialize_vector(unknowns, width);
     mass.initialize_vector(rows, width);

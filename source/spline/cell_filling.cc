@@ -131,7 +131,7 @@ namespace greville
     three.fill(3);
     constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
 
-    // Whether the cell and all its neighbours are well-filled.
+    // Whether the cell and its neighbours are well-filled, in 3D those by faces.
     const auto is_inside_body = [&](const unsigned int c) {
       const auto index = multi_index<dim>(positions[c], extents);
       for (unsigned int k = 0; k < n_neighbors; ++k)
@@ -139,6 +139,11 @@ namespace greville
           const auto      offset = multi_index<dim>(k, three);
           MultiIndex<dim> neighbor;
           bool            is_beyond_thin_grid = false;
+          unsigned int    n_sides             = 0;
+          for (unsigned int d = 0; d < dim; ++d)
+            n_sides += offset[d] != 1;
+          if (dim == 3 && n_sides > 1)
+            continue;
           for (unsigned int d = 0; d < dim; ++d)
             {
               neighbor[d] = index[d] + offset[d] - 1;

@@ -10,13 +10,13 @@ namespace greville
    * points, but too few for splines to be determined by them) or *well-filled*.
    * The polynomials of a spline on certain well-filled cells, the *hosts*, are
    * extended to the other cells of the body. Hosts are the cells inside the
-   * body: all 3^dim - 1 neighbours are well-filled, too, and none is beyond a
-   * wall. A cell takes a host that at most `reach` steps from neighbour to
-   * neighbour (by a face, an edge or a vertex), all of them over cells with
-   * points, lead to; so a host does not lie across a gap. Of the hosts that its
-   * neighbours have, a cell takes the nearest, and the first in lexicographic
-   * order among equally near ones. Cells without a host are *fragments*: spray,
-   * and what is less than three cells thick.
+   * body: all neighbours (in 3D those by a face) are well-filled, too, and none
+   * is beyond a wall. A cell takes a host that at most `reach` steps from
+   * neighbour to neighbour (by a face, an edge or a vertex), all of them over
+   * cells with points, lead to; so a host does not lie across a gap. Of hosts
+   * that its neighbours have, a cell takes the nearest, and the first in
+   * lexicographic order among equally near ones. Cells without a host are
+   * *fragments*: spray, and what is less than three cells thick.
    *
    * That surface cells do not host keeps the functions that see a body by a
    * corner out of its space, and joins the polynomials of the two outermost
