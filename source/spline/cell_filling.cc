@@ -131,7 +131,8 @@ namespace greville
     three.fill(3);
     constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
 
-    // Whether the cell and its neighbours are well-filled, in 3D those by faces.
+    // Whether the cell and its neighbours are well-filled, in 3D those by
+    // faces.
     const auto is_inside_body = [&](const unsigned int c) {
       const auto index = multi_index<dim>(positions[c], extents);
       for (unsigned int k = 0; k < n_neighbors; ++k)

@@ -422,7 +422,7 @@ test_pass(const MaterialPoints<dim> &start,
             expected[Layout::stress + 5] = state.stress[1][2];
           }
         expected[Layout::wave_modulus] = state.wave_modulus;
-        signal = std::max(signal,
+        signal                         = std::max(signal,
                           std::sqrt(state.wave_modulus * state.J *
                                     expected[Layout::volume0] /
                                     expected[Layout::mass]) +
@@ -430,9 +430,9 @@ test_pass(const MaterialPoints<dim> &start,
       }
     for (unsigned int k = 0; k < layout.size; ++k)
       {
-        const bool is_stress = (k >= Layout::stress &&
-                                k < Layout::stress + Layout::n_stress) ||
-                               k == Layout::wave_modulus;
+        const bool is_stress =
+          (k >= Layout::stress && k < Layout::stress + Layout::n_stress) ||
+          k == Layout::wave_modulus;
         const bool is_affine = k >= layout.affine && k < layout.load;
         // Stress relative to Young's modulus; D, and so C, has the accuracy
         // that the distances to Greville points allow.
