@@ -34,8 +34,8 @@ namespace greville
     if (is_due || smoother_parameters.reuse == 0 ||
         (unknowns_changed && is_parallel))
       factorize();
-    else if (unknowns_changed)
-      match_unknowns();
+    else if (unknowns_changed && match_unknowns() > smoother_parameters.reuse)
+      factorize();
   }
 
 
@@ -156,22 +156,26 @@ namespace greville
 
 
   template <int dim>
-  void
+  unsigned int
   ExtendedMassSolver<dim>::match_unknowns()
   {
     const auto &now = mass.unknown_places();
     factor_rows.assign(now.size(), -1);
     inverse_diagonal.assign(now.size(), 0.);
-    unsigned int k = 0;
+    unsigned int k = 0, n_matches = 0;
     for (unsigned int u = 0; u < now.size(); ++u)
       {
         while (k < factor_places.size() && factor_places[k] < now[u])
           ++k;
         if (k < factor_places.size() && factor_places[k] == now[u])
-          factor_rows[u] = k;
+          {
+            factor_rows[u] = k;
+            ++n_matches;
+          }
         else
           inverse_diagonal[u] = 1. / mass.matrix().diagonal(now[u]);
       }
+    return now.size() + factor_places.size() - 2 * n_matches;
   }
 
 

@@ -38,7 +38,8 @@ namespace greville
                   reuse,
                   "In simulations with the coarsening auto: a factorization "
                   "serves following steps, too, until the iterations that "
-                  "they need more than the first solve add up to this number. "
+                  "they need more than the first solve add up to this number, "
+                  "or more unknowns than that have come and gone. "
                   "0: each step factorizes. Unit: iterations.",
                   prm,
                   Patterns::Integer(0));

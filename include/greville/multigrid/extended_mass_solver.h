@@ -17,8 +17,8 @@ namespace greville
    * A factorization serves the matrices of following steps, too, until the
    * iterations that their solves need more than the first one add up to
    * SmootherParameters::reuse: until it has cost what a new one costs. On one
-   * process it outlives changes of the unknowns; new ones are divided by their
-   * diagonal entry.
+   * process it outlives changes of as many unknowns; new ones are divided by
+   * their diagonal entry.
    *
    * The residual of the solution is orthogonal to constants in columns without
    * held functions, so that momentum does not depend on the tolerance.
@@ -67,7 +67,10 @@ namespace greville
     void
     factorize();
 
-    void
+    /**
+     * Number of unknowns that have come and gone since the factorization.
+     */
+    unsigned int
     match_unknowns();
 
     void
