@@ -207,6 +207,23 @@ namespace greville
     for (unsigned int f = 0; f < held.size(); ++f)
       if (held[f] != 0 && (*extension)[f] != Extension<dim>::inactive)
         held_places.emplace_back(points_mass.place(f), held[f]);
+
+    // Pairs of components that differ.
+    unsigned int differ[dim * dim] = {};
+    for (const auto &entry : held_places)
+      for (unsigned int c = 0; c < dim; ++c)
+        for (unsigned int d = 0; d < c; ++d)
+          differ[c * dim + d] |=
+            ((entry.second >> c) ^ (entry.second >> d)) & 1;
+    Utilities::MPI::max(ArrayView<const unsigned int>(differ, dim * dim),
+                        communicator(),
+                        ArrayView<unsigned int>(differ, dim * dim));
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        first_alike[c] = 0;
+        while (first_alike[c] < c && differ[c * dim + first_alike[c]] != 0)
+          ++first_alike[c];
+      }
   }
 
 
@@ -553,16 +570,31 @@ namespace greville
 
   template <int dim>
   LowerTriangle
-  ExtendedMass<dim>::local_entries() const
+  ExtendedMass<dim>::local_entries(const unsigned int component)
   {
     const unsigned int n = unknowns.size();
     LowerTriangle      result;
+
+    // What is held has no role here.
+    std::vector<bool>                         is_held(n, false);
+    std::vector<std::pair<unsigned int, int>> held_roles;
+    for (const auto &entry : held_places)
+      if ((entry.second >> component) & 1)
+        {
+          int &role = roles[entry.first];
+          held_roles.emplace_back(entry.first, role);
+          if (role > 0)
+            is_held[role - 1] = true;
+          role = 0;
+        }
 
     // A row that is summed up.
     std::vector<double>       sums(n, 0.);
     std::vector<bool>         is_touched(n, false);
     std::vector<unsigned int> touched;
     const auto add_entry = [&](const unsigned int unknown, const double value) {
+      if (is_held[unknown])
+        return;
       if (!is_touched[unknown])
         {
           is_touched[unknown] = true;
@@ -590,7 +622,8 @@ namespace greville
     std::vector<Entry>       B;
     for (const unsigned int place : extended)
       {
-        add_row_times_E(place);
+        if (roles[place] != 0)
+          add_row_times_E(place);
         for (const unsigned int j : touched)
           {
             B.push_back({j, sums[j]});
@@ -633,10 +666,19 @@ namespace greville
     result.row_begin.reserve(n + 1);
     for (unsigned int i = 0; i < n; ++i)
       {
+        if (is_held[i])
+          {
+            result.columns.push_back(i);
+            result.values.push_back(1.);
+            result.row_begin.push_back(result.columns.size());
+            continue;
+          }
         if (is_plain[i] && is_ascending)
           {
             points_mass.for_each_lower_entry(
               unknowns[i], [&](const unsigned int j, const double value) {
+                if (roles[j] <= 0)
+                  return;
                 result.columns.push_back(roles[j] - 1);
                 result.values.push_back(value);
               });
@@ -668,6 +710,8 @@ namespace greville
         touched.clear();
         result.row_begin.push_back(result.columns.size());
       }
+    for (const auto &entry : held_roles)
+      roles[entry.first] = entry.second;
     return result;
   }
 

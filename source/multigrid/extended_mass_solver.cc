@@ -11,9 +11,23 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    /**
+     * Columns are stored in blocks of 1, 2, 4 or 8.
+     */
+    unsigned int
+    width_for(const unsigned int n_columns)
+    {
+      return n_columns <= 1 ? 1 : n_columns <= 2 ? 2 : n_columns <= 4 ? 4 : 8;
+    }
+  } // namespace
+
+
+
   template <int dim>
   ExtendedMassSolver<dim>::ExtendedMassSolver(
-    const ExtendedMass<dim>    &mass,
+    ExtendedMass<dim>          &mass,
     const MassSolverParameters &parameters,
     const SmootherParameters   &smoother_parameters)
     : mass(mass)
@@ -32,7 +46,7 @@ namespace greville
     const bool is_parallel =
       Utilities::MPI::n_mpi_processes(mass.communicator()) > 1;
     if (is_due || smoother_parameters.reuse == 0 ||
-        (unknowns_changed && is_parallel))
+        mass.alike() != factor_alike || (unknowns_changed && is_parallel))
       factorize();
     else if (unknowns_changed && match_unknowns() > smoother_parameters.reuse)
       factorize();
@@ -125,29 +139,42 @@ namespace greville
   void
   ExtendedMassSolver<dim>::factorize()
   {
-    const MPI_Comm comm  = mass.communicator();
-    LowerTriangle  lower = mass.local_entries();
-    factor_places        = mass.unknown_places();
+    const MPI_Comm comm = mass.communicator();
+    factor_alike        = mass.alike();
+    factor_places       = mass.unknown_places();
     factor_rows.clear();
-    PetscMatrix matrix;
-    if (Utilities::MPI::n_mpi_processes(comm) > 1)
+    factors.clear();
+    for (unsigned int c = 0; c < dim; ++c)
       {
-        VectorType layout;
-        mass.initialize_vector(layout, 1);
-        matrix = assemble(lower, *layout.get_partitioner(), comm);
-        domain = std::make_unique<OverlappingDomain<dim>>(
-          matrix.get(),
-          comm,
-          mass.unknown_positions(),
-          smoother_parameters.overlap,
-          SchwarzCombination::symmetric,
-          "lexicographic");
-        lower = lower_triangle(domain->matrix());
+        if (factor_alike[c] < c)
+          continue;
+        Factors part;
+        for (unsigned int d = c; d < dim; ++d)
+          if (factor_alike[d] == c)
+            part.alike.push_back(d);
+        LowerTriangle lower = mass.local_entries(c);
+        PetscMatrix   matrix;
+        if (Utilities::MPI::n_mpi_processes(comm) > 1)
+          {
+            VectorType layout;
+            mass.initialize_vector(layout, 1);
+            matrix      = assemble(lower, *layout.get_partitioner(), comm);
+            part.domain = std::make_unique<OverlappingDomain<dim>>(
+              matrix.get(),
+              comm,
+              mass.unknown_positions(),
+              smoother_parameters.overlap,
+              SchwarzCombination::symmetric,
+              "lexicographic");
+            lower = lower_triangle(part.domain->matrix());
+          }
+        run_on_all(
+          [&]() { part.cholesky.factorize(lower, smoother_parameters.shift); },
+          comm);
+        if (part.domain)
+          part.domain->release_matrix();
+        factors.push_back(std::move(part));
       }
-    run_on_all([&]() { factors.factorize(lower, smoother_parameters.shift); },
-               comm);
-    if (domain)
-      domain->release_matrix();
     ++factorizations;
     is_due   = false;
     is_fresh = true;
@@ -182,37 +209,71 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedMassSolver<dim>::precondition(VectorType       &z,
-                                        const VectorType &r,
-                                        const unsigned    width) const
+  ExtendedMassSolver<dim>::apply(const Factors     &part,
+                                 VectorType        &r,
+                                 const unsigned int width) const
   {
-    if (domain)
+    if (part.domain)
       {
-        domain->restrict_to(work, r, false, width);
-        factors.solve(work.data(), width);
-        domain->prolongate_from(work, z, false, width);
+        part.domain->restrict_to(work, r, false, width);
+        part.cholesky.solve(work.data(), width);
+        part.domain->prolongate_from(work, r, false, width);
       }
     else if (factor_rows.empty())
-      {
-        std::copy_n(r.begin(), r.locally_owned_size(), z.begin());
-        factors.solve(z.begin(), width);
-      }
+      part.cholesky.solve(r.begin(), width);
     else
       {
-        work.assign(std::size_t(factors.size()) * width, 0.);
+        work.assign(std::size_t(part.cholesky.size()) * width, 0.);
         for (unsigned int u = 0; u < factor_rows.size(); ++u)
           for (unsigned int c = 0; c < width; ++c)
             if (factor_rows[u] >= 0)
               work[std::size_t(factor_rows[u]) * width + c] =
                 r.local_element(u * width + c);
-        factors.solve(work.data(), width);
+        part.cholesky.solve(work.data(), width);
         for (unsigned int u = 0; u < factor_rows.size(); ++u)
           for (unsigned int c = 0; c < width; ++c)
-            z.local_element(u * width + c) =
+            r.local_element(u * width + c) =
               factor_rows[u] >= 0
                 ? work[std::size_t(factor_rows[u]) * width + c]
                 : inverse_diagonal[u] * r.local_element(u * width + c);
       }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMassSolver<dim>::precondition(VectorType        &z,
+                                        const VectorType  &r,
+                                        const unsigned int width,
+                                        const unsigned int n_columns) const
+  {
+    if (factors.size() == 1)
+      {
+        std::copy_n(r.begin(), r.locally_owned_size(), z.begin());
+        apply(factors[0], z, width);
+      }
+    else
+      for (const Factors &part : factors)
+        {
+          std::vector<unsigned int> columns;
+          for (unsigned int first = 0; first < n_columns; first += dim)
+            for (const unsigned int c : part.alike)
+              columns.push_back(first + c);
+          const unsigned int part_width = width_for(columns.size());
+          VectorType        &x          = part_vectors[part_width];
+          mass.initialize_vector(x, part_width);
+          const unsigned int n = mass.n_owned_unknowns();
+          for (unsigned int u = 0; u < n; ++u)
+            for (unsigned int k = 0; k < columns.size(); ++k)
+              x.local_element(u * part_width + k) =
+                r.local_element(u * width + columns[k]);
+          apply(part, x, part_width);
+          for (unsigned int u = 0; u < n; ++u)
+            for (unsigned int k = 0; k < columns.size(); ++k)
+              z.local_element(u * width + columns[k]) =
+                x.local_element(u * part_width + k);
+        }
     mass.zero_held_unknowns(z, width);
   }
 
@@ -271,7 +332,7 @@ namespace greville
                                  const std::vector<const VectorField<dim> *> &b)
   {
     const unsigned int columns = x.size() * dim;
-    const unsigned int width   = columns <= 2 ? 2 : columns <= 4 ? 4 : 8;
+    const unsigned int width   = std::max(2u, width_for(columns));
     AssertThrow(columns <= 8,
                 ExcMessage(
                   "At most 8 components are solved for together, not " +
@@ -369,7 +430,7 @@ namespace greville
     while (ratio > parameters.tolerance && std::isfinite(ratio) &&
            k < max_iterations)
       {
-        precondition(z, r, width);
+        precondition(z, r, width, n_fields * dim);
         const auto     new_rho = dot<width>(r, z, comm);
         Columns<width> beta, alpha, minus_alpha;
         for (int c = 0; c < width; ++c)
@@ -434,8 +495,11 @@ namespace greville
   std::size_t
   ExtendedMassSolver<dim>::memory_consumption() const
   {
-    return factors.memory_consumption() +
-           (domain ? domain->memory_consumption() : 0);
+    std::size_t n = 0;
+    for (const Factors &part : factors)
+      n += part.cholesky.memory_consumption() +
+           (part.domain ? part.domain->memory_consumption() : 0);
+    return n;
   }
 
 

@@ -74,8 +74,8 @@ namespace greville
     finish();
 
     /**
-     * Hold functions: bit c of @p held[f] holds local function f in the columns
-     * c, c + dim, c + 2 dim, ...
+     * Collective. Hold functions: bit c of @p held[f] holds local function f in
+     * the columns c, c + dim, c + 2 dim, ...
      */
     void
     hold(const std::vector<unsigned char> &held);
@@ -86,6 +86,16 @@ namespace greville
      */
     std::array<bool, dim>
     has_held() const;
+
+    /**
+     * For each component the first one with the same held functions, on all
+     * processes.
+     */
+    const std::array<unsigned int, dim> &
+    alike() const
+    {
+      return first_alike;
+    }
 
     unsigned int
     n_owned_unknowns() const
@@ -179,11 +189,11 @@ namespace greville
     zero_held_unknowns(VectorType &x, const unsigned int width) const;
 
     /**
-     * The entries of A that this process contributes, between its unknowns.
-     * On one process it is A.
+     * The entries that this process contributes to A for @p component, between
+     * its unknowns, with unit rows for held ones. On one process it is A.
      */
     LowerTriangle
-    local_entries() const;
+    local_entries(const unsigned int component);
 
     std::size_t
     memory_consumption() const;
@@ -230,6 +240,7 @@ namespace greville
 
     std::vector<unsigned char>                          held_functions;
     std::vector<std::pair<unsigned int, unsigned char>> held_places;
+    std::array<unsigned int, dim>                       first_alike{};
 
     // The layout of vectors on several processes, by width.
     dealii::types::global_dof_index first_unknown = 0, n_unknowns = 0;

@@ -11,7 +11,8 @@ namespace greville
    * Conjugate gradients for A x = b with an ExtendedMass, for all components of
    * one or two vector fields together: one pass over matrix and factors serves
    * all of them. The preconditioner is IncompleteCholesky in lexicographic
-   * order, one factorization per process with an overlap (additive Schwarz).
+   * order, one factorization per process with an overlap (additive Schwarz),
+   * and one for each set of components with the same held functions.
    * It has no coarse level: doc/mass_of_points.md shows what one would bring.
    *
    * A factorization serves the matrices of following steps, too, until the
@@ -30,7 +31,7 @@ namespace greville
     /**
      * Parameters and mass are kept by reference.
      */
-    ExtendedMassSolver(const ExtendedMass<dim>    &mass,
+    ExtendedMassSolver(ExtendedMass<dim>          &mass,
                        const MassSolverParameters &parameters,
                        const SmootherParameters   &smoother_parameters);
 
@@ -74,9 +75,10 @@ namespace greville
     match_unknowns();
 
     void
-    precondition(VectorType       &z,
-                 const VectorType &r,
-                 const unsigned    width) const;
+    precondition(VectorType        &z,
+                 const VectorType  &r,
+                 const unsigned int width,
+                 const unsigned int n_columns) const;
 
     template <int width>
     SolveResult
@@ -85,17 +87,36 @@ namespace greville
             const unsigned int n_fields,
             const unsigned int max_iterations);
 
-    const ExtendedMass<dim>    &mass;
+    /**
+     * For the components @p alike.
+     */
+    struct Factors
+    {
+      std::vector<unsigned int>               alike;
+      IncompleteCholesky                      cholesky;
+      std::unique_ptr<OverlappingDomain<dim>> domain; // several processes
+    };
+
+    /**
+     * r = the preconditioner times r, of @p width columns.
+     */
+    void
+    apply(const Factors     &factors,
+          VectorType        &r,
+          const unsigned int width) const;
+
+    ExtendedMass<dim>          &mass;
     const MassSolverParameters &parameters;
     const SmootherParameters   &smoother_parameters;
 
-    double                                  total_mass = 0.;
-    IncompleteCholesky                      factors;
-    std::unique_ptr<OverlappingDomain<dim>> domain; // several processes
+    double                        total_mass = 0.;
+    std::vector<Factors>          factors;
+    std::array<unsigned int, dim> factor_alike{};
     std::vector<unsigned int> factor_places; // unknowns that were factorized
     std::vector<int>    factor_rows; // of unknowns, -1: none; empty: the same
     std::vector<double> inverse_diagonal; // of those with none
-    mutable std::vector<double> work;
+    mutable std::vector<double>       work;
+    mutable std::array<VectorType, 9> part_vectors; // by width
 
     unsigned int factorizations    = 0;
     bool         is_due            = true;  // to factorize
