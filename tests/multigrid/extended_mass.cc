@@ -357,7 +357,7 @@ test_solver(const MultiIndex<dim> &cells,
   check("  two fields", first.converged ? residual(2).first : 1., 1e-9);
   check_range("  iterations", *first.iterations, 1, 60);
   const double size = norm<dim>(x[0]);
-  print() << "  |x| = " << std::setprecision(4) << size << std::endl;
+  print() << "  |x| = " << std::setprecision(3) << size << std::endl;
 
   // The same one by one.
   const auto both = x;
@@ -418,7 +418,7 @@ test_solver(const MultiIndex<dim> &cells,
   clear();
   const auto third = solver.solve({&x[0], &x[1]}, {&b[0], &b[1]});
   check("  other unknowns", third.converged ? residual(2).first : 1., 1e-9);
-  print() << "  |x| = " << std::setprecision(4) << norm<dim>(x[0]) << std::endl;
+  print() << "  |x| = " << std::setprecision(3) << norm<dim>(x[0]) << std::endl;
 }
 
 
