@@ -376,7 +376,6 @@ namespace greville
   void
   ExtendedMass<dim>::collect(double *y, const unsigned int width) const
   {
-    zero_held(place_y.data(), width);
     with_width(width, [&](const auto w) {
       constexpr int n      = decltype(w)::value;
       const double *values = place_y.data();
@@ -407,6 +406,7 @@ namespace greville
     expand(x.begin(), width);
     zero_held(place_x.data(), width);
     points_mass.vmult(place_y.data(), place_x.data(), width);
+    zero_held(place_y.data(), width);
     collect(y.begin(), width);
     y.compress(VectorOperation::add);
     zero_held_unknowns(y, width);
@@ -476,8 +476,16 @@ namespace greville
                                   VectorType                            &x,
                                   const unsigned int width) const
   {
+    // Extended functions depend on held unknowns, too.
+    const auto &mask = held_functions;
+    for (unsigned int u = 0; u < n_owned; ++u)
+      if (mask[owned_unknown_functions[u]] != 0)
+        for (unsigned int k = 0; k < fields.size(); ++k)
+          for (unsigned int c = 0; c < dim; ++c)
+            if ((mask[owned_unknown_functions[u]] >> c) & 1)
+              x.local_element(u * width + k * dim + c) =
+                (*fields[k])[c].local_element(owned_unknown_functions[u]);
     x.update_ghost_values();
-    const auto   &mask  = held_functions;
     const double *begin = x.begin();
     for (unsigned int k = 0; k < fields.size(); ++k)
       for (unsigned int c = 0; c < dim; ++c)
@@ -546,6 +554,32 @@ namespace greville
     for (std::size_t i = 0; i < std::size_t(n_owned) * width; ++i)
       rows.local_element(i) -= y.local_element(i);
     zero_held_unknowns(rows, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::multiply_field(VectorField<dim>       &rows,
+                                    const VectorField<dim> &field) const
+  {
+    VectorType y;
+    initialize_vector(y, 1);
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        field[c].update_ghost_values();
+        for (unsigned int f = 0; f < held_functions.size(); ++f)
+          if ((*extension)[f] != Extension<dim>::inactive)
+            place_x[points_mass.place(f)] = field[c].local_element(f);
+        field[c].zero_out_ghost_values();
+        points_mass.vmult(place_y.data(), place_x.data(), 1);
+        collect(y.begin(), 1);
+        y.compress(VectorOperation::add);
+        rows[c] = 0.;
+        for (unsigned int u = 0; u < n_owned; ++u)
+          rows[c].local_element(owned_unknown_functions[u]) =
+            y.local_element(u);
+      }
   }
 
 
@@ -668,8 +702,10 @@ namespace greville
       {
         if (is_held[i])
           {
+            const bool has_place = unknowns[i] != numbers::invalid_unsigned_int;
             result.columns.push_back(i);
-            result.values.push_back(1.);
+            result.values.push_back(
+              has_place ? points_mass.diagonal(unknowns[i]) : 0.);
             result.row_begin.push_back(result.columns.size());
             continue;
           }

@@ -38,7 +38,10 @@ namespace greville
       }
     if (fmpm_order > 0)
       return;
-    filling.reinit(space());
+    typename CellFilling<dim>::Walls contact_walls;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      contact_walls[w] = walls.is_friction(w);
+    filling.reinit(space(), contact_walls);
     extensions.resize(orders.n_levels());
     extended_mass.reinit(space());
     if (solver_name == "cg-ic0")
@@ -48,6 +51,11 @@ namespace greville
                                                   parameters.smoother);
     else
       make_groups();
+    if (walls.have_friction())
+      solver_of_held =
+        std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
+                                                  parameters.solver,
+                                                  parameters.smoother);
   }
 
 
@@ -120,17 +128,18 @@ namespace greville
     extended_mass.begin(extension(), unknowns_changed);
     if (unknowns_changed)
       extended_mass.hold(held);
-    if (solver_of_all)
+    held_solver_is_behind = held_solver_is_behind || unknowns_changed;
+    if (solver_of_all || solver_of_held)
       {
         transfer.add_mass_matrix(bodies, extended_mass.matrix());
         extended_mass.finish();
-        double total_mass = 0.;
+        total_mass = 0.;
         for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
           total_mass += lumped.local_element(i);
-        solver_of_all->update(unknowns_changed,
-                              Utilities::MPI::sum(total_mass,
-                                                  space().communicator()));
+        total_mass = Utilities::MPI::sum(total_mass, space().communicator());
       }
+    if (solver_of_all)
+      solver_of_all->update(unknowns_changed, total_mass);
     else
       update_groups(bodies, transfer, unknowns_changed);
   }
@@ -211,14 +220,48 @@ namespace greville
           solve_series(*x[k], *b[k]);
         return;
       }
-    const SolveResult result =
-      solver_of_all ? solver_of_all->solve(x, b) : solve_components(x, b);
+    check(solver_of_all ? solver_of_all->solve(x, b) : solve_components(x, b));
+  }
+
+
+
+  template <int dim>
+  void
+  GridMass<dim>::check(const SolveResult &result)
+  {
     // What does not iterate is not meant to reach a tolerance.
     AssertThrow(!result.iterations || result.converged,
                 ExcMessage("The solver <" + solver_name +
                            "> of the mass matrix failed: it " + result.reason +
                            "."));
     iterations = result.iterations.value_or(0);
+  }
+
+
+
+  template <int dim>
+  void
+  GridMass<dim>::solve_held(VectorField<dim>                 &x,
+                            const VectorField<dim>           &b,
+                            const std::vector<unsigned char> &more)
+  {
+    Assert(solver_of_held, ExcMessage("There are no friction walls."));
+    // Other processes learn what is held of theirs.
+    std::vector<unsigned char> all_held = held;
+    VectorType                 bits;
+    space().initialize_vector(bits);
+    for (unsigned int i = 0; i < more.size(); ++i)
+      bits.local_element(i) = more[i];
+    bits.update_ghost_values();
+    for (unsigned int f = 0; f < all_held.size(); ++f)
+      all_held[f] |= static_cast<unsigned char>(bits.local_element(f));
+
+    extended_mass.hold(all_held);
+    solver_of_held->update(held_solver_is_behind, total_mass);
+    held_solver_is_behind    = false;
+    const SolveResult result = solver_of_held->solve({&x}, {&b});
+    extended_mass.hold(held);
+    check(result);
   }
 
 

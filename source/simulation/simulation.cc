@@ -99,14 +99,6 @@ namespace greville
                 ExcMessage("'Scheme/Transfer' = APIC goes with "
                            "'Scheme/Quadrature' = points, not <" +
                            run_case.quadrature + ">."));
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      AssertThrow(parameters.walls.type[w] != "friction" ||
-                    MassSolver<dim>::fmpm_order_of(run_case.mass) > 0,
-                  ExcMessage("A wall of the type friction ('Walls/" +
-                             WallParameters::names[w] +
-                             "') goes with 'Scheme/Mass' = lumped or fmpm-K, "
-                             "not <" +
-                             run_case.mass + ">."));
     create_box_mesh<dim>(mesh,
                          to_point<dim>(parameters.grid.lower),
                          to_point<dim>(parameters.grid.upper),
@@ -120,6 +112,8 @@ namespace greville
     grid_mass = std::make_unique<GridMass<dim>>(
       run_case.mass, run_case.degree, mesh, parameters, walls);
     walls.reinit(space());
+    if (grid_mass->is_consistent() && walls.have_friction())
+      contact = std::make_unique<FrictionContact<dim>>(walls, *grid_mass);
     transfer.reinit(space());
     transport.reinit(mesh, space());
     space().initialize_vector(lumped_mass);
@@ -394,6 +388,30 @@ namespace greville
 
   template <int dim>
   void
+  Simulation<dim>::add_contact()
+  {
+    if (!contact)
+      {
+        walls.add_contact(new_velocity, acceleration, velocity_dt);
+        return;
+      }
+    const PartTimer timer(*this, "contact");
+    try
+      {
+        contact->add(new_velocity, acceleration, velocity_dt);
+      }
+    catch (const std::exception &exception)
+      {
+        check(message_of(exception));
+      }
+    iterations = std::max(iterations, contact->most_iterations());
+    all_iterations += contact->n_iterations();
+  }
+
+
+
+  template <int dim>
+  void
   Simulation<dim>::update_points(const VectorField<dim> *acceleration,
                                  const VectorField<dim> *velocity,
                                  const VectorField<dim> *deformation,
@@ -634,7 +652,7 @@ namespace greville
         new_velocity[d] = velocity[d];
         new_velocity[d].add(velocity_dt, acceleration[d]);
       }
-    walls.add_contact(new_velocity, acceleration, velocity_dt);
+    add_contact();
 
     if (order == "USL")
       update_points(&acceleration, &new_velocity, &new_velocity, true);

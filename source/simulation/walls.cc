@@ -1,5 +1,6 @@
 #include <greville/simulation/walls.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace greville
@@ -109,6 +110,15 @@ namespace greville
 
 
   template <int dim>
+  bool
+  Walls<dim>::have_friction() const
+  {
+    return std::find(type.begin(), type.end(), "friction") != type.end();
+  }
+
+
+
+  template <int dim>
   void
   Walls<dim>::hold_velocity(VectorField<dim> &field, const double t) const
   {
@@ -159,7 +169,7 @@ namespace greville
                           const double      dt) const
   {
     for (unsigned int w = 0; w < 2 * dim; ++w)
-      if (type[w] == "friction")
+      if (is_friction(w))
         {
           const unsigned int normal = w / 2;
           const double       sign   = w % 2 == 0 ? -1. : 1.;
@@ -192,7 +202,7 @@ namespace greville
   Walls<dim>::stop(VectorField<dim> &v) const
   {
     for (unsigned int w = 0; w < 2 * dim; ++w)
-      if (type[w] == "friction")
+      if (is_friction(w))
         for (const unsigned int i : coefficients[w])
           {
             double &v_n = v[w / 2].local_element(i);

@@ -8,10 +8,11 @@ namespace greville
 
   template <int dim>
   void
-  CellFilling<dim>::reinit(const SplineSpace<dim> &space)
+  CellFilling<dim>::reinit(const SplineSpace<dim> &space, const Walls &walls)
   {
-    spline_space = &space;
-    positions    = space.owned_cells();
+    spline_space  = &space;
+    contact_walls = walls;
+    positions     = space.owned_cells();
     numbers.clear();
     places.clear();
 
@@ -45,6 +46,20 @@ namespace greville
     classes.assign(positions.size(), empty);
     hosts.assign(positions.size(), none);
     filled.clear();
+  }
+
+
+
+  template <int dim>
+  bool
+  CellFilling<dim>::is_at_contact_wall(const MultiIndex<dim> &function,
+                                       const MultiIndex<dim> &n) const
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      if ((contact_walls[2 * d] && function[d] == 0) ||
+          (contact_walls[2 * d + 1] && function[d] + 1 == n[d]))
+        return true;
+    return false;
   }
 
 
@@ -139,8 +154,8 @@ namespace greville
         {
           const auto      offset = multi_index<dim>(k, three);
           MultiIndex<dim> neighbor;
-          bool            is_beyond_thin_grid = false;
-          unsigned int    n_sides             = 0;
+          bool            is_not_looked_at = false;
+          unsigned int    n_sides          = 0;
           for (unsigned int d = 0; d < dim; ++d)
             n_sides += offset[d] != 1;
           if (dim == 3 && n_sides > 1)
@@ -150,11 +165,11 @@ namespace greville
               neighbor[d] = index[d] + offset[d] - 1;
               if (neighbor[d] < extents[d])
                 continue;
-              if (extents[d] > 2)
+              if (extents[d] > 2 && !contact_walls[2 * d + offset[d] / 2])
                 return false;
-              is_beyond_thin_grid = true;
+              is_not_looked_at = true;
             }
-          if (is_beyond_thin_grid)
+          if (is_not_looked_at)
             continue;
           const unsigned int n = find(lexicographic<dim>(neighbor, extents));
           if (n == dealii::numbers::invalid_unsigned_int ||

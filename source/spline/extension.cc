@@ -69,7 +69,11 @@ namespace greville
       if (!cell_filling->is_host(cell) &&
           cell_filling->host(cell) != CellFilling<dim>::none)
         for (const unsigned int f : space.cell_functions(cell))
-          if (seen.local_element(f) < with_host)
+          if (seen.local_element(f) < with_host &&
+              !cell_filling->is_at_contact_wall(
+                multi_index<dim>(space.function_position(f),
+                                 space.n_functions()),
+                space.n_functions()))
             found.emplace_back(f, cell_filling->host(cell));
     const auto sort = [&]() {
       std::sort(found.begin(), found.end());

@@ -166,7 +166,8 @@ namespace greville
                 const unsigned int                           width) const;
 
     /**
-     * fields = E x, where they are not held; zero where they are inactive.
+     * fields = E x, where they are not held; zero where they are inactive. The
+     * held entries of @p x become those of the fields.
      */
     void
     write_fields(const std::vector<VectorField<dim> *> &fields,
@@ -183,6 +184,13 @@ namespace greville
                   const unsigned int                     width) const;
 
     /**
+     * rows = E^T M~ field, component by component, at the functions of the
+     * owned unknowns and whatever is held; zero elsewhere.
+     */
+    void
+    multiply_field(VectorField<dim> &rows, const VectorField<dim> &field) const;
+
+    /**
      * Set the held entries of @p x to zero.
      */
     void
@@ -190,7 +198,8 @@ namespace greville
 
     /**
      * The entries that this process contributes to A for @p component, between
-     * its unknowns, with unit rows for held ones. On one process it is A.
+     * its unknowns, with the diagonal alone for held ones. On one process it is
+     * A.
      */
     LowerTriangle
     local_entries(const unsigned int component);

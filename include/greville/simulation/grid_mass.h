@@ -91,6 +91,35 @@ namespace greville
           const std::vector<const VectorField<dim> *> &b);
 
     /**
+     * Collective. The same for one pair, where more coefficients are held: bit
+     * c of @p more[i] holds component c of the owned function i. Consistent
+     * mass only.
+     */
+    void
+    solve_held(VectorField<dim>                 &x,
+               const VectorField<dim>           &b,
+               const std::vector<unsigned char> &more);
+
+    /**
+     * Components (bits) that walls hold of a local function.
+     */
+    unsigned char
+    held_components(const unsigned int function) const
+    {
+      return held[function];
+    }
+
+    /**
+     * Collective. The rows of M x at all unknowns, held ones too: what walls
+     * have to give. Consistent mass only.
+     */
+    void
+    reactions(VectorField<dim> &rows, const VectorField<dim> &x) const
+    {
+      extended_mass.multiply_field(rows, x);
+    }
+
+    /**
      * Collective. b = M x with the consistent matrix, zero where coefficients
      * are held. prepare_product() has to be called after update().
      */
@@ -167,6 +196,12 @@ namespace greville
     make_groups();
 
     /**
+     * Throw where a solver did not converge.
+     */
+    void
+    check(const SolveResult &result);
+
+    /**
      * Lumped mass and FMPM.
      */
     void
@@ -203,9 +238,12 @@ namespace greville
     ExtendedMass<dim>           extended_mass;
     std::vector<unsigned char>  held; // bits of components, by function
     std::unique_ptr<ExtendedMassSolver<dim>> solver_of_all;
+    std::unique_ptr<ExtendedMassSolver<dim>> solver_of_held; // solve_held()
+    bool                                     held_solver_is_behind = true;
     DensityWeights<dim>                      product_weights;
     std::unique_ptr<CrossMassOperator<dim>>  product; // without constraints
     VectorType                               lumped_mass, inverse_lumped;
+    double                                   total_mass = 0.;
     VectorField<dim>                         is_free; // 1, or 0 where held
     unsigned int                             iterations = 0;
   };

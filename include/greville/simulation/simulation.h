@@ -3,7 +3,7 @@
 
 #include <greville/particles/point_transport.h>
 #include <greville/particles/reconstruction.h>
-#include <greville/simulation/grid_mass.h>
+#include <greville/simulation/friction_contact.h>
 #include <greville/simulation/loads.h>
 #include <greville/simulation/statistics.h>
 
@@ -245,6 +245,12 @@ namespace greville
           const std::vector<const VectorField<dim> *> &sums);
 
     /**
+     * Friction walls change the new velocity and the acceleration.
+     */
+    void
+    add_contact();
+
+    /**
      * One pass over the points of all bodies. Null pointers leave out a part.
      */
     void
@@ -269,18 +275,19 @@ namespace greville
     void
     check(const std::string message);
 
-    const SimulationParameters    &parameters;
-    const SimulationCase           run_case;
-    MPI_Comm                       comm;
-    DistributedTriangulation<dim>  mesh;
-    Walls<dim>                     walls;
-    Loads<dim>                     loads;
-    std::unique_ptr<GridMass<dim>> grid_mass;
-    PointTransfer<dim>             transfer;
-    PointTransport<dim>            transport;
-    Reconstruction<dim>            reconstruction;
-    std::vector<Body<dim>>         all_bodies;
-    std::optional<Expression>      step_formula;
+    const SimulationParameters           &parameters;
+    const SimulationCase                  run_case;
+    MPI_Comm                              comm;
+    DistributedTriangulation<dim>         mesh;
+    Walls<dim>                            walls;
+    Loads<dim>                            loads;
+    std::unique_ptr<GridMass<dim>>        grid_mass;
+    std::unique_ptr<FrictionContact<dim>> contact; // consistent mass
+    PointTransfer<dim>                    transfer;
+    PointTransport<dim>                   transport;
+    Reconstruction<dim>                   reconstruction;
+    std::vector<Body<dim>>                all_bodies;
+    std::optional<Expression>             step_formula;
 
     // Points that integrals are summed over.
     std::vector<MaterialPoints<dim>>         reconstructed;

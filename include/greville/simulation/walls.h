@@ -20,7 +20,8 @@ namespace greville
    * velocity that goes into the wall with the speed v_n is stopped, and slowed
    * down along the wall by Coulomb's law for the two parts of the impulse, v <-
    * v - v_n n - min(mu v_n, |v_t|) v_t / |v_t|; others are left alone. The
-   * acceleration changes accordingly.
+   * acceleration changes accordingly. This is for lumped mass and FMPM, see
+   * FrictionContact for the consistent one.
    */
   template <int dim>
   class Walls
@@ -59,6 +60,33 @@ namespace greville
     move() const;
 
     /**
+     * Whether there are friction walls, and this one is.
+     */
+    bool
+    have_friction() const;
+
+    bool
+    is_friction(const unsigned int wall) const
+    {
+      return type[wall] == "friction";
+    }
+
+    double
+    friction_coefficient(const unsigned int wall) const
+    {
+      return friction[wall];
+    }
+
+    /**
+     * Local numbers of the owned functions that do not vanish at a wall.
+     */
+    const std::vector<unsigned int> &
+    functions(const unsigned int wall) const
+    {
+      return coefficients[wall];
+    }
+
+    /**
      * Set held coefficients to the velocity of their walls at time @p t.
      */
     void
@@ -73,8 +101,8 @@ namespace greville
                       const double      dt) const;
 
     /**
-     * Friction walls: change the new velocity and the acceleration that led to
-     * it in the time @p dt.
+     * Friction walls and a diagonal mass: change the new velocity and the
+     * acceleration that led to it in the time @p dt.
      */
     void
     add_contact(VectorField<dim> &velocity,

@@ -23,7 +23,9 @@ namespace greville
    * layers of cells, as the not-a-knot condition of spline interpolation does.
    * The order of approximation stays; the highest frequencies, which are
    * outliers of surface and walls, go (doc/mass_of_points.md). In directions of
-   * one or two cells walls are not looked at.
+   * one or two cells walls are not looked at, and nor are *contact walls*,
+   * where functions come and go in a step: those that do not vanish there have
+   * to be unknowns, as far as possible.
    *
    * The classes depend on the mesh only, not on the order of the splines.
    */
@@ -35,6 +37,9 @@ namespace greville
 
     /// Steps from a cell to its host.
     static constexpr unsigned int reach = 2;
+
+    /// Contact walls: x low, x high, y low, ...
+    using Walls = std::array<bool, 2 * dim>;
 
     CellFilling() = default;
 
@@ -50,7 +55,14 @@ namespace greville
      * Collective.
      */
     void
-    reinit(const SplineSpace<dim> &space);
+    reinit(const SplineSpace<dim> &space, const Walls &contact_walls = {});
+
+    /**
+     * Whether a function of a space does not vanish at a contact wall.
+     */
+    bool
+    is_at_contact_wall(const MultiIndex<dim> &function,
+                       const MultiIndex<dim> &n_functions) const;
 
     /**
      * Collective. @p filling, of each owned cell, is the part of it that is
@@ -112,6 +124,7 @@ namespace greville
 
     const SplineSpace<dim> *spline_space  = nullptr;
     bool                    all_are_hosts = false;
+    Walls                   contact_walls{};
 
     // Owned cells, then those of the ghost layer; on several processes their
     // positions are looked up.

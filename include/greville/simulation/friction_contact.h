@@ -1,0 +1,131 @@
+#ifndef greville_simulation_friction_contact_h
+#define greville_simulation_friction_contact_h
+
+#include <greville/simulation/grid_mass.h>
+
+namespace greville
+{
+  /**
+   * Friction walls where the mass matrix M couples coefficients. The velocity v
+   * of a step without these walls is corrected by impulses lambda of the
+   * walls,
+   *
+   *   M (v' - v) = lambda,
+   *   v'_n <= 0, lambda_n >= 0, v'_n lambda_n = 0            (no adhesion)
+   *   |lambda_t| <= mu lambda_n, = -mu lambda_n v'_t / |v'_t| where v'_t is not
+   * 0
+   *
+   * for each coefficient at such a wall, with v_n the speed into the wall and
+   * lambda_n the impulse away from it. M does not couple components, so the
+   * first lines are the condition of a quadratic minimum with v'_n <= 0, and
+   * the last one, with lambda_n from there, that of Tresca's friction. Both are
+   * solved together by active sets: what goes into the wall is held, in the
+   * normal direction and along the wall; what is pulled is released; what needs
+   * more than Coulomb's impulse slides under that load.
+   *
+   * All functions at such walls are unknowns, stable or lumped ones, see
+   * CellFilling: the impulses act in the space of the velocity, and leave
+   * nothing on the points that the grid does not see. What has been released
+   * three times in a step stays when it returns, which ends the rounds.
+   *
+   * (M. Hintermueller, K. Ito, K. Kunisch, The primal-dual active set strategy
+   * as a semismooth Newton method, 2003; S. Hueeber, G. Stadler, B. Wohlmuth, A
+   * primal-dual active set algorithm for three-dimensional contact problems
+   * with Coulomb friction, 2008.)
+   */
+  template <int dim>
+  class FrictionContact
+  {
+  public:
+    /**
+     * Walls and mass are kept by reference.
+     */
+    FrictionContact(const Walls<dim> &walls, GridMass<dim> &mass);
+
+    /**
+     * Collective. Change the new velocity, and the acceleration that led to it
+     * in the time @p dt. Throws dealii::ExcMessage where a solve does not
+     * converge.
+     */
+    void
+    add(VectorField<dim> &velocity,
+        VectorField<dim> &acceleration,
+        const double      dt);
+
+    /**
+     * Iterations of all solves of the last add(), and of the one that needed
+     * most.
+     */
+    unsigned int
+    n_iterations() const
+    {
+      return iterations;
+    }
+
+    unsigned int
+    most_iterations() const
+    {
+      return most;
+    }
+
+    /**
+     * Rounds of the last add().
+     */
+    unsigned int
+    n_rounds() const
+    {
+      return rounds;
+    }
+
+  private:
+    enum class State
+    {
+      apart,
+      sticks,
+      slides
+    };
+
+    /**
+     * A function at a friction wall.
+     */
+    struct Contact
+    {
+      unsigned int           wall       = 0;
+      unsigned int           function   = 0; // local number
+      State                  state      = State::apart;
+      bool                   slid       = false;            // in the last step
+      unsigned int           n_released = 0, n_stopped = 0; // in this step
+      dealii::Tensor<1, dim> load;                          // where it slides
+    };
+
+    double
+    speed_into_wall(const Contact &contact, const VectorField<dim> &v) const;
+
+    /**
+     * The part along the wall, without components that are held otherwise.
+     */
+    dealii::Tensor<1, dim>
+    along_wall(const Contact &contact, const VectorField<dim> &v) const;
+
+    /**
+     * Hold and load the contacts as they are, and solve for the change.
+     */
+    void
+    solve(const VectorField<dim> &velocity);
+
+    /**
+     * States and loads after a solve. Whether any has changed.
+     */
+    bool
+    update(const VectorField<dim> &velocity, const double smallest_speed);
+
+    const Walls<dim>          &walls;
+    GridMass<dim>             &mass;
+    std::vector<Contact>       contacts;
+    std::vector<unsigned char> normals; // bits of components that touch
+    VectorField<dim>           change, load, reaction;
+    unsigned int               iterations = 0, most = 0, rounds = 0;
+  };
+} // namespace greville
+
+#endif
