@@ -20,7 +20,7 @@ namespace greville
     constexpr unsigned int defragment_every = 200;
 
     // Estimates of the critical step of which the smallest counts.
-    constexpr unsigned int n_estimates = 10;
+    constexpr unsigned int n_estimates = 3;
 
 
 
@@ -122,7 +122,9 @@ namespace greville
                         &velocity,
                         &acceleration,
                         &new_velocity,
-                        &mapped_velocity})
+                        &mapped_velocity,
+                        &last_accelerations[0],
+                        &last_accelerations[1]})
       for (VectorType &component : *field)
         space().initialize_vector(component);
 
@@ -252,7 +254,7 @@ namespace greville
 
   template <int dim>
   void
-  Simulation<dim>::choose_step()
+  Simulation<dim>::choose_step(const bool estimate)
   {
     const TimeParameters &time = parameters.time;
     double                h    = std::numeric_limits<double>::max();
@@ -260,11 +262,10 @@ namespace greville
       h = std::min(h, space().lattice().cell_size(d));
 
     // A given step is estimated only to warn.
-    const bool is_given  = step_formula.has_value();
-    const bool is_due    = steps == 0 || (time.estimate_every > 0 &&
-                                       steps % time.estimate_every == 0);
-    const bool is_wanted = !is_given || time.too_large_step != "ignore";
-    if (is_due && is_wanted)
+    const bool is_given = step_formula.has_value();
+    const bool has_estimate =
+      estimate && (!is_given || time.too_large_step != "ignore");
+    if (has_estimate)
       estimate_critical_step();
 
     double next;
@@ -276,7 +277,7 @@ namespace greville
                     ExcMessage("The parameter 'Time/Step' is <" + time.step +
                                ">, which gives " + std::to_string(next) +
                                " s: it has to be positive."));
-        if (is_due && is_wanted && next > critical_dt)
+        if (has_estimate && next > critical_dt)
           {
             std::ostringstream message;
             message << "The parameter 'Time/Step' is <" << time.step
@@ -308,6 +309,50 @@ namespace greville
       next = 0.5 * left;
     velocity_dt = time.velocities == "half steps" ? 0.5 * (dt + next) : next;
     dt          = next;
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::shows_faster_mode()
+  {
+    // Before forces, USF has updated the points: such a step stands.
+    if (!grid_mass->is_consistent() || step_formula ||
+        parameters.scheme.stress_update == "USF")
+      return false;
+    double sums[2] = {0., 0.};
+    if (n_last_accelerations >= 2)
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
+          {
+            const double m  = lumped_mass.local_element(i);
+            const double a2 = acceleration[d].local_element(i);
+            const double a1 = last_accelerations[0][d].local_element(i);
+            const double a0 = last_accelerations[1][d].local_element(i);
+            const double change =
+              2. * ((a2 - a1) / last_steps[0] - (a1 - a0) / last_steps[1]) /
+              (last_steps[0] + last_steps[1]);
+            sums[0] += m * change * change;
+            sums[1] += m * a1 * a1;
+          }
+    Utilities::MPI::sum(ArrayView<const double>(sums, 2),
+                        comm,
+                        ArrayView<double>(sums, 2));
+    const double omega =
+      sums[1] > 0. ? std::sqrt(std::sqrt(sums[0] / sums[1])) : 0.;
+    if (dt * omega > 2. * parameters.time.safety)
+      {
+        n_last_accelerations = 0;
+        return true;
+      }
+    std::swap(last_accelerations[0], last_accelerations[1]);
+    for (unsigned int d = 0; d < dim; ++d)
+      last_accelerations[0][d] = acceleration[d];
+    last_steps[1] = last_steps[0];
+    last_steps[0] = dt;
+    ++n_last_accelerations;
+    return false;
   }
 
 
@@ -579,13 +624,8 @@ namespace greville
 
   template <int dim>
   void
-  Simulation<dim>::step()
+  Simulation<dim>::find_acceleration()
   {
-    if (steps > 0 && steps % remember_every == 0)
-      remember_state();
-    choose_step();
-    iterations = 0;
-
     // Imposed velocities are those of the middle of the step.
     const double middle = t + 0.5 * dt;
     for (Body<dim> &body : all_bodies)
@@ -618,7 +658,6 @@ namespace greville
       const PartTimer timer(*this, "mass");
       grid_mass->update(lumped_mass, summed_points, transfer);
     }
-    fastest_signal = 0.;
 
     // Velocity and acceleration come from one solve, unless the force depends
     // on the velocity. Their guesses are the fields of the step before.
@@ -647,6 +686,31 @@ namespace greville
         add_grid_forces();
         solve({&velocity, &acceleration}, {&momentum, &force});
       }
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::step()
+  {
+    if (steps > 0 && steps % remember_every == 0)
+      remember_state();
+    iterations           = 0;
+    const double last_dt = dt, last_signal = fastest_signal;
+    const auto   n_between = parameters.time.estimate_every;
+    choose_step(steps == 0 || (n_between > 0 && steps % n_between == 0));
+    fastest_signal = 0.;
+    find_acceleration();
+    if (shows_faster_mode())
+      {
+        dt             = last_dt;
+        fastest_signal = last_signal;
+        choose_step(true);
+        fastest_signal = 0.;
+        find_acceleration();
+      }
+    const std::string &order = parameters.scheme.stress_update;
     for (unsigned int d = 0; d < dim; ++d)
       {
         new_velocity[d] = velocity[d];

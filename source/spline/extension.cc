@@ -1,6 +1,7 @@
 #include <greville/spline/extension.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace greville
@@ -12,6 +13,12 @@ namespace greville
     // Numbers of the cells that functions see: hosts count as with_host, others
     // that hold points as 1.
     constexpr double with_host = 1024.;
+
+    // Hosts count with this power of their squared distance, relative to that
+    // of the nearest one; below the limit they do not count.
+    template <int dim>
+    constexpr double distance_power = dim == 2 ? -6. : -50.;
+    constexpr double smallest_share = 0.01;
   } // namespace
 
 
@@ -165,9 +172,30 @@ namespace greville
 
     const std::size_t begin = hosts_begin[place - extended_numbers.begin()],
                       end   = hosts_begin[place - extended_numbers.begin() + 1];
+
+    // Squared distances of centers, in half cells.
+    std::vector<double> shares(end - begin);
+    for (std::size_t h = begin; h < end; ++h)
+      {
+        const auto host = multi_index<dim>(hosts[h], space.lattice().n_cells());
+        for (unsigned int d = 0; d < dim; ++d)
+          shares[h - begin] += std::pow(2. * host[d] - (2. * i[d] - p), 2);
+      }
+    const double nearest    = *std::min_element(shares.begin(), shares.end());
+    double       all_shares = 0.;
+    for (double &share : shares)
+      {
+        share = std::pow(share / nearest, distance_power<dim>);
+        if (share < smallest_share)
+          share = 0.;
+        all_shares += share;
+      }
+
     std::vector<std::pair<std::uint64_t, double>> entries;
     for (std::size_t h = begin; h < end; ++h)
       {
+        if (shares[h - begin] == 0.)
+          continue;
         const auto host = multi_index<dim>(hosts[h], space.lattice().n_cells());
         double     factors[dim][SplineSpace<dim>::max_degree + 1];
         for (unsigned int d = 0; d < dim; ++d)
@@ -178,7 +206,7 @@ namespace greville
         for (unsigned int k = 0; k < n; ++k)
           {
             auto   a      = multi_index<dim>(k, local_extents);
-            double weight = 1. / (end - begin);
+            double weight = shares[h - begin] / all_shares;
             for (unsigned int d = 0; d < dim; ++d)
               {
                 weight *= factors[d][a[d]];

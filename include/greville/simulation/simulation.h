@@ -212,8 +212,29 @@ namespace greville
     void
     make_bodies();
 
+    /**
+     * The next step, after an estimate of the critical one if it is wanted and
+     * asked for.
+     */
     void
-    choose_step();
+    choose_step(const bool estimate);
+
+    /**
+     * Points to grid, and the solves for velocity and acceleration.
+     */
+    void
+    find_acceleration();
+
+    /**
+     * Whether the accelerations of this step and the two before it show a mode
+     * that the step is too long for. Undamped, a'' = -M^-1 K a, so their second
+     * difference is a step of the power method, which sees an unstable mode
+     * from its first steps on. Consistent mass with automatic steps: there the
+     * critical step can fall from one step to the next, where points have left
+     * a hole.
+     */
+    bool
+    shows_faster_mode();
 
     void
     estimate_critical_step();
@@ -297,6 +318,11 @@ namespace greville
     VectorType       lumped_mass;
     VectorField<dim> momentum, force;
     VectorField<dim> velocity, acceleration, new_velocity, mapped_velocity;
+
+    // Of the last steps, the latest first.
+    std::array<VectorField<dim>, 2> last_accelerations;
+    std::array<double, 2>           last_steps{};
+    unsigned int                    n_last_accelerations = 0;
 
     double        t              = 0.;
     double        dt             = 0.; // of the last step

@@ -19,8 +19,10 @@ namespace greville
    *     c_i = b_host(t_(i+1), ..., t_(i+p)) = sum_j E_ij c_j,
    *   direction by direction, with the (p + 1)^dim functions j of the host,
    *   which are all stable. So polynomials of order p are extended exactly,
-   *   at the walls of the grid, too. Of several hosts of its cells the mean is
-   *   taken: a function over a hole in the body belongs to all of its sides,
+   *   at the walls of the grid, too. Of several hosts of its cells a mean is
+   *   taken, as a function over a hole in the body belongs to all of its sides,
+   *   with weights d^-12 of the distance d of host and function in 2D, and of
+   *   the nearest ones in 3D (what that is good for: doc/mass_of_points.md),
    * - *lumped*: it sees fragments only. Such functions stay, but not their
    *   products with others: see MassMatrix.
    *
