@@ -149,4 +149,40 @@ main(int argc, char **argv)
   };
   between("CFL number", automatic("0.1", "1"), 0.0999, 0.1001);
   between("safety", automatic("1", "0.5"), 0.27, 0.3);
+
+  // A body that leaves the lines of the grid: its critical step falls. It is
+  // estimated in the beginning only; accelerations show that the step has
+  // become too long. The same step, given, is not stable.
+  const Text moving =
+    block_2d("box(0.25, 0.25, 0.75, 0.75)", 8)
+      .with("Scheme", {"Mass = consistent"})
+      .with("Body body",
+            {"Points per direction = 2",
+             "Velocity = 0.5 + 1e-3 * sin(20 * x); 0.3 + 1e-3 * cos(30 * y)"})
+      .with(
+        "Time",
+        {"End = 0.5", "CFL number = 2", "Safety = 0.9", "Estimate every = 0"});
+  Simulated<2> automatic_run(moving);
+  automatic_run->step();
+  std::ostringstream first_step;
+  first_step << automatic_run->last_step();
+  const double energy = automatic_run->statistics().kinetic;
+  automatic_run.run();
+  check("automatic steps: energy",
+        std::abs(automatic_run->statistics().kinetic / energy - 1.),
+        1e-3);
+  bool is_stable = true;
+  try
+    {
+      Simulated<2> given(
+        moving.with("Time",
+                    {"Step = " + first_step.str(), "Too large step = ignore"}));
+      given.run();
+      is_stable = given->statistics().kinetic < 2. * energy;
+    }
+  catch (const std::exception &)
+    {
+      is_stable = false;
+    }
+  check("the first one, given", !is_stable);
 }
