@@ -90,7 +90,9 @@ namespace greville
     add_parameter("Estimate every",
                   estimate_every,
                   "The critical step is estimated again after this number of "
-                  "steps; 0: in the beginning only. Unit: steps.",
+                  "steps; 0: in the beginning only. Automatic steps with "
+                  "consistent mass (not with USF) are estimated again, too, "
+                  "where accelerations show them to be too long. Unit: steps.",
                   prm,
                   Patterns::Integer(0));
     add_parameter("Velocities at",

@@ -606,12 +606,13 @@ namespace greville
     std::ostringstream where;
     where << "Step " << steps + 1 << " at t = " << t << " s, dt = " << dt
           << " s: ";
-    t             = remembered.t;
-    velocity_time = remembered.velocity_time;
-    n_all_removed = remembered.n_removed;
-    last_kinetic  = remembered.last_kinetic;
-    dt            = remembered.dt;
-    steps         = remembered.steps;
+    t                    = remembered.t;
+    velocity_time        = remembered.velocity_time;
+    n_all_removed        = remembered.n_removed;
+    last_kinetic         = remembered.last_kinetic;
+    dt                   = remembered.dt;
+    steps                = remembered.steps;
+    n_last_accelerations = 0;
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
       all_bodies[b].points = remembered.points[b];
     where << message << ". The state of step " << steps << ", t = " << t

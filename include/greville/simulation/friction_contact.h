@@ -12,13 +12,13 @@ namespace greville
    *
    *   M (v' - v) = lambda,
    *   v'_n <= 0, lambda_n >= 0, v'_n lambda_n = 0            (no adhesion)
-   *   |lambda_t| <= mu lambda_n, = -mu lambda_n v'_t / |v'_t| where v'_t is not
-   * 0
+   *   |lambda_t| <= mu lambda_n                              (where it sticks)
+   *   lambda_t = -mu lambda_n v'_t / |v'_t|                  (where it slides)
    *
    * for each coefficient at such a wall, with v_n the speed into the wall and
    * lambda_n the impulse away from it. M does not couple components, so the
-   * first lines are the condition of a quadratic minimum with v'_n <= 0, and
-   * the last one, with lambda_n from there, that of Tresca's friction. Both are
+   * first two lines are the condition of a quadratic minimum with v'_n <= 0,
+   * and the others, with lambda_n from there, Tresca's friction. Both are
    * solved together by active sets: what goes into the wall is held, in the
    * normal direction and along the wall; what is pulled is released; what needs
    * more than Coulomb's impulse slides under that load.
@@ -66,15 +66,6 @@ namespace greville
     most_iterations() const
     {
       return most;
-    }
-
-    /**
-     * Rounds of the last add().
-     */
-    unsigned int
-    n_rounds() const
-    {
-      return rounds;
     }
 
   private:
