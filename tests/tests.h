@@ -1,9 +1,10 @@
 #ifndef greville_tests_h
 #define greville_tests_h
 
-// What the tests share. Results are printed by the first process; residuals of
-// the size of round-off are not printed (numdiff takes what is below 1e-6 for
-// zero) but compared with a bound.
+// What the tests share. Numbers are printed by the first process and compared
+// with the .output file. Claims are checked in the program, by check():
+// residuals of the size of round-off above all, since numdiff takes what is
+// below 1e-6 for zero.
 
 #include <deal.II/base/function.h>
 #include <deal.II/base/mpi.h>
@@ -12,6 +13,7 @@
 #include <greville/base/parameters.h>
 #include <greville/spline/spline_space.h>
 
+#include <cstdlib>
 #include <iomanip>
 #include <iostream>
 #include <string>
@@ -28,14 +30,56 @@ print(const MPI_Comm comm = MPI_COMM_WORLD)
 
 
 
-// Print ok, or by how much the bound is missed.
+// What the checks of a program have found. At its end, the first process prints
+// how many there were, so that a check that is never reached changes the
+// output, and each process that has seen one fail exits with 1, which deal.II's
+// test driver reports together with the claims.
+class Checks
+{
+public:
+  ~Checks()
+  {
+    if (process == 0)
+      std::cout << n_checks << " checks" << std::endl;
+    if (n_failed > 0)
+      std::_Exit(1);
+  }
+
+  // The output where the claim that has failed is to be written.
+  std::ostream &
+  failed()
+  {
+    ++n_failed;
+    std::cout << "FAILED";
+    if (process > 0)
+      std::cout << " on process " << process;
+    return std::cout << ": ";
+  }
+
+  unsigned int n_checks = 0;
+
+private:
+  const unsigned int process = Utilities::MPI::this_mpi_process(MPI_COMM_WORLD);
+  unsigned int       n_failed = 0;
+};
+
+inline Checks &
+next_check()
+{
+  static Checks checks;
+  ++checks.n_checks;
+  return checks;
+}
+
+
+
+// Nothing is printed unless the bound is missed (or the value is no number).
 inline void
 check(const std::string &what, const double value, const double bound)
 {
-  if (value <= bound)
-    print() << what << ": ok" << std::endl;
-  else
-    print() << what << ": FAILED, " << value << " > " << bound << std::endl;
+  Checks &checks = next_check();
+  if (!(value <= bound))
+    checks.failed() << what << ": " << value << " > " << bound << std::endl;
 }
 
 
@@ -43,7 +87,9 @@ check(const std::string &what, const double value, const double bound)
 inline void
 check(const std::string &what, const bool condition)
 {
-  print() << what << (condition ? ": ok" : ": FAILED") << std::endl;
+  Checks &checks = next_check();
+  if (!condition)
+    checks.failed() << what << std::endl;
 }
 
 
@@ -55,12 +101,10 @@ check_range(const std::string &what,
             const unsigned int smallest,
             const unsigned int largest)
 {
-  if (value >= smallest && value <= largest)
-    print() << what << ": between " << smallest << " and " << largest
-            << std::endl;
-  else
-    print() << what << ": FAILED, " << value << " is not between " << smallest
-            << " and " << largest << std::endl;
+  Checks &checks = next_check();
+  if (value < smallest || value > largest)
+    checks.failed() << what << ": " << value << " is not between " << smallest
+                    << " and " << largest << std::endl;
 }
 
 
