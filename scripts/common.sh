@@ -1,11 +1,27 @@
-# What scripts/run and scripts/test share: to be sourced from the project's
-# root. Installs what is missing, configures and builds.
+# What scripts/run, scripts/test and scripts/fresh_machine share: to be sourced
+# from the project's root. Installs what is missing, configures and builds.
 
 packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
 test_packages="numdiff perl clang-format-14 doxygen"
+drawing_packages="python3-matplotlib python3-vtk9 python3-pil"
+
+# Without these ccache does not look into its cache where a precompiled header
+# is used. With the others, clones of the project share what they have compiled.
+export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros,include_file_mtime,include_file_ctime}"
 
 say() {
   echo "== $*"
+}
+
+# usage: the comment at the top of the script that is running.
+usage() {
+  sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"
+}
+
+# wrong_usage MESSAGE...: one message, and exit status 2.
+wrong_usage() {
+  echo "$(basename "$(dirname "$0")")/$(basename "$0"): $*" >&2
+  exit 2
 }
 
 # Install the Debian packages that are missing.
@@ -27,20 +43,24 @@ install_packages() {
     --no-install-recommends $missing
 }
 
-# build_tree FOLDER TYPE TARGET...: configure once and build what is out of
-# date.
-build_tree() {
+# configure FOLDER TYPE [OPTION...]
+configure() {
   folder=$1
   type=$2
   shift 2
-  if [ ! -f "$folder/build.ninja" ]; then
-    say "configuring $folder ($type)"
-    cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE="$type" >"$folder.log" 2>&1 || {
-      cat "$folder.log"
-      return 1
-    }
-    mv "$folder.log" "$folder/configure.log"
-  fi
+  say "configuring $folder ($type)"
+  mkdir -p "$folder"
+  cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE="$type" "$@" \
+    >"$folder/configure.log" 2>&1 || {
+    cat "$folder/configure.log"
+    return 1
+  }
+}
+
+# build FOLDER TARGET...: build what is out of date.
+build() {
+  folder=$1
+  shift
   say "building $folder"
   cmake --build "$folder" -j 2 --target "$@"
 }

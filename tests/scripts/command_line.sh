@@ -1,0 +1,45 @@
+#!/bin/sh
+# command_line.sh PROJECT: what the scripts answer to help and to wrong command
+# lines. Nothing is installed, built or run.
+cd "$1" || exit 1
+status=0
+out=$(mktemp)
+trap 'rm -f "$out"' EXIT
+
+# answers STATUS LINES TEXT COMMAND...: the command ends with this status after
+# at most so many lines, one of which has the text.
+answers() {
+  wanted=$1
+  n_lines=$2
+  text=$3
+  shift 3
+  "$@" >"$out" 2>&1 </dev/null
+  got=$?
+  if [ $got -ne "$wanted" ] || ! grep -qF -- "$text" "$out" ||
+    [ "$(wc -l <"$out")" -gt "$n_lines" ]; then
+    echo "FAILED: $*: exit status $got, not $wanted, or not '$text' in $n_lines lines:"
+    cat "$out"
+    status=1
+  fi
+}
+
+scripts="run test fresh_machine"
+[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision"
+for script in $scripts; do
+  for option in -h --help; do
+    answers 0 40 "sage: scripts/$script" "scripts/$script" $option
+  done
+  answers 2 3 -- "scripts/$script" --no-such-option
+done
+answers 2 10 "Usage: scripts/run" scripts/run
+answers 2 1 "-np takes a number of processes." scripts/run -np
+answers 2 1 "not <a.prm>" scripts/run -np a.prm
+answers 2 1 "not <0>" scripts/run -np 0 a.prm
+answers 2 10 "Usage: scripts/run" scripts/run -np 2
+answers 2 1 "there is no parameter file <a.prm>" scripts/run a.prm
+answers 2 1 "<prm> is a folder" scripts/run prm
+answers 2 1 "has no section of a program" scripts/run README.md
+answers 2 1 "what is <b.prm>?" scripts/run README.md b.prm
+answers 2 1 "what is <b>?" scripts/test a b
+answers 2 1 "--tests takes" scripts/fresh_machine --tests
+exit $status
