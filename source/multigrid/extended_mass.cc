@@ -586,6 +586,30 @@ namespace greville
 
   template <int dim>
   void
+  ExtendedMass<dim>::multiply_at_held(VectorField<dim>       &rows,
+                                      const VectorField<dim> &field) const
+  {
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        field[c].update_ghost_values();
+        for (unsigned int f = 0; f < held_functions.size(); ++f)
+          if ((*extension)[f] != Extension<dim>::inactive)
+            place_x[points_mass.place(f)] = field[c].local_element(f);
+        field[c].zero_out_ghost_values();
+        points_mass.vmult(place_y.data(), place_x.data(), 1);
+        rows[c] = 0.;
+        for (unsigned int f = 0; f < held_functions.size(); ++f)
+          if (((held_functions[f] >> c) & 1) &&
+              (*extension)[f] != Extension<dim>::inactive)
+            rows[c].local_element(f) = place_y[points_mass.place(f)];
+        rows[c].compress(VectorOperation::add);
+      }
+  }
+
+
+
+  template <int dim>
+  void
   ExtendedMass<dim>::zero_held_unknowns(VectorType        &x,
                                         const unsigned int width) const
   {

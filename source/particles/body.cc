@@ -86,8 +86,9 @@ namespace greville
     add_parameter("Imposed velocity",
                   imposed_velocity,
                   "Formulas of t, separated by semicolons: points follow this "
-                  "velocity and feel no force; they push others by their mass. "
-                  "Empty: a free body. Unit: m / s.");
+                  "velocity and feel no force. Other bodies stick to them, "
+                  "whatever their density, and let go where they would be "
+                  "pulled. Empty: a free body. Unit: m / s.");
   }
 
 

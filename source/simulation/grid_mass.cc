@@ -36,6 +36,7 @@ namespace greville
             held[f] |= 1 << c;
         is_free[c].zero_out_ghost_values();
       }
+    wall_held = held;
     if (fmpm_order > 0)
       return;
     typename CellFilling<dim>::Walls contact_walls;
@@ -119,7 +120,7 @@ namespace greville
         const double m                  = lumped.local_element(i);
         inverse_lumped.local_element(i) = m > 0. ? 1. / m : 0.;
       }
-    if (fmpm_order > 1 || (fmpm_order == 0 && walls.move()))
+    if (fmpm_order > 1)
       prepare_product(bodies, transfer);
 
     if (fmpm_order > 0)
@@ -129,15 +130,12 @@ namespace greville
     if (unknowns_changed)
       extended_mass.hold(held);
     held_solver_is_behind = held_solver_is_behind || unknowns_changed;
-    if (solver_of_all || solver_of_held)
-      {
-        transfer.add_mass_matrix(bodies, extended_mass.matrix());
-        extended_mass.finish();
-        total_mass = 0.;
-        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-          total_mass += lumped.local_element(i);
-        total_mass = Utilities::MPI::sum(total_mass, space().communicator());
-      }
+    transfer.add_mass_matrix(bodies, extended_mass.matrix());
+    extended_mass.finish();
+    total_mass = 0.;
+    for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+      total_mass += lumped.local_element(i);
+    total_mass = Utilities::MPI::sum(total_mass, space().communicator());
     if (solver_of_all)
       solver_of_all->update(unknowns_changed, total_mass);
     else
@@ -240,21 +238,88 @@ namespace greville
 
 
   template <int dim>
+  std::vector<unsigned char>
+  GridMass<dim>::for_local_functions(
+    const std::vector<unsigned char> &owned) const
+  {
+    VectorType bits;
+    space().initialize_vector(bits);
+    for (unsigned int i = 0; i < owned.size(); ++i)
+      bits.local_element(i) = owned[i];
+    bits.update_ghost_values();
+    std::vector<unsigned char> result(held.size());
+    for (unsigned int f = 0; f < result.size(); ++f)
+      result[f] = static_cast<unsigned char>(bits.local_element(f));
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  GridMass<dim>::hold(const std::vector<unsigned char> &more)
+  {
+    AssertThrow(groups.empty(),
+                ExcMessage("Bodies with an imposed velocity go with "
+                           "'Scheme/Mass' = lumped, fmpm-K or consistent (with "
+                           "'Multigrid/Coarsening' = auto), not with the "
+                           "solver <" +
+                           solver_name + ">."));
+    std::vector<unsigned char> now = for_local_functions(more);
+    for (unsigned int f = 0; f < now.size(); ++f)
+      now[f] |= wall_held[f];
+    const bool has_changed =
+      Utilities::MPI::max<unsigned int>(now != held, space().communicator());
+    if (!has_changed)
+      return;
+    held = now;
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int i = 0; i < is_free[c].locally_owned_size(); ++i)
+        is_free[c].local_element(i) = 1. - ((held[i] >> c) & 1);
+    if (is_consistent())
+      extended_mass.hold(held);
+  }
+
+
+
+  template <int dim>
+  void
+  GridMass<dim>::held_residual(VectorField<dim>       &residual,
+                               const VectorField<dim> &b,
+                               const VectorField<dim> &x) const
+  {
+    if (is_consistent())
+      extended_mass.multiply_at_held(residual, x);
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        if (fmpm_order > 1)
+          product->vmult(residual[c], x[c]);
+        for (unsigned int i = 0; i < b[c].locally_owned_size(); ++i)
+          {
+            const double m = lumped_mass.local_element(i);
+            double      &r = residual[c].local_element(i);
+            if (!((held[i] >> c) & 1) || !(m > 0.))
+              r = 0.;
+            else if (is_lumped())
+              r = b[c].local_element(i) / m - x[c].local_element(i);
+            else
+              r = (b[c].local_element(i) - r) / m;
+          }
+      }
+  }
+
+
+
+  template <int dim>
   void
   GridMass<dim>::solve_held(VectorField<dim>                 &x,
                             const VectorField<dim>           &b,
                             const std::vector<unsigned char> &more)
   {
     Assert(solver_of_held, ExcMessage("There are no friction walls."));
-    // Other processes learn what is held of theirs.
-    std::vector<unsigned char> all_held = held;
-    VectorType                 bits;
-    space().initialize_vector(bits);
-    for (unsigned int i = 0; i < more.size(); ++i)
-      bits.local_element(i) = more[i];
-    bits.update_ghost_values();
+    std::vector<unsigned char> all_held = for_local_functions(more);
     for (unsigned int f = 0; f < all_held.size(); ++f)
-      all_held[f] |= static_cast<unsigned char>(bits.local_element(f));
+      all_held[f] |= held[f];
 
     extended_mass.hold(all_held);
     solver_of_held->update(held_solver_is_behind, total_mass);
@@ -271,47 +336,26 @@ namespace greville
   GridMass<dim>::solve_series(VectorField<dim>       &x,
                               const VectorField<dim> &b) const
   {
-    VectorType term, multiplied;
+    // Of the whole field, so that what is held takes part with its values:
+    // x <- x + M_L^-1 (b - M x) where it is free.
+    VectorType multiplied;
     if (fmpm_order > 1)
-      {
-        space().initialize_vector(term);
-        space().initialize_vector(multiplied);
-      }
+      space().initialize_vector(multiplied);
     for (unsigned int c = 0; c < dim; ++c)
       {
-        // The first term, and what is held.
         const VectorType &free = is_free[c];
-        if (fmpm_order > 1)
-          {
-            for (unsigned int i = 0; i < b[c].locally_owned_size(); ++i)
-              term.local_element(i) =
-                (1. - free.local_element(i)) * x[c].local_element(i);
-            if (walls.move())
-              product->vmult(multiplied, term);
-            for (unsigned int i = 0; i < b[c].locally_owned_size(); ++i)
-              term.local_element(i) =
-                free.local_element(i) * inverse_lumped.local_element(i) *
-                (b[c].local_element(i) -
-                 (walls.move() ? multiplied.local_element(i) : 0.));
-            for (unsigned int i = 0; i < b[c].locally_owned_size(); ++i)
-              x[c].local_element(i) =
-                (1. - free.local_element(i)) * x[c].local_element(i) +
-                term.local_element(i);
-          }
-        else
-          for (unsigned int i = 0; i < b[c].locally_owned_size(); ++i)
-            x[c].local_element(i) =
-              free.local_element(i) * inverse_lumped.local_element(i) *
-                b[c].local_element(i) +
-              (1. - free.local_element(i)) * x[c].local_element(i);
-
+        for (unsigned int i = 0; i < b[c].locally_owned_size(); ++i)
+          x[c].local_element(i) =
+            free.local_element(i) * inverse_lumped.local_element(i) *
+              b[c].local_element(i) +
+            (1. - free.local_element(i)) * x[c].local_element(i);
         for (unsigned int j = 1; j < fmpm_order; ++j)
           {
-            product->vmult(multiplied, term);
-            multiplied.scale(inverse_lumped);
-            multiplied.scale(free);
-            term -= multiplied;
-            x[c] += term;
+            product->vmult(multiplied, x[c]);
+            for (unsigned int i = 0; i < b[c].locally_owned_size(); ++i)
+              x[c].local_element(i) +=
+                free.local_element(i) * inverse_lumped.local_element(i) *
+                (b[c].local_element(i) - multiplied.local_element(i));
           }
       }
   }

@@ -112,6 +112,7 @@ namespace greville
     grid_mass = std::make_unique<GridMass<dim>>(
       run_case.mass, run_case.degree, mesh, parameters, walls);
     walls.reinit(space());
+    walls.check_paths(space(), parameters.time.end);
     if (grid_mass->is_consistent() && walls.have_friction())
       contact = std::make_unique<FrictionContact<dim>>(walls, *grid_mass);
     transfer.reinit(space());
@@ -123,12 +124,22 @@ namespace greville
                         &acceleration,
                         &new_velocity,
                         &mapped_velocity,
+                        &held_residual,
                         &last_accelerations[0],
                         &last_accelerations[1]})
       for (VectorType &component : *field)
         space().initialize_vector(component);
 
     make_bodies();
+    for (const Body<dim> &body : all_bodies)
+      if (!body.imposed_velocity.empty() && !obstacles)
+        {
+          obstacles = std::make_unique<Obstacles<dim>>();
+          obstacles->reinit(space());
+        }
+    AssertThrow(n_free_points > 0,
+                ExcMessage("All bodies have an 'Imposed velocity': there is "
+                           "none that feels forces."));
     loads.find_surfaces(all_bodies, comm);
     remember_state();
   }
@@ -191,6 +202,8 @@ namespace greville
                     ExcMessage("The parameter 'Body " + name +
                                "/Displacement' moves points out of the grid."));
         n_all_points += body.n_points;
+        if (body.imposed_velocity.empty())
+          n_free_points += body.n_points;
 
         const Moduli moduli = body.material->moduli();
         const double c      = std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) /
@@ -216,8 +229,9 @@ namespace greville
   Simulation<dim>::is_finished() const
   {
     const double end = parameters.time.end;
-    return t >= end * (1. - 1e-12) || (parameters.time.max_steps > 0 &&
-                                       steps >= parameters.time.max_steps);
+    return t >= end * (1. - 1e-12) || n_free_points == 0 ||
+           (parameters.time.max_steps > 0 &&
+            steps >= parameters.time.max_steps);
   }
 
 
@@ -235,6 +249,10 @@ namespace greville
                             &momentum,
                             nullptr);
     grid_mass->update(lumped_mass, summed_points, transfer);
+    // Obstacles may let go before the next estimate.
+    if (obstacles)
+      grid_mass->hold(
+        std::vector<unsigned char>(lumped_mass.locally_owned_size(), 0));
     if (!grid_mass->is_consistent())
       grid_mass->prepare_product(summed_points, transfer);
     const double estimate = critical_step<dim>(
@@ -363,7 +381,9 @@ namespace greville
   {
     summed_points.clear();
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
-      if (run_case.quadrature == "points")
+      if (!all_bodies[b].imposed_velocity.empty())
+        continue;
+      else if (run_case.quadrature == "points")
         summed_points.push_back(&all_bodies[b].points);
       else
         {
@@ -433,11 +453,48 @@ namespace greville
 
   template <int dim>
   void
+  Simulation<dim>::touch_obstacles(const bool with_force)
+  {
+    if (!obstacles)
+      return;
+    obstacles->touch(*grid_mass,
+                     lumped_mass,
+                     momentum,
+                     with_force ? &force : nullptr,
+                     loads.gravity(t));
+    if (!with_force || parameters.scheme.stress_update != "USF")
+      obstacles->set_velocity(velocity, false);
+    obstacles->set_acceleration(acceleration, velocity);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::take_held_residual()
+  {
+    if (parameters.scheme.transfer != "FLIP" || !(velocity_dt > 0.))
+      return;
+    grid_mass->held_residual(held_residual, momentum, velocity);
+    for (unsigned int d = 0; d < dim; ++d)
+      acceleration[d].add(-1. / velocity_dt, held_residual[d]);
+  }
+
+
+
+  template <int dim>
+  void
   Simulation<dim>::add_contact()
   {
     if (!contact)
       {
         walls.add_contact(new_velocity, acceleration, velocity_dt);
+        // Obstacles go first.
+        if (obstacles)
+          {
+            obstacles->set_velocity(new_velocity, true);
+            obstacles->set_acceleration(acceleration, velocity);
+          }
         return;
       }
     const PartTimer timer(*this, "contact");
@@ -469,7 +526,7 @@ namespace greville
     update.deformation   = deformation;
     update.move          = move;
     update.velocity_step = velocity_dt;
-    update.step          = dt;
+    update.step          = move ? dt : deformation_dt;
     update.flip =
       parameters.scheme.transfer == "PIC" ? 0. : parameters.scheme.flip;
     update.apic = parameters.scheme.transfer == "APIC";
@@ -516,13 +573,15 @@ namespace greville
   Simulation<dim>::transport_points()
   {
     const PartTimer timer(*this, "transport");
-    std::uint64_t   counts[2] = {0, 0};
+    std::uint64_t   counts[3] = {0, 0, 0};
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
       {
         const auto result = transport.move(all_bodies[b].points, left_cells[b]);
         left_cells[b].clear();
         n_own_sent += result.n_sent;
         counts[0] += all_bodies[b].points.n_points();
+        if (all_bodies[b].imposed_velocity.empty())
+          counts[2] += all_bodies[b].points.n_points();
         counts[1] += result.n_removed;
         if (result.n_removed > 0 && problem.empty() &&
             (parameters.scheme.outside == "error" ||
@@ -537,9 +596,10 @@ namespace greville
         if (steps % defragment_every == defragment_every - 1)
           all_bodies[b].points.defragment();
       }
-    Utilities::MPI::sum(ArrayView<const std::uint64_t>(counts, 2),
+    Utilities::MPI::sum(ArrayView<const std::uint64_t>(counts, 3),
                         comm,
-                        ArrayView<std::uint64_t>(counts, 2));
+                        ArrayView<std::uint64_t>(counts, 3));
+    n_free_points = counts[2];
     n_all_removed += counts[1];
     AssertThrow(counts[0] + n_all_removed == n_all_points,
                 ExcMessage(
@@ -587,6 +647,7 @@ namespace greville
     remembered.t             = t;
     remembered.velocity_time = velocity_time;
     remembered.n_removed     = n_all_removed;
+    remembered.n_free        = n_free_points;
     remembered.last_kinetic  = last_kinetic;
     remembered.dt            = dt;
     remembered.steps         = steps;
@@ -609,6 +670,7 @@ namespace greville
     t                    = remembered.t;
     velocity_time        = remembered.velocity_time;
     n_all_removed        = remembered.n_removed;
+    n_free_points        = remembered.n_free;
     last_kinetic         = remembered.last_kinetic;
     dt                   = remembered.dt;
     steps                = remembered.steps;
@@ -643,6 +705,12 @@ namespace greville
           });
         }
 
+    if (obstacles)
+      obstacles->update(all_bodies,
+                        transfer,
+                        velocity_time,
+                        velocity_time + velocity_dt);
+
     const std::string &order = parameters.scheme.stress_update;
     {
       const PartTimer timer(*this, "loads");
@@ -666,6 +734,7 @@ namespace greville
       velocity[d] = new_velocity[d];
     walls.hold_velocity(velocity, velocity_time);
     walls.hold_acceleration(acceleration, velocity_time, velocity_dt);
+    touch_obstacles(order != "USF");
     if (order == "USF" || is_damped())
       {
         solve({&velocity}, {&momentum});
@@ -678,6 +747,7 @@ namespace greville
                                     nullptr,
                                     nullptr,
                                     &force);
+            touch_obstacles(true);
           }
         add_grid_forces();
         solve({&acceleration}, {&force});
@@ -701,6 +771,8 @@ namespace greville
     const double last_dt = dt, last_signal = fastest_signal;
     const auto   n_between = parameters.time.estimate_every;
     choose_step(steps == 0 || (n_between > 0 && steps % n_between == 0));
+    // USF deforms by v, which belongs to the middle of the last step.
+    deformation_dt = parameters.time.velocities == "half steps" ? last_dt : dt;
     fastest_signal = 0.;
     find_acceleration();
     if (shows_faster_mode())
@@ -718,6 +790,7 @@ namespace greville
         new_velocity[d].add(velocity_dt, acceleration[d]);
       }
     add_contact();
+    take_held_residual();
 
     if (order == "USL")
       update_points(&acceleration, &new_velocity, &new_velocity, true);
@@ -736,6 +809,8 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           mapped_velocity[d] = new_velocity[d];
         walls.hold_velocity(mapped_velocity, velocity_time + velocity_dt);
+        if (obstacles)
+          obstacles->set_velocity(mapped_velocity, true);
         solve({&mapped_velocity}, {&momentum});
         walls.stop(mapped_velocity);
         update_points(nullptr, &new_velocity, &mapped_velocity, true);
@@ -746,6 +821,9 @@ namespace greville
     t += dt;
     velocity_time += velocity_dt;
     ++steps;
+    if (n_free_points == 0)
+      warnings.push_back("The last point has left the grid at t = " +
+                         std::to_string(t) + " s: the run ends.");
     damp_kinetically();
   }
 

@@ -177,6 +177,8 @@ namespace greville
     result.front         = Utilities::MPI::max(largest[0], comm);
     result.height        = Utilities::MPI::max(largest[1], comm);
     result.n_points      = Utilities::MPI::sum(result.n_points, comm);
+    if (result.n_points == 0)
+      result.front = result.height = 0.;
     if (result.mass > 0.)
       result.center = Utilities::MPI::sum(first_moment, comm) / result.mass;
     return result;

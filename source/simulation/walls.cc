@@ -58,6 +58,40 @@ namespace greville
 
 
   template <int dim>
+  void
+  Walls<dim>::check_paths(const SplineSpace<dim> &space, const double end) const
+  {
+    constexpr unsigned int n = 1000; // steps of the trapezoidal rule
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (type[w] == "moving")
+        {
+          const unsigned int d    = w / 2;
+          const double       h    = space.lattice().cell_size(d);
+          double             path = 0., last = 0.;
+          for (unsigned int k = 0; k <= n; ++k)
+            {
+              const double t = end * k / n;
+              const double v = velocity[w][d](ArrayView<const double>(&t, 1));
+              if (k > 0)
+                path += 0.5 * end / n * (last + v);
+              last = v;
+              AssertThrow(
+                std::abs(path) <= 0.1 * h,
+                ExcMessage(
+                  "The parameter 'Walls/" + WallParameters::names[w] +
+                  " velocity' moves the wall along its normal: by " +
+                  std::to_string(path) + " m until t = " + std::to_string(t) +
+                  " s. Walls of the grid can move along themselves only (or a "
+                  "tenth of a cell, " +
+                  std::to_string(0.1 * h) +
+                  " m): take a body with an 'Imposed velocity' as a piston."));
+            }
+        }
+  }
+
+
+
+  template <int dim>
   bool
   Walls<dim>::holds(const unsigned int wall, const unsigned int component) const
   {

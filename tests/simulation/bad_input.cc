@@ -87,6 +87,10 @@ main(int argc, char **argv)
   test("APIC with a reconstruction",
        good.with("Scheme", {"Transfer = APIC", "Quadrature = least-squares"}));
   test("moving wall without velocity", good.with("Walls", {"Top = moving"}));
+  test("wall that moves along its normal",
+       good.with("Walls", {"Top = moving", "Top velocity = 0; -1e4"}));
+  test("bodies with imposed velocities only",
+       good.with("Body body", {"Imposed velocity = 0; 0"}));
   test("velocity of a wall that does not move",
        good.with("Walls", {"Top velocity = 1; 0"}));
   test("grid upside down", good.with("Grid", {"Upper corner = 1, -1"}));

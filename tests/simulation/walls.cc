@@ -68,6 +68,49 @@ main(int argc, char **argv)
       check(mass + ", velocity at the moving wall", max_all(worst), 1e-12);
     }
 
+  // What moves with its walls keeps on moving.
+  for (const std::string mass :
+       {"lumped", "fmpm-2", "fmpm-4", "consistent", "cg"})
+    {
+      Simulated<2> run(block_2d("box(0.25, 0, 0.75, 1)")
+                         .with("Grid", {"Upper corner = 2, 1", "Cells = 16, 8"})
+                         .with("Body body", {"Velocity = 1; 0"})
+                         .with("Walls",
+                               {"Bottom = moving",
+                                "Bottom velocity = 1; 0",
+                                "Top = moving",
+                                "Top velocity = 1; 0"})
+                         .with("Scheme", {"Mass = " + mass})
+                         .with("Time", {"End = 0.05"}));
+      run.run();
+      const auto s = run->statistics();
+      check(mass + ", moves with its walls: speed", s.largest_speed, 1. + 1e-6);
+      check(mass + ", moves with its walls: momentum",
+            std::abs(s.momentum[0] / s.mass - 1.),
+            1e-6);
+    }
+
+  // A block that is stopped by its fixed floor: damped, all of its points come
+  // to rest, those that hardly any free function sees, too.
+  for (const std::string mass : {"lumped", "fmpm-2", "consistent"})
+    {
+      Simulated<2> run(block_2d("box(0.25, 0, 0.75, 0.5)")
+                         .with("Body body", {"Velocity = 0.1; 0"})
+                         .with("Loads", {"Cundall damping = 0.3"})
+                         .with("Walls", {"Bottom = fixed"})
+                         .with("Scheme", {"Mass = " + mass})
+                         .with("Time", {"End = 3"}));
+      const double start = run->statistics().kinetic;
+      run.run();
+      const auto end = run->statistics();
+      check(mass + ", fixed floor: speed of points at rest",
+            end.largest_speed,
+            0.002);
+      check(mass + ", fixed floor: no energy from nothing",
+            end.kinetic + end.strain,
+            0.01 * start);
+    }
+
   // A wall that speeds up: at half steps it has the velocity of that time.
   for (const std::string at : {"half steps", "full steps"})
     {

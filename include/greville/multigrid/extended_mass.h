@@ -191,6 +191,14 @@ namespace greville
     multiply_field(VectorField<dim> &rows, const VectorField<dim> &field) const;
 
     /**
+     * rows = M~ field at the functions that are held, extended ones too; zero
+     * elsewhere.
+     */
+    void
+    multiply_at_held(VectorField<dim>       &rows,
+                     const VectorField<dim> &field) const;
+
+    /**
      * Set the held entries of @p x to zero.
      */
     void

@@ -101,13 +101,37 @@ namespace greville
                const std::vector<unsigned char> &more);
 
     /**
-     * Components (bits) that walls hold of a local function.
+     * Collective. Hold more coefficients than walls do, until the next call:
+     * bit c of @p more[i] holds component c of the owned function i. Not for
+     * solvers by name.
+     */
+    void
+    hold(const std::vector<unsigned char> &more);
+
+    /**
+     * Components (bits) that are held of a local function.
      */
     unsigned char
     held_components(const unsigned int function) const
     {
       return held[function];
     }
+
+    unsigned char
+    held_by_walls(const unsigned int function) const
+    {
+      return wall_held[function];
+    }
+
+    /**
+     * Collective. The momentum @p b of points that a velocity @p x, the
+     * solution of M x = b, leaves out since it is held, as a velocity: (b - M
+     * x)_i / m_i where coefficients are held, zero elsewhere.
+     */
+    void
+    held_residual(VectorField<dim>       &residual,
+                  const VectorField<dim> &b,
+                  const VectorField<dim> &x) const;
 
     /**
      * Collective. The rows of M x at all unknowns, held ones too: what walls
@@ -196,6 +220,12 @@ namespace greville
     make_groups();
 
     /**
+     * Collective. Bits of owned functions, for all local ones.
+     */
+    std::vector<unsigned char>
+    for_local_functions(const std::vector<unsigned char> &owned) const;
+
+    /**
      * Throw where a solver did not converge.
      */
     void
@@ -236,7 +266,8 @@ namespace greville
     CellFilling<dim>            filling;
     std::vector<Extension<dim>> extensions; // by level
     ExtendedMass<dim>           extended_mass;
-    std::vector<unsigned char>  held; // bits of components, by function
+    // Bits of components, by local function: all that are held, and by walls.
+    std::vector<unsigned char>               held, wall_held;
     std::unique_ptr<ExtendedMassSolver<dim>> solver_of_all;
     std::unique_ptr<ExtendedMassSolver<dim>> solver_of_held; // solve_held()
     bool                                     held_solver_is_behind = true;

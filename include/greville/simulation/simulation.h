@@ -5,6 +5,7 @@
 #include <greville/particles/reconstruction.h>
 #include <greville/simulation/friction_contact.h>
 #include <greville/simulation/loads.h>
+#include <greville/simulation/obstacles.h>
 #include <greville/simulation/statistics.h>
 
 #include <map>
@@ -38,12 +39,16 @@ namespace greville
    *
    * with w = v' (USL); w = M^-1 P', P' from the velocities of the kicked points
    * at x_n (MUSL); or w = v, before F is summed up (USF). Coefficients at walls
-   * are held in all of these.
+   * and at obstacles, see Obstacles, are held in all of these. What v leaves
+   * out of the points' momentum there, since it is held, is taken from the
+   * points with the kick, see GridMass::held_residual(): else they would keep
+   * it for ever.
    *
    * With velocities at half steps, dt' is the mean of dt and the step before
    * it, in the first step dt / 2: central differences, of second order, where
-   * v belongs to t_(n-1/2), v' to t_(n+1/2). With full steps dt' = dt:
-   * symplectic Euler, of first order.
+   * v belongs to t_(n-1/2), v' to t_(n+1/2). USF then deforms over the step
+   * before, to which v belongs: F, J and stress of a finished step are those of
+   * t_n. With full steps dt' = dt: symplectic Euler, of first order.
    *
    * (D. Sulsky, Z. Chen, H. Schreyer, A particle method for history-dependent
    * materials, 1994; S. Bardenhagen, Energy conservation error in the material
@@ -246,6 +251,21 @@ namespace greville
     quadrature_points();
 
     /**
+     * Find what touches obstacles, and hold it: guesses of velocity and
+     * acceleration get the values there. Without @p with_force, the forces of
+     * the points are not known yet.
+     */
+    void
+    touch_obstacles(const bool with_force);
+
+    /**
+     * Points shall not keep what the held velocity leaves out of theirs: add
+     * it, with the opposite sign, to the acceleration that kicks them.
+     */
+    void
+    take_held_residual();
+
+    /**
      * Gravity and damping.
      */
     void
@@ -304,6 +324,7 @@ namespace greville
     Loads<dim>                            loads;
     std::unique_ptr<GridMass<dim>>        grid_mass;
     std::unique_ptr<FrictionContact<dim>> contact; // consistent mass
+    std::unique_ptr<Obstacles<dim>>       obstacles;
     PointTransfer<dim>                    transfer;
     PointTransport<dim>                   transport;
     Reconstruction<dim>                   reconstruction;
@@ -318,6 +339,7 @@ namespace greville
     VectorType       lumped_mass;
     VectorField<dim> momentum, force;
     VectorField<dim> velocity, acceleration, new_velocity, mapped_velocity;
+    VectorField<dim> held_residual;
 
     // Of the last steps, the latest first.
     std::array<VectorField<dim>, 2> last_accelerations;
@@ -326,6 +348,7 @@ namespace greville
 
     double        t              = 0.;
     double        dt             = 0.; // of the last step
+    double        deformation_dt = 0.; // USF: of the deformation
     double        velocity_time  = 0.; // that of the points' velocities
     double        velocity_dt    = 0.;
     double        critical_dt    = 0.;
@@ -335,6 +358,7 @@ namespace greville
     unsigned int  iterations     = 0;
     std::uint64_t all_iterations = 0;
     std::uint64_t n_all_points = 0, n_all_removed = 0, n_own_sent = 0;
+    std::uint64_t n_free_points = 0; // of bodies that feel forces
     std::vector<std::vector<unsigned int>> left_cells; // per body
     std::string                            problem;    // of this process
     std::vector<double>                    estimates;  // of the critical step
@@ -345,8 +369,8 @@ namespace greville
     {
       double                           t = 0., dt = 0., velocity_time = 0.;
       double                           last_kinetic = 0.;
-      std::uint64_t                    n_removed    = 0;
-      unsigned int                     steps        = 0;
+      std::uint64_t                    n_removed = 0, n_free = 0;
+      unsigned int                     steps = 0;
       std::vector<MaterialPoints<dim>> points;
     };
     Remembered remembered;

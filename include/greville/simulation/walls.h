@@ -40,6 +40,14 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /**
+     * Throw dealii::ExcMessage where a moving wall leaves its place until the
+     * time @p end: it holds the coefficients at the edge of the grid, and lets
+     * go of a body that is a cell away.
+     */
+    void
+    check_paths(const SplineSpace<dim> &space, const double end) const;
+
+    /**
      * The owned coefficients of component @p component that are held, for any
      * space.
      */

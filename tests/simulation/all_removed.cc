@@ -1,0 +1,23 @@
+// A body that leaves the grid, to the last point: the run ends by itself.
+#include "simulation.h"
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  for (const std::string mass : {"lumped", "fmpm-2", "consistent"})
+    {
+      Simulated<2> run(
+        block_2d("ball(0.7, 0.5, 0.15)", 16)
+          .with("Scheme", {"Mass = " + mass, "Points outside = remove"})
+          .with("Body body", {"Velocity = 10; 3"})
+          .with("Time", {"End = 1"}));
+      run.run();
+      check(mass + ": ends when the last point has left",
+            run->time() > 0.04 && run->time() < 0.05);
+      check(mass + ": all points are removed",
+            run->n_removed() == run->bodies()[0].n_points &&
+              run->statistics().n_points == 0);
+      check(mass + ": it says so", run->take_warnings().size() == 1);
+    }
+}
