@@ -2,7 +2,7 @@
 # from the project's root. Installs what is missing, configures and builds.
 
 packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
-test_packages="numdiff perl clang-format-14 doxygen"
+test_packages="numdiff perl lld clang-format-14 doxygen"
 drawing_packages="python3-matplotlib python3-vtk9 python3-pil"
 
 # Without these ccache does not look into its cache where a precompiled header

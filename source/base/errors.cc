@@ -1,5 +1,5 @@
 #include <deal.II/base/exceptions.h>
-#include <deal.II/base/mpi.templates.h>
+#include <deal.II/base/mpi.h>
 
 #include <greville/base/errors.h>
 

@@ -419,14 +419,25 @@ namespace greville
 
 
 
+    /**
+     * Mass has p + 1 points per direction where it is that of a density and
+     * 2 p + 1 where it is that of material points, p being the higher of the
+     * two orders: only these columns are compiled.
+     */
+    template <int n_in, int q, int n_out>
+    constexpr bool has_column =
+      q == std::max(n_in, n_out) || q == 2 * std::max(n_in, n_out) - 1;
+
     template <int dim, int n_in, int q, int n_out>
     ColumnKernel
     select_column(const unsigned int degree_in,
                   const unsigned int n_points_1d,
                   const unsigned int degree_out)
     {
-      if (degree_in + 1 == n_in && n_points_1d == q && degree_out + 1 == n_out)
-        return &multiply_column<dim, n_in, q, n_out>;
+      if constexpr (has_column<n_in, q, n_out>)
+        if (degree_in + 1 == n_in && n_points_1d == q &&
+            degree_out + 1 == n_out)
+          return &multiply_column<dim, n_in, q, n_out>;
       if constexpr (n_out < std::min(q, largest_n))
         return select_column<dim, n_in, q, n_out + 1>(degree_in,
                                                       n_points_1d,
@@ -441,7 +452,12 @@ namespace greville
                                                           degree_out);
       else
         {
-          AssertThrow(false, ExcInternalError());
+          AssertThrow(false,
+                      ExcMessage("No kernel for the mass of the orders " +
+                                 std::to_string(degree_out) + " and " +
+                                 std::to_string(degree_in) + " and " +
+                                 std::to_string(n_points_1d) +
+                                 " points per direction."));
           return nullptr;
         }
     }

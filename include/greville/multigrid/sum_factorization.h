@@ -126,6 +126,8 @@ namespace greville
 
   /**
    * Kernels are compiled for 1 <= p < n_q <= 6 and for n_q = 7, 9, 11.
+   * Those of columns are compiled for n_q = p + 1 and n_q = 2 p + 1 only, p
+   * being the higher of the two orders.
    */
   template <int dim>
   CellKernels
