@@ -24,6 +24,7 @@ namespace greville
     place_x             = ZeroedArray<double>(n * max_width);
     place_y             = ZeroedArray<double>(n * max_width);
     roles               = ZeroedArray<int>(n);
+    is_numbered         = false;
     unknowns.clear();
     extended.clear();
     held_functions.assign(space.owned_functions().size() +
@@ -38,12 +39,13 @@ namespace greville
   ExtendedMass<dim>::begin(const Extension<dim> &e, const bool changed)
   {
     extension = &e;
-    if (!changed && !unknowns.empty())
+    if (!changed && is_numbered)
       {
         points_mass.clear();
         return;
       }
     number_unknowns();
+    is_numbered = true;
     std::vector<unsigned int> active;
     for (unsigned int f = 0; f < held_functions.size(); ++f)
       if (e[f] != Extension<dim>::inactive)
@@ -603,6 +605,46 @@ namespace greville
               (*extension)[f] != Extension<dim>::inactive)
             rows[c].local_element(f) = place_y[points_mass.place(f)];
         rows[c].compress(VectorOperation::add);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::extend(VectorField<dim> &field,
+                            const VectorType &weights) const
+  {
+    constexpr unsigned int width = dim == 2 ? 2 : 4;
+    VectorType             x, taken;
+    initialize_vector(x, width);
+    initialize_vector(taken, width);
+    read_fields(x, {&field}, width);
+    write_fields({&field}, x, width);
+    for (unsigned int k = 0; k < extended.size(); ++k)
+      {
+        const unsigned int f = extended_functions[k];
+        if (f >= n_owned_functions())
+          continue;
+        const std::size_t n = extended_begin[k + 1] - extended_begin[k];
+        for (unsigned int c = 0; c < dim; ++c)
+          {
+            const double part =
+              weights.local_element(f) * field[c].local_element(f) / n;
+            for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
+                 ++e)
+              taken.local_element(extended_entries[e].unknown * width + c) +=
+                part;
+          }
+      }
+    taken.compress(VectorOperation::add);
+    for (unsigned int u = 0; u < n_owned; ++u)
+      {
+        const unsigned int f = owned_unknown_functions[u];
+        for (unsigned int c = 0; c < dim; ++c)
+          if (weights.local_element(f) > 0.)
+            field[c].local_element(f) -=
+              taken.local_element(u * width + c) / weights.local_element(f);
       }
   }
 

@@ -129,6 +129,15 @@ namespace greville
                   "cells. 0: none is extended. Unit: none.",
                   prm,
                   Patterns::Double(0., 2.));
+    add_parameter("Filter",
+                  filter,
+                  "Consistent mass: strength of the high-order filter of the "
+                  "velocity, which damps what points that cross cells excite: "
+                  "the fraction of the highest mode that is removed per cell "
+                  "that is crossed. 0: none; steps then gain energy. Unit: "
+                  "none.",
+                  prm,
+                  Patterns::Double(0., 100.));
     add_parameter("Stress update",
                   stress_update,
                   "When stresses are updated: last (USL), first (USF), or last "

@@ -22,6 +22,10 @@ namespace greville
     // Estimates of the critical step of which the smallest counts.
     constexpr unsigned int n_estimates = 3;
 
+    // With consistent mass, cells that a point crosses in a step at most, times
+    // the order: the filter of the velocity cannot keep up with longer steps.
+    constexpr double most_crossings = 0.6;
+
 
 
     template <int dim>
@@ -115,6 +119,8 @@ namespace greville
     walls.check_paths(space(), parameters.time.end);
     if (grid_mass->is_consistent() && walls.have_friction())
       contact = std::make_unique<FrictionContact<dim>>(walls, *grid_mass);
+    if (grid_mass->is_consistent())
+      filter.reinit(space());
     transfer.reinit(space());
     transport.reinit(mesh, space());
     space().initialize_vector(lumped_mass);
@@ -210,14 +216,20 @@ namespace greville
                                    body.material->density);
         const unsigned int s = body.points.stride();
         body.points.for_each([&](const unsigned int, const double *p) {
-          double v2 = 0.;
+          double v2 = 0., rate = 0.;
           for (unsigned int d = 0; d < dim; ++d)
-            v2 += std::pow(p[(PointLayout<dim>::velocity + d) * s], 2);
+            {
+              const double v = p[(PointLayout<dim>::velocity + d) * s];
+              v2 += v * v;
+              rate += std::abs(v) / space().lattice().cell_size(d);
+            }
           fastest_signal = std::max(fastest_signal, c + std::sqrt(v2));
+          crossing_rate  = std::max(crossing_rate, rate);
         });
         all_bodies.push_back(std::move(body));
       }
     fastest_signal = Utilities::MPI::max(fastest_signal, comm);
+    crossing_rate  = Utilities::MPI::max(crossing_rate, comm);
     left_cells.resize(all_bodies.size());
     reconstructed.resize(all_bodies.size());
   }
@@ -309,7 +321,13 @@ namespace greville
           }
       }
     else
-      next = std::min(time.cfl * h / fastest_signal, time.safety * critical_dt);
+      {
+        next =
+          std::min(time.cfl * h / fastest_signal, time.safety * critical_dt);
+        if (grid_mass->is_consistent() && crossing_rate > 0.)
+          next =
+            std::min(next, most_crossings / (run_case.degree * crossing_rate));
+      }
     AssertThrow(std::isfinite(next) && next > 0.,
                 ExcMessage("The automatic time step is " +
                            std::to_string(next) +
@@ -508,6 +526,54 @@ namespace greville
       }
     iterations = std::max(iterations, contact->most_iterations());
     all_iterations += contact->n_iterations();
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::find_crossing_rate()
+  {
+    double rates[2] = {fastest_signal, 0.};
+    for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
+      if (!grid_mass->is_consistent() ||
+          grid_mass->extension()[i] == Extension<dim>::stable)
+        {
+          double rate = 0.;
+          for (unsigned int d = 0; d < dim; ++d)
+            rate += std::abs(new_velocity[d].local_element(i)) /
+                    space().lattice().cell_size(d);
+          rates[1] = std::max(rates[1], rate);
+        }
+    Utilities::MPI::max(ArrayView<const double>(rates, 2),
+                        comm,
+                        ArrayView<double>(rates, 2));
+    fastest_signal = rates[0];
+    crossing_rate  = rates[1];
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::filter_velocity()
+  {
+    if (!grid_mass->is_consistent() || parameters.scheme.filter == 0.)
+      return;
+    const PartTimer timer(*this, "filter");
+    filter.set_mass(lumped_mass);
+    VectorField<dim> &correction = mapped_velocity;
+    filter.apply(correction, new_velocity, parameters.scheme.filter, dt);
+    grid_mass->extend(correction);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        VectorType &z = correction[d];
+        for (unsigned int i = 0; i < z.locally_owned_size(); ++i)
+          if ((grid_mass->held_components(i) >> d) & 1)
+            z.local_element(i) = 0.;
+        new_velocity[d] += z;
+        acceleration[d].add(1. / velocity_dt, z);
+      }
   }
 
 
@@ -789,6 +855,7 @@ namespace greville
         new_velocity[d] = velocity[d];
         new_velocity[d].add(velocity_dt, acceleration[d]);
       }
+    filter_velocity();
     add_contact();
     take_held_residual();
 
@@ -817,7 +884,7 @@ namespace greville
       }
     transport_points();
     check(problem);
-    fastest_signal = Utilities::MPI::max(fastest_signal, comm);
+    find_crossing_rate();
     t += dt;
     velocity_time += velocity_dt;
     ++steps;

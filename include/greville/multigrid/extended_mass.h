@@ -199,6 +199,16 @@ namespace greville
                      const VectorField<dim> &field) const;
 
     /**
+     * Collective. Give extended functions the coefficients that E makes of
+     * those of the others. The sum of the coefficients times @p weights, the
+     * lumped mass, stays as it would be with extended coefficients of zero:
+     * what an extended function gets is taken from the functions that it
+     * depends on.
+     */
+    void
+    extend(VectorField<dim> &field, const VectorType &weights) const;
+
+    /**
      * Set the held entries of @p x to zero.
      */
     void
@@ -243,7 +253,10 @@ namespace greville
     const Extension<dim> *extension = nullptr;
     StencilMatrix<dim>    points_mass;
 
-    unsigned int              n_owned = 0;
+    // Whether the unknowns have been numbered, on all processes; this one may
+    // have none of them.
+    bool                      is_numbered = false;
+    unsigned int              n_owned     = 0;
     std::vector<unsigned int> unknowns; // places
     std::vector<unsigned int> owned_unknown_functions;
     std::vector<unsigned int> extended;           // places

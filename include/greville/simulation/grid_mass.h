@@ -144,6 +144,16 @@ namespace greville
     }
 
     /**
+     * Collective. Give the extended functions of a field the coefficients that
+     * they depend on, see ExtendedMass::extend(). Consistent mass only.
+     */
+    void
+    extend(VectorField<dim> &field) const
+    {
+      extended_mass.extend(field, lumped_mass);
+    }
+
+    /**
      * Collective. b = M x with the consistent matrix, zero where coefficients
      * are held. prepare_product() has to be called after update().
      */

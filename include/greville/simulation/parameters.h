@@ -77,6 +77,7 @@ namespace greville
 
     std::string mass          = "consistent";
     double      filling       = 0.45;
+    double      filter        = 0.4;
     std::string stress_update = "USL";
     std::string transfer      = "FLIP";
     double      flip          = 1.;

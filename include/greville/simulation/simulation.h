@@ -7,6 +7,7 @@
 #include <greville/simulation/loads.h>
 #include <greville/simulation/obstacles.h>
 #include <greville/simulation/statistics.h>
+#include <greville/simulation/velocity_filter.h>
 
 #include <map>
 #include <optional>
@@ -33,7 +34,8 @@ namespace greville
    *   M, P, F     from the points                             (points to grid)
    *   M v  = P    the velocity of the grid
    *   M a  = F    with gravity and damping
-   *   v'   = v + dt' a, and contact with friction walls
+   *   v'   = v + dt' a, filtered (consistent mass, see VelocityFilter), and
+   *          contact with friction walls
    *   points are kicked by a (FLIP) or take v' (PIC, APIC), and are moved by v'
    *   F, J, stress from the gradient of w                     (grid to points)
    *
@@ -292,6 +294,19 @@ namespace greville
     add_contact();
 
     /**
+     * Agree on the fastest signal, and on the largest number of cells that a
+     * point crosses in a second. Collective.
+     */
+    void
+    find_crossing_rate();
+
+    /**
+     * Filter the new velocity, and add what that takes to the acceleration.
+     */
+    void
+    filter_velocity();
+
+    /**
      * One pass over the points of all bodies. Null pointers leave out a part.
      */
     void
@@ -325,6 +340,7 @@ namespace greville
     std::unique_ptr<GridMass<dim>>        grid_mass;
     std::unique_ptr<FrictionContact<dim>> contact; // consistent mass
     std::unique_ptr<Obstacles<dim>>       obstacles;
+    VelocityFilter<dim>                   filter; // consistent mass
     PointTransfer<dim>                    transfer;
     PointTransport<dim>                   transport;
     Reconstruction<dim>                   reconstruction;
@@ -354,6 +370,7 @@ namespace greville
     double        critical_dt    = 0.;
     double        fastest_signal = 0.;
     double        last_kinetic   = 0.;
+    double        crossing_rate  = 0.; // cells per second, of the fastest
     unsigned int  steps          = 0;
     unsigned int  iterations     = 0;
     std::uint64_t all_iterations = 0;
