@@ -329,7 +329,8 @@ namespace greville
   template <int dim>
   SolveResult
   ExtendedMassSolver<dim>::solve(const std::vector<VectorField<dim> *>       &x,
-                                 const std::vector<const VectorField<dim> *> &b)
+                                 const std::vector<const VectorField<dim> *> &b,
+                                 const std::vector<double> &shares)
   {
     const unsigned int columns = x.size() * dim;
     const unsigned int width   = std::max(2u, width_for(columns));
@@ -343,10 +344,11 @@ namespace greville
     const auto run = [&](const unsigned int max_iterations) {
       mass.restrict_fields(rows, b, width);
       mass.subtract_held(rows, x, width);
-      return width == 2 ? iterate<2>(unknowns, rows, x.size(), max_iterations)
+      return width == 2
+               ? iterate<2>(unknowns, rows, x.size(), shares, max_iterations)
              : width == 4
-               ? iterate<4>(unknowns, rows, x.size(), max_iterations)
-               : iterate<8>(unknowns, rows, x.size(), max_iterations);
+               ? iterate<4>(unknowns, rows, x.size(), shares, max_iterations)
+               : iterate<8>(unknowns, rows, x.size(), shares, max_iterations);
     };
     mass.read_fields(unknowns,
                      std::vector<const VectorField<dim> *>(x.begin(), x.end()),
@@ -373,10 +375,11 @@ namespace greville
   template <int dim>
   template <int width>
   SolveResult
-  ExtendedMassSolver<dim>::iterate(VectorType        &x,
-                                   VectorType        &r,
-                                   const unsigned int n_fields,
-                                   const unsigned int max_iterations)
+  ExtendedMassSolver<dim>::iterate(VectorType                &x,
+                                   VectorType                &r,
+                                   const unsigned int         n_fields,
+                                   const std::vector<double> &shares,
+                                   const unsigned int         max_iterations)
   {
     const MPI_Comm comm = mass.communicator();
     VectorType     p, q, z;
@@ -405,7 +408,7 @@ namespace greville
     };
 
     // A guess that is worse than zero is none.
-    const auto target = norms(r);
+    auto target = norms(r);
     mass.vmult(q, x, width);
     q.sadd(-1., 1., r);
     {
@@ -420,6 +423,8 @@ namespace greville
               }
     }
     r.swap(q);
+    for (unsigned int k = 0; k < shares.size(); ++k)
+      target[k] = std::max(target[k], shares[k] * shares[k] * target[0]);
 
     SolveResult    result;
     auto           now   = norms(r);

@@ -208,7 +208,8 @@ namespace greville
   template <int dim>
   void
   GridMass<dim>::solve(const std::vector<VectorField<dim> *>       &x,
-                       const std::vector<const VectorField<dim> *> &b)
+                       const std::vector<const VectorField<dim> *> &b,
+                       const std::vector<double>                   &shares)
   {
     AssertDimension(x.size(), b.size());
     iterations = 0;
@@ -218,7 +219,8 @@ namespace greville
           solve_series(*x[k], *b[k]);
         return;
       }
-    check(solver_of_all ? solver_of_all->solve(x, b) : solve_components(x, b));
+    check(solver_of_all ? solver_of_all->solve(x, b, shares)
+                        : solve_components(x, b));
   }
 
 
@@ -407,6 +409,19 @@ namespace greville
         extended_mass.write_fields({x[k]}, unknowns, width);
       }
     return result;
+  }
+
+
+
+  template <int dim>
+  double
+  GridMass<dim>::fragment_fraction() const
+  {
+    std::uint64_t n = 0;
+    for (const double part : filled_part)
+      n += part > 0.;
+    n = Utilities::MPI::sum(n, space().communicator());
+    return n > 0 ? double(n_fragments()) / n : 0.;
   }
 
 

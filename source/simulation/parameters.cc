@@ -117,7 +117,9 @@ namespace greville
   {
     add_parameter("Mass",
                   mass,
-                  "How M a = F is solved: consistent (the exact mass matrix on "
+                  "How M a = F is solved: auto (lumped for fluids, Drucker-"
+                  "Prager and Mohr-Coulomb materials and with APIC, "
+                  "consistent otherwise), consistent (the exact mass matrix on "
                   "extended B-splines), lumped, fmpm-K, or a solver of the "
                   "exact matrix by name: " +
                     MassSolver<2>::names() + ".");
@@ -152,9 +154,18 @@ namespace greville
                   Patterns::Selection("FLIP|PIC|APIC"));
     add_parameter("FLIP share",
                   flip,
-                  "1: all of FLIP, 0: all of PIC. Unit: none.",
+                  "The fraction of FLIP that the velocities of points keep "
+                  "in 'FLIP time', the rest being PIC: in a step dt it is the "
+                  "share to the power dt / 'FLIP time'. 1: all of FLIP, 0: "
+                  "all of PIC. Unit: none.",
                   prm,
                   Patterns::Double(0., 1.));
+    add_parameter("FLIP time",
+                  flip_time,
+                  "The time that 'FLIP share' belongs to. 0: in which the "
+                  "fastest initial wave crosses a cell. Unit: s.",
+                  prm,
+                  Patterns::Double(0.));
     add_parameter(
       "Quadrature",
       quadrature,
@@ -171,6 +182,19 @@ namespace greville
                   "Unit: none.",
                   prm,
                   Patterns::Double(0., 2.));
+    add_parameter("Energy gain",
+                  energy_gain,
+                  "What to do where the bodies have more energy than they had "
+                  "initially and loads and walls have given them, which an "
+                  "unstable step shows.",
+                  prm,
+                  Patterns::Selection("stop|warn|ignore"));
+    add_parameter("Energy tolerance",
+                  energy_tolerance,
+                  "The gain that is accepted, as a fraction of the largest "
+                  "energy so far. Unit: none.",
+                  prm,
+                  Patterns::Double(0.));
     add_parameter("Points outside",
                   outside,
                   "What to do about points that leave the grid.",
@@ -425,6 +449,11 @@ namespace greville
       }
     ParameterAcceptor::prm.parse_input(file);
     ParameterAcceptor::parse_all_parameters();
+    if (scheme.mass == "auto")
+      scheme.mass = default_mass();
+    for (std::string &mass : sweep.masses)
+      if (mass == "auto")
+        mass = default_mass();
     check();
     for (const auto &body : bodies)
       if (!body.second->points_file.empty())
@@ -436,6 +465,19 @@ namespace greville
 
 
   SimulationParameters::~SimulationParameters() = default;
+
+
+
+  std::string
+  SimulationParameters::default_mass() const
+  {
+    if (scheme.transfer == "APIC")
+      return "lumped";
+    for (const auto &material : materials)
+      if (material.second->spreads())
+        return "lumped";
+    return "consistent";
+  }
 
 
 

@@ -22,6 +22,13 @@ namespace greville
     // Estimates of the critical step of which the smallest counts.
     constexpr unsigned int n_estimates = 3;
 
+    // Steps between two looks at the balance of energy.
+    constexpr unsigned int check_energy_every = 100;
+
+    // Accelerations that change velocities by this fraction of the norm of all
+    // velocities in a step are solved for to the tolerance times that change.
+    constexpr double negligible_kick = 1e-6;
+
     // With consistent mass, cells that a point crosses in a step at most, times
     // the order: the filter of the velocity cannot keep up with longer steps.
     constexpr double most_crossings = 0.6;
@@ -103,6 +110,14 @@ namespace greville
                 ExcMessage("'Scheme/Transfer' = APIC goes with "
                            "'Scheme/Quadrature' = points, not <" +
                            run_case.quadrature + ">."));
+    AssertThrow(parameters.scheme.transfer != "APIC" ||
+                  run_case.mass == "lumped",
+                ExcMessage("'Scheme/Transfer' = APIC goes with 'Scheme/Mass' "
+                           "= lumped, not <" +
+                           run_case.mass +
+                           ">: the momentum of APIC is the right-hand side of "
+                           "a lumped solve. With the exact mass, PIC already "
+                           "is a projection that keeps linear fields."));
     create_box_mesh<dim>(mesh,
                          to_point<dim>(parameters.grid.lower),
                          to_point<dim>(parameters.grid.upper),
@@ -147,6 +162,7 @@ namespace greville
                 ExcMessage("All bodies have an 'Imposed velocity': there is "
                            "none that feels forces."));
     loads.find_surfaces(all_bodies, comm);
+    start_energy();
     remember_state();
   }
 
@@ -451,12 +467,13 @@ namespace greville
   template <int dim>
   void
   Simulation<dim>::solve(const std::vector<VectorField<dim> *>       &fields,
-                         const std::vector<const VectorField<dim> *> &sums)
+                         const std::vector<const VectorField<dim> *> &sums,
+                         const std::vector<double>                   &shares)
   {
     const PartTimer timer(*this, "solve");
     try
       {
-        grid_mass->solve(fields, sums);
+        grid_mass->solve(fields, sums, shares);
       }
     catch (const std::exception &exception)
       {
@@ -531,6 +548,129 @@ namespace greville
 
 
   template <int dim>
+  double
+  Simulation<dim>::flip_share() const
+  {
+    const SchemeParameters &scheme = parameters.scheme;
+    if (scheme.transfer == "PIC" || scheme.flip == 0.)
+      return 0.;
+    if (scheme.flip == 1.)
+      return 1.;
+    double h = std::numeric_limits<double>::max();
+    for (unsigned int d = 0; d < dim; ++d)
+      h = std::min(h, space().lattice().cell_size(d));
+    const double time =
+      scheme.flip_time > 0. ? scheme.flip_time : h / first_signal;
+    return std::pow(scheme.flip, velocity_dt / time);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::start_energy()
+  {
+    first_signal = fastest_signal;
+    double mass  = 0.;
+    for (const Body<dim> &body : all_bodies)
+      {
+        const unsigned int s = body.points.stride();
+        body.points.for_each([&](const unsigned int, const double *p) {
+          mass += p[PointLayout<dim>::mass * s];
+        });
+      }
+    // Speeds of 1e-8 times that of waves are round-off.
+    energy.reinit(free_energy<dim>(all_bodies, comm),
+                  1e-16 * Utilities::MPI::sum(mass, comm) * first_signal *
+                    first_signal);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::add_work()
+  {
+    const Tensor<1, dim> g    = loads.gravity(t);
+    double               work = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      if (g[d] != 0.)
+        for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
+          work += g[d] * lumped_mass.local_element(i) *
+                  new_velocity[d].local_element(i);
+    if (loads.act_on_points())
+      for (const Body<dim> &body : all_bodies)
+        if (body.imposed_velocity.empty())
+          {
+            const unsigned int s    = body.points.stride();
+            const unsigned int load = body.points.layout().load;
+            body.points.for_each([&](const unsigned int, const double *p) {
+              for (unsigned int d = 0; d < dim; ++d)
+                work += p[PointLayout<dim>::mass * s] * p[(load + d) * s] *
+                        p[(PointLayout<dim>::velocity + d) * s];
+            });
+          }
+    // Walls and obstacles give what a = (v' - v) / dt' needs beyond the force.
+    if ((walls.move() || obstacles) && velocity_dt > 0.)
+      {
+        grid_mass->held_residual(held_residual, force, acceleration);
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
+            work -= lumped_mass.local_element(i) *
+                    held_residual[d].local_element(i) *
+                    new_velocity[d].local_element(i);
+      }
+    energy.add_work(dt * work);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::check_energy()
+  {
+    const SchemeParameters &scheme = parameters.scheme;
+    if (scheme.energy_gain == "ignore" ||
+        (steps % check_energy_every != 0 && !is_finished()))
+      return;
+    const PartTimer timer(*this, "energy");
+    const double gain = energy.gain(free_energy<dim>(all_bodies, comm), comm);
+    if (!(gain > std::max(scheme.energy_tolerance, 2. * warned_gain)))
+      return;
+    warned_gain = gain;
+    std::ostringstream message;
+    message << "energy has come from nothing: " << 100. * gain
+            << " % of the largest energy so far, beyond the work of loads and "
+               "walls. The steps are unstable with mass <"
+            << run_case.mass
+            << ">: take 'Scheme/Mass' = lumped or fmpm-2, a larger "
+               "'Scheme/Filter' or a smaller 'Time/Safety'";
+    if (scheme.energy_gain == "stop")
+      check(message.str() + " ('Scheme/Energy gain' = warn goes on)");
+    warnings.push_back("Step " + std::to_string(steps) + ": " + message.str() +
+                       ".");
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::check_fragments()
+  {
+    constexpr double most_fragments = 0.05;
+    const double     fraction       = grid_mass->fragment_fraction();
+    if (fraction <= most_fragments)
+      return;
+    std::ostringstream message;
+    message << 100. * fraction
+            << " % of the cells with points have lumped mass: the bodies are "
+               "too thin there for the exact mass. Take more cells.";
+    warnings.push_back(message.str());
+  }
+
+
+
+  template <int dim>
   void
   Simulation<dim>::find_crossing_rate()
   {
@@ -593,9 +733,8 @@ namespace greville
     update.move          = move;
     update.velocity_step = velocity_dt;
     update.step          = move ? dt : deformation_dt;
-    update.flip =
-      parameters.scheme.transfer == "PIC" ? 0. : parameters.scheme.flip;
-    update.apic = parameters.scheme.transfer == "APIC";
+    update.flip          = flip_share();
+    update.apic          = parameters.scheme.transfer == "APIC";
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
       {
         Body<dim> &body = all_bodies[b];
@@ -715,6 +854,7 @@ namespace greville
     remembered.n_removed     = n_all_removed;
     remembered.n_free        = n_free_points;
     remembered.last_kinetic  = last_kinetic;
+    remembered.energy        = energy;
     remembered.dt            = dt;
     remembered.steps         = steps;
     remembered.points.resize(all_bodies.size());
@@ -738,6 +878,7 @@ namespace greville
     n_all_removed        = remembered.n_removed;
     n_free_points        = remembered.n_free;
     last_kinetic         = remembered.last_kinetic;
+    energy               = remembered.energy;
     dt                   = remembered.dt;
     steps                = remembered.steps;
     n_last_accelerations = 0;
@@ -821,7 +962,10 @@ namespace greville
     else
       {
         add_grid_forces();
-        solve({&velocity, &acceleration}, {&momentum, &force});
+        // Forces of round-off need no solve.
+        solve({&velocity, &acceleration},
+              {&momentum, &force},
+              {1., velocity_dt > 0. ? negligible_kick / velocity_dt : 0.});
       }
   }
 
@@ -857,6 +1001,7 @@ namespace greville
       }
     filter_velocity();
     add_contact();
+    add_work();
     take_held_residual();
 
     if (order == "USL")
@@ -888,6 +1033,9 @@ namespace greville
     t += dt;
     velocity_time += velocity_dt;
     ++steps;
+    if (steps == 1)
+      check_fragments();
+    check_energy();
     if (n_free_points == 0)
       warnings.push_back("The last point has left the grid at t = " +
                          std::to_string(t) + " s: the run ends.");

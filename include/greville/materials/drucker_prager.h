@@ -75,6 +75,12 @@ namespace greville
                     dealii::Patterns::Selection("plane strain|outer|inner"));
     }
 
+    bool
+    spreads() const override
+    {
+      return true;
+    }
+
     void
     reinit() override
     {

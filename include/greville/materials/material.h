@@ -130,6 +130,17 @@ namespace greville
     moduli() const = 0;
 
     /**
+     * Whether bodies of this material spread into layers that are thinner than
+     * a cell or break up into drops and grains, where the exact mass matrix is
+     * dearer than it is worth.
+     */
+    virtual bool
+    spreads() const
+    {
+      return false;
+    }
+
+    /**
      * In the stress-free state, kg / m^3.
      */
     double density = 1000.;

@@ -89,6 +89,12 @@ namespace greville
                     positive());
     }
 
+    bool
+    spreads() const override
+    {
+      return true;
+    }
+
     void
     reinit() override
     {

@@ -69,6 +69,12 @@ namespace greville
                           dealii::Patterns::Bool());
     }
 
+    bool
+    spreads() const override
+    {
+      return true;
+    }
+
     void
     reinit() override
     {

@@ -45,12 +45,14 @@ namespace greville
     /**
      * Collective. Solve A x = E^T b for pairs (x, b) of fields. On entry the
      * x hold initial guesses and the values of held coefficients. Iterations
-     * end when the residual of each field has fallen to the tolerance times its
-     * right-hand side.
+     * end when the residual of each field k has fallen to the tolerance times
+     * its right-hand side, or times @p shares[k] times the first right-hand
+     * side, where that is larger.
      */
     SolveResult
     solve(const std::vector<VectorField<dim> *>       &x,
-          const std::vector<const VectorField<dim> *> &b);
+          const std::vector<const VectorField<dim> *> &b,
+          const std::vector<double>                   &shares = {});
 
     /**
      * Factorizations so far.
@@ -82,10 +84,11 @@ namespace greville
 
     template <int width>
     SolveResult
-    iterate(VectorType        &x,
-            VectorType        &r,
-            const unsigned int n_fields,
-            const unsigned int max_iterations);
+    iterate(VectorType                &x,
+            VectorType                &r,
+            const unsigned int         n_fields,
+            const std::vector<double> &shares,
+            const unsigned int         max_iterations);
 
     /**
      * For the components @p alike.

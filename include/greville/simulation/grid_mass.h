@@ -83,12 +83,15 @@ namespace greville
 
     /**
      * Collective. Solve M x = b for pairs of fields. On entry the @p x have
-     * initial guesses and the values of held coefficients. Throws
-     * dealii::ExcMessage where the solver does not converge.
+     * initial guesses and the values of held coefficients. Right-hand sides
+     * need not be solved for where they are below @p shares[k] times the first
+     * one (see ExtendedMassSolver::solve()). Throws dealii::ExcMessage where
+     * the solver does not converge.
      */
     void
     solve(const std::vector<VectorField<dim> *>       &x,
-          const std::vector<const VectorField<dim> *> &b);
+          const std::vector<const VectorField<dim> *> &b,
+          const std::vector<double>                   &shares = {});
 
     /**
      * Collective. The same for one pair, where more coefficients are held: bit
@@ -199,6 +202,12 @@ namespace greville
     {
       return is_consistent() ? filling.n_fragments() : 0;
     }
+
+    /**
+     * Cells of fragments as a fraction of those with points. Collective.
+     */
+    double
+    fragment_fraction() const;
 
     /**
      * Factorizations so far of the solver of all components.

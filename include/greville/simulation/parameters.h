@@ -75,15 +75,18 @@ namespace greville
   public:
     SchemeParameters();
 
-    std::string mass          = "consistent";
-    double      filling       = 0.45;
-    double      filter        = 0.4;
-    std::string stress_update = "USL";
-    std::string transfer      = "FLIP";
-    double      flip          = 1.;
-    std::string quadrature    = "points";
-    double      full_cell     = 0.5;
-    std::string outside       = "error";
+    std::string mass             = "auto";
+    double      filling          = 0.45;
+    double      filter           = 0.4;
+    std::string energy_gain      = "stop";
+    double      energy_tolerance = 0.1;
+    double      flip_time        = 0.;
+    std::string stress_update    = "USL";
+    std::string transfer         = "FLIP";
+    double      flip             = 1.;
+    std::string quadrature       = "points";
+    double      full_cell        = 0.5;
+    std::string outside          = "error";
   };
 
 
@@ -245,6 +248,13 @@ namespace greville
   private:
     void
     read_names(const std::string &file);
+
+    /**
+     * What "auto" stands for: lumped mass where bodies spread into thin layers,
+     * and with APIC; the consistent one otherwise.
+     */
+    std::string
+    default_mass() const;
 
     /**
      * What patterns cannot check.

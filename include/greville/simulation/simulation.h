@@ -3,6 +3,7 @@
 
 #include <greville/particles/point_transport.h>
 #include <greville/particles/reconstruction.h>
+#include <greville/simulation/energy_balance.h>
 #include <greville/simulation/friction_contact.h>
 #include <greville/simulation/loads.h>
 #include <greville/simulation/obstacles.h>
@@ -285,13 +286,44 @@ namespace greville
      */
     void
     solve(const std::vector<VectorField<dim> *>       &fields,
-          const std::vector<const VectorField<dim> *> &sums);
+          const std::vector<const VectorField<dim> *> &sums,
+          const std::vector<double>                   &shares = {});
 
     /**
      * Friction walls change the new velocity and the acceleration.
      */
     void
     add_contact();
+
+    /**
+     * The initial energy.
+     */
+    void
+    start_energy();
+
+    /**
+     * Work that loads, walls and obstacles do in this step.
+     */
+    void
+    add_work();
+
+    /**
+     * Warn, or throw, where energy has come from nothing.
+     */
+    void
+    check_energy();
+
+    /**
+     * Warn where much of the bodies is too thin for the exact mass.
+     */
+    void
+    check_fragments();
+
+    /**
+     * The fraction of the velocity that FLIP keeps in this step.
+     */
+    double
+    flip_share() const;
 
     /**
      * Agree on the fastest signal, and on the largest number of cells that a
@@ -370,6 +402,9 @@ namespace greville
     double        critical_dt    = 0.;
     double        fastest_signal = 0.;
     double        last_kinetic   = 0.;
+    EnergyBalance energy;
+    double        warned_gain    = 0.; // of energy
+    double        first_signal   = 0.; // fastest in the initial state
     double        crossing_rate  = 0.; // cells per second, of the fastest
     unsigned int  steps          = 0;
     unsigned int  iterations     = 0;
@@ -386,6 +421,7 @@ namespace greville
     {
       double                           t = 0., dt = 0., velocity_time = 0.;
       double                           last_kinetic = 0.;
+      EnergyBalance                    energy;
       std::uint64_t                    n_removed = 0, n_free = 0;
       unsigned int                     steps = 0;
       std::vector<MaterialPoints<dim>> points;
