@@ -365,6 +365,32 @@ namespace greville
 
 
     /**
+     * Derivatives of formulas by differences of sixth order with these steps.
+     */
+    template <int dim>
+    Tensor<2, 3>
+    gradient_of(const std::vector<Expression> &formulas,
+                const Point<dim>              &x,
+                const std::array<double, dim> &steps)
+    {
+      static constexpr double weights[3] = {3. / 4., -3. / 20., 1. / 60.};
+      Tensor<2, 3>            gradient;
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          for (int k = 1; k <= 3; ++k)
+            for (const int side : {-1, 1})
+              {
+                Point<dim> shifted = x;
+                shifted[j] += side * k * steps[j];
+                gradient[i][j] +=
+                  side * weights[k - 1] / steps[j] * formulas[i](view(shifted));
+              }
+      return gradient;
+    }
+
+
+
+    /**
      * Displacement of the beginning: it moves a point, deforms it, and lets the
      * material find the stress.
      */
@@ -390,19 +416,8 @@ namespace greville
       {
         if (formulas.empty())
           return;
-        // Differences of sixth order
-        static constexpr double weights[3] = {3. / 4., -3. / 20., 1. / 60.};
-        Tensor<2, 3>            increment  = unit_symmetric_tensor<3>();
-        for (unsigned int i = 0; i < dim; ++i)
-          for (unsigned int j = 0; j < dim; ++j)
-            for (int k = 1; k <= 3; ++k)
-              for (const int side : {-1, 1})
-                {
-                  Point<dim> shifted = x;
-                  shifted[j] += side * k * steps[j];
-                  increment[i][j] += side * weights[k - 1] / steps[j] *
-                                     formulas[i](view(shifted));
-                }
+        const Tensor<2, 3> increment =
+          unit_symmetric_tensor<3>() + gradient_of<dim>(formulas, x, steps);
         Point<dim> moved = x;
         for (unsigned int d = 0; d < dim; ++d)
           moved[d] += formulas[d](view(x));
@@ -447,6 +462,11 @@ namespace greville
                                     coordinate_names<dim>(),
                                     dim);
 
+      // A velocity that jumps shall not get a steep gradient.
+      std::array<double, dim> steps;
+      for (unsigned int d = 0; d < dim; ++d)
+        steps[d] = 0.1 * body.points.space().lattice().cell_size(d);
+
       std::vector<double> values(layout.size);
       for (const PlacedPoint<dim> &point : new_points)
         {
@@ -455,6 +475,7 @@ namespace greville
           Point<dim>    x          = point.x;
           double        J_of_shape = 1.;
           state.F                  = unit_symmetric_tensor<3>();
+          state.increment          = state.F;
           try
             {
               material.initialize(state, stress(point.x));
@@ -476,6 +497,18 @@ namespace greville
                 values[Layout::velocity + d] = velocity[d](view(point.x));
               for (unsigned int e = 0; e < dim; ++e)
                 values[Layout::F + d * dim + e] = state.F[d][e];
+            }
+          // APIC's matrix is the gradient of the velocity at the place to
+          // which the displacement has moved the point.
+          if (layout.has_affine && !velocity.empty() &&
+              parameters.imposed_velocity.empty())
+            {
+              const Tensor<2, 3> C =
+                gradient_of<dim>(velocity, point.x, steps) *
+                invert(state.increment);
+              for (unsigned int d = 0; d < dim; ++d)
+                for (unsigned int e = 0; e < dim; ++e)
+                  values[layout.affine + d * dim + e] = C[d][e];
             }
           if (dim == 2)
             values[Layout::F + 4] = state.F[2][2];

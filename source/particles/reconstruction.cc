@@ -11,6 +11,13 @@ namespace greville
 
   namespace
   {
+    // The part of a layer of cells at the edge of the grid, next to a cell,
+    // from which on it counts as filled. It is the mean of several cells, since
+    // points move along the edge from one to the other.
+    constexpr double filled_layer = 0.75;
+
+
+
     /**
      * The polynomials psi of a cell that its points can tell apart.
      */
@@ -96,6 +103,74 @@ namespace greville
 
 
   template <int dim>
+  std::vector<bool>
+  Reconstruction<dim>::inner_cells(const MaterialPoints<dim> &points) const
+  {
+    using Layout                  = PointLayout<dim>;
+    constexpr unsigned int  s     = MaterialPoints<dim>::stride();
+    const SplineSpace<dim> &space = points.space();
+    if (spline_space != &space)
+      {
+        spline_space = &space;
+        neighbors.reinit(space);
+      }
+    const auto &positions = neighbors.positions();
+    const auto &extents   = space.lattice().n_cells();
+
+    double cell_volume = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      cell_volume *= space.lattice().cell_size(d);
+    std::vector<double> filling(positions.size(), 0.);
+    points.for_each([&](const unsigned int cell, const double *p) {
+      filling[cell] += p[Layout::volume0 * s] * p[Layout::J * s] / cell_volume;
+    });
+    neighbors.exchange(filling);
+
+    MultiIndex<dim> three;
+    three.fill(3);
+    std::vector<bool> result(space.owned_cells().size(), false);
+    for (const unsigned int cell : points.cells())
+      {
+        const auto index    = multi_index<dim>(positions[cell], extents);
+        bool       is_inner = true;
+        // Sums over the layers of cells at each edge of the grid.
+        std::array<double, dim>       sums{};
+        std::array<unsigned int, dim> counts{};
+        for (unsigned int k = 0; k < Utilities::pow(3, dim); ++k)
+          {
+            const auto      offset = multi_index<dim>(k, three);
+            MultiIndex<dim> neighbor;
+            bool            is_in_grid = true;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                neighbor[d] = index[d] + offset[d] - 1;
+                is_in_grid  = is_in_grid && neighbor[d] < extents[d];
+              }
+            if (!is_in_grid)
+              continue;
+            const unsigned int n =
+              neighbors.find(lexicographic<dim>(neighbor, extents));
+            Assert(n != dealii::numbers::invalid_unsigned_int,
+                   ExcInternalError());
+            is_inner = is_inner && filling[n] > 0.;
+            for (unsigned int d = 0; d < dim; ++d)
+              if (offset[d] == 1)
+                {
+                  sums[d] += filling[n];
+                  ++counts[d];
+                }
+          }
+        for (unsigned int d = 0; d < dim; ++d)
+          if (index[d] == 0 || index[d] + 1 == extents[d])
+            is_inner = is_inner && sums[d] >= filled_layer * counts[d];
+        result[cell] = is_inner;
+      }
+    return result;
+  }
+
+
+
+  template <int dim>
   void
   Reconstruction<dim>::reconstruct(const MaterialPoints<dim> &points,
                                    MaterialPoints<dim>       &result) const
@@ -120,6 +195,7 @@ namespace greville
     std::vector<const double *> members;
     std::vector<Tensor<1, dim>> positions;
     std::vector<unsigned int>   full_cells;
+    const std::vector<bool>     is_inner = inner_cells(points);
     for (const unsigned int cell : points.cells())
       {
         const auto center = lattice.cell_center(
@@ -162,7 +238,8 @@ namespace greville
 
         const Polynomials<dim> polynomials(positions);
         const unsigned int     n_psi = polynomials.size();
-        bool is_full = volume >= full * cell_volume && members.size() > n_psi;
+        bool is_full = is_inner[cell] && volume >= full * cell_volume &&
+                       members.size() > n_psi;
         FullMatrix<double> coefficients(n_fields, n_psi + 1);
         if (is_full)
           {

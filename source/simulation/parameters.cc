@@ -178,8 +178,8 @@ namespace greville
     add_parameter("Full cell",
                   full_cell,
                   "For reconstructions: cells are full where their points have "
-                  "this part of their volume. Others are integrated by points. "
-                  "Unit: none.",
+                  "this part of their volume and no surface of the body cuts "
+                  "them. Others are integrated by points. Unit: none.",
                   prm,
                   Patterns::Double(0., 2.));
     add_parameter("Energy gain",

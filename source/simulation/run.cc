@@ -85,6 +85,8 @@ namespace greville
   {
     print_header();
     begin = last_shown = std::chrono::steady_clock::now();
+    if (parameters.output.grid_fields)
+      simulation.fill_grid();
     write_due(false);
     while (!simulation.is_finished())
       {

@@ -488,6 +488,21 @@ namespace greville
 
   template <int dim>
   void
+  Simulation<dim>::fill_grid()
+  {
+    transfer.points_to_grid(quadrature_points(),
+                            &lumped_mass,
+                            &momentum,
+                            nullptr);
+    grid_mass->update(lumped_mass, summed_points, transfer);
+    walls.hold_velocity(new_velocity, velocity_time);
+    solve({&new_velocity}, {&momentum});
+  }
+
+
+
+  template <int dim>
+  void
   Simulation<dim>::touch_obstacles(const bool with_force)
   {
     if (!obstacles)
@@ -822,7 +837,7 @@ namespace greville
     const LoadParameters &given = parameters.loads;
     if (!given.kinetic || (given.damping_end >= 0. && t >= given.damping_end))
       return;
-    const double kinetic = kinetic_energy<dim>(all_bodies, comm);
+    const double kinetic = kinetic_energy<dim>(all_bodies, transfer, comm);
     if (kinetic < last_kinetic)
       {
         for (Body<dim> &body : all_bodies)

@@ -99,6 +99,41 @@ namespace greville
 
 
 
+  namespace
+  {
+    /**
+     * Of a point: m |v|^2 / 2, and m C:(C D) / 2 with APIC's matrix C, so that
+     * a linear velocity v has the energy sum_i m_i |v(xi_i)|^2 / 2 of the grid.
+     */
+    template <int dim>
+    double
+    kinetic_energy_of(const double             *p,
+                      const unsigned int        cell,
+                      const PointLayout<dim>   &layout,
+                      const PointTransfer<dim> &transfer)
+    {
+      using Layout                  = PointLayout<dim>;
+      constexpr unsigned int s      = MaterialPoints<dim>::stride();
+      double                 square = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        square += std::pow(p[(Layout::velocity + d) * s], 2);
+      if (layout.has_affine)
+        {
+          Point<dim> x;
+          for (unsigned int d = 0; d < dim; ++d)
+            x[d] = p[(Layout::position + d) * s];
+          const auto D = transfer.spread(cell, x);
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int j = 0; j < dim; ++j)
+              square +=
+                std::pow(p[(layout.affine + i * dim + j) * s], 2) * D[j];
+        }
+      return 0.5 * p[Layout::mass * s] * square;
+    }
+  } // namespace
+
+
+
   template <int dim>
   Statistics<dim>
   compute_statistics(const std::vector<Body<dim>> &bodies,
@@ -141,7 +176,7 @@ namespace greville
               result.angular_momentum[1] += m * (B[0][2] - B[2][0]);
               result.angular_momentum[2] += m * (B[1][0] - B[0][1]);
             }
-          result.kinetic += 0.5 * m * velocity.norm_square();
+          result.kinetic += kinetic_energy_of<dim>(p, cell, layout, transfer);
           result.gravitational -= m * (gravity * Tensor<1, dim>(position));
           if (body.imposed_velocity.empty())
             {
@@ -188,19 +223,15 @@ namespace greville
 
   template <int dim>
   double
-  kinetic_energy(const std::vector<Body<dim>> &bodies, const MPI_Comm comm)
+  kinetic_energy(const std::vector<Body<dim>> &bodies,
+                 const PointTransfer<dim>     &transfer,
+                 const MPI_Comm                comm)
   {
-    using Layout = PointLayout<dim>;
-    double sum   = 0.;
+    double sum = 0.;
     for (const Body<dim> &body : bodies)
-      {
-        const unsigned int s = body.points.stride();
-        body.points.for_each([&](const unsigned int, const double *p) {
-          for (unsigned int d = 0; d < dim; ++d)
-            sum += 0.5 * p[Layout::mass * s] *
-                   std::pow(p[(Layout::velocity + d) * s], 2);
-        });
-      }
+      body.points.for_each([&](const unsigned int cell, const double *p) {
+        sum += kinetic_energy_of<dim>(p, cell, body.points.layout(), transfer);
+      });
     return Utilities::MPI::sum(sum, comm);
   }
 
@@ -219,9 +250,13 @@ namespace greville
                         const Tensor<1, 3> &,
                         const MPI_Comm);
   template double
-  kinetic_energy<2>(const std::vector<Body<2>> &, const MPI_Comm);
+  kinetic_energy<2>(const std::vector<Body<2>> &,
+                    const PointTransfer<2> &,
+                    const MPI_Comm);
   template double
-  kinetic_energy<3>(const std::vector<Body<3>> &, const MPI_Comm);
+  kinetic_energy<3>(const std::vector<Body<3>> &,
+                    const PointTransfer<3> &,
+                    const MPI_Comm);
   template MaterialPoint
   material_point<2>(const double *, const unsigned int, const PointLayout<2> &);
   template MaterialPoint

@@ -12,37 +12,8 @@ namespace greville
   {
     spline_space  = &space;
     contact_walls = walls;
-    positions     = space.owned_cells();
-    numbers.clear();
-    places.clear();
-
-    const auto &tria = space.triangulation();
-    if (Utilities::MPI::n_mpi_processes(space.communicator()) > 1)
-      {
-        const auto partitioner =
-          tria.global_active_cell_index_partitioner().lock();
-        exchange.reinit(partitioner);
-        places.resize(positions.size());
-        for (const auto &cell : tria.active_cell_iterators())
-          {
-            if (cell->is_artificial())
-              continue;
-            const unsigned int place =
-              partitioner->global_to_local(cell->global_active_cell_index());
-            if (cell->is_locally_owned())
-              places[space.cell_number(cell)] = place;
-            else
-              {
-                positions.push_back(
-                  lexicographic<dim>(space.lattice().find_cell(cell->center()),
-                                     space.lattice().n_cells()));
-                places.push_back(place);
-              }
-          }
-        for (unsigned int c = 0; c < positions.size(); ++c)
-          numbers.emplace_back(positions[c], c);
-        std::sort(numbers.begin(), numbers.end());
-      }
+    neighbors.reinit(space);
+    const auto &positions = neighbors.positions();
     classes.assign(positions.size(), empty);
     hosts.assign(positions.size(), none);
     filled.clear();
@@ -60,22 +31,6 @@ namespace greville
           (contact_walls[2 * d + 1] && function[d] + 1 == n[d]))
         return true;
     return false;
-  }
-
-
-
-  template <int dim>
-  unsigned int
-  CellFilling<dim>::find(const std::uint64_t position) const
-  {
-    if (numbers.empty()) // one process: all cells
-      return position;
-    const auto found = std::lower_bound(numbers.begin(),
-                                        numbers.end(),
-                                        std::make_pair(position, 0u));
-    return found != numbers.end() && found->first == position
-             ? found->second
-             : dealii::numbers::invalid_unsigned_int;
   }
 
 
@@ -113,19 +68,17 @@ namespace greville
   void
   CellFilling<dim>::find_hosts()
   {
-    const auto        &extents     = spline_space->lattice().n_cells();
-    const unsigned int n_owned     = spline_space->owned_cells().size();
-    const bool         is_parallel = !numbers.empty();
+    const auto        &extents   = spline_space->lattice().n_cells();
+    const unsigned int n_owned   = spline_space->owned_cells().size();
+    const auto        &positions = neighbors.positions();
 
-    const auto exchange_cells = [&](const auto &get, const auto &set) {
-      if (!is_parallel)
-        return;
-      exchange.zero_out_ghost_values();
+    std::vector<double> values(positions.size());
+    const auto          exchange_cells = [&](const auto &get, const auto &set) {
       for (unsigned int c = 0; c < n_owned; ++c)
-        exchange.local_element(places[c]) = get(c);
-      exchange.update_ghost_values();
+        values[c] = get(c);
+      neighbors.exchange(values);
       for (unsigned int c = n_owned; c < positions.size(); ++c)
-        set(c, exchange.local_element(places[c]));
+        set(c, values[c]);
     };
     // Positions travel as doubles, exactly; -1 is no host.
     const auto exchange_hosts = [&]() {
@@ -171,7 +124,8 @@ namespace greville
             }
           if (is_not_looked_at)
             continue;
-          const unsigned int n = find(lexicographic<dim>(neighbor, extents));
+          const unsigned int n =
+            neighbors.find(lexicographic<dim>(neighbor, extents));
           if (n == dealii::numbers::invalid_unsigned_int ||
               classes[n] != well_filled)
             return false;
@@ -195,7 +149,8 @@ namespace greville
             }
           if (!is_inside)
             continue;
-          const unsigned int n = find(lexicographic<dim>(neighbor, extents));
+          const unsigned int n =
+            neighbors.find(lexicographic<dim>(neighbor, extents));
           if (n == dealii::numbers::invalid_unsigned_int || hosts[n] == none)
             continue;
           const auto    host     = multi_index<dim>(hosts[n], extents);

@@ -87,6 +87,18 @@ main(int argc, char **argv)
     check("points.pvd names three times", n == 3);
   }
   {
+    // The first file of the grid has the cells of the body, too.
+    unsigned int n = 0;
+    for (unsigned int k = 0;
+         k < Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
+         ++k)
+      for (const std::string &line :
+           lines_of("results/grid_0000." + std::to_string(k) + ".vtu"))
+        n += line.find("NumberOfCells=") != std::string::npos &&
+             line.find("NumberOfCells=\"0\"") == std::string::npos;
+    check("first fields of the grid have cells", n > 0);
+  }
+  {
     boost::property_tree::ptree json;
     boost::property_tree::read_json("results/summary.json", json);
     check("steps", json.get<int>("steps") == 20);

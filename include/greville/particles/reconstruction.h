@@ -2,6 +2,7 @@
 #define greville_particles_reconstruction_h
 
 #include <greville/particles/material_points.h>
+#include <greville/spline/cell_neighbors.h>
 
 namespace greville
 {
@@ -26,9 +27,12 @@ namespace greville
    * the more accurate of both as soon as points move.
    *
    * A cell is full where the volume of its points is at least a given part of
-   * its own and where there are more points than polynomials. In directions
-   * with too few different positions polynomials are left out. Other cells keep
-   * their points.
+   * its own, where there are more points than polynomials, and where no surface
+   * of the body cuts it: all of its neighbours (by a face, an edge or a vertex)
+   * hold points of the body, and a layer of cells at an edge of the grid is
+   * filled up to there. In directions with too few different positions
+   * polynomials are left out. Other cells keep their points: to integrate over
+   * all of a cell that is filled in part would be wrong by order h.
    */
   template <int dim>
   class Reconstruction
@@ -56,6 +60,12 @@ namespace greville
 
   private:
     /**
+     * By owned cell: whether no surface cuts it.
+     */
+    std::vector<bool>
+    inner_cells(const MaterialPoints<dim> &points) const;
+
+    /**
      * Give the Gauss points of @p cells the mass and momentum of the points
      * there.
      */
@@ -67,6 +77,10 @@ namespace greville
     unsigned int n_q;
     bool         conserves_in_cells;
     double       full;
+
+    // Of this space.
+    mutable const SplineSpace<dim> *spline_space = nullptr;
+    mutable CellNeighbors<dim>      neighbors;
   };
 } // namespace greville
 

@@ -70,6 +70,13 @@ namespace greville
                const MPI_Comm              comm = MPI_COMM_WORLD);
 
     /**
+     * Collective. Mass and velocity of the grid from the points as they are:
+     * for output before the first step.
+     */
+    void
+    fill_grid();
+
+    /**
      * Collective. One step; not beyond the end. Throws dealii::ExcMessage with
      * step, time and point where a point is lost or breaks; bodies() and time()
      * are then those of the last remembered good state.

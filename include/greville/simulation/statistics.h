@@ -22,7 +22,8 @@ namespace greville
     dealii::Tensor<1, dim> momentum;
     /// About the origin; with APIC including that of the affine matrices. In 2D
     /// the first entry.
-    dealii::Tensor<1, 3>   angular_momentum;
+    dealii::Tensor<1, 3> angular_momentum;
+    /// With APIC including that of the affine matrices.
     double                 kinetic       = 0.;
     double                 strain        = 0.;
     double                 dissipation   = 0.;
@@ -67,7 +68,9 @@ namespace greville
    */
   template <int dim>
   double
-  kinetic_energy(const std::vector<Body<dim>> &bodies, const MPI_Comm comm);
+  kinetic_energy(const std::vector<Body<dim>> &bodies,
+                 const PointTransfer<dim>     &transfer,
+                 const MPI_Comm                comm);
 
   /**
    * The numbers of a point as its material sees them.

@@ -1,7 +1,7 @@
 #ifndef greville_spline_cell_filling_h
 #define greville_spline_cell_filling_h
 
-#include <greville/spline/spline_space.h>
+#include <greville/spline/cell_neighbors.h>
 
 namespace greville
 {
@@ -85,7 +85,7 @@ namespace greville
     bool
     is_host(const unsigned int cell) const
     {
-      return hosts[cell] == positions[cell];
+      return hosts[cell] == neighbors.positions()[cell];
     }
 
     /**
@@ -112,13 +112,6 @@ namespace greville
       well_filled
     };
 
-    /**
-     * Local number of a cell at a position, owned or a neighbour of an owned
-     * one; invalid_unsigned_int for others.
-     */
-    unsigned int
-    find(const std::uint64_t position) const;
-
     void
     find_hosts();
 
@@ -126,15 +119,11 @@ namespace greville
     bool                    all_are_hosts = false;
     Walls                   contact_walls{};
 
-    // Owned cells, then those of the ghost layer; on several processes their
-    // positions are looked up.
-    std::vector<std::uint64_t>                          positions;
-    std::vector<std::pair<std::uint64_t, unsigned int>> numbers;
-    std::vector<unsigned int>                           places; // in exchange
-    VectorType                                          exchange;
-    std::vector<unsigned char>                          classes;
-    std::vector<std::uint64_t>                          hosts;
-    std::vector<unsigned int>                           filled;
+    // By local cell of the neighbours, or owned cells.
+    CellNeighbors<dim>         neighbors;
+    std::vector<unsigned char> classes;
+    std::vector<std::uint64_t> hosts;
+    std::vector<unsigned int>  filled;
   };
 } // namespace greville
 

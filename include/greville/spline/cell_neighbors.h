@@ -1,0 +1,57 @@
+#ifndef greville_spline_cell_neighbors_h
+#define greville_spline_cell_neighbors_h
+
+#include <greville/spline/spline_space.h>
+
+namespace greville
+{
+  /**
+   * Owned cells and those around them, and values that cells tell their
+   * neighbours. Local numbers: owned cells as in the space, then those of the
+   * ghost layer.
+   */
+  template <int dim>
+  class CellNeighbors
+  {
+  public:
+    /**
+     * Collective. The space is that of any order.
+     */
+    void
+    reinit(const SplineSpace<dim> &space);
+
+    /**
+     * Lexicographic positions of the local cells.
+     */
+    const std::vector<std::uint64_t> &
+    positions() const
+    {
+      return cells;
+    }
+
+    /**
+     * The local number of a cell at a position; invalid_unsigned_int where it
+     * is not local.
+     */
+    unsigned int
+    find(const std::uint64_t position) const;
+
+    /**
+     * Collective. Of each local cell, the owned ones given, the others are
+     * overwritten by their owners.
+     */
+    void
+    exchange(std::vector<double> &values) const;
+
+  private:
+    std::vector<std::uint64_t> cells;
+
+    // On several processes.
+    std::vector<std::pair<std::uint64_t, unsigned int>> numbers;
+    std::vector<unsigned int>                           places; // in the buffer
+    mutable VectorType                                  buffer;
+    unsigned int                                        n_owned = 0;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,82 @@
+#include <greville/spline/cell_neighbors.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  void
+  CellNeighbors<dim>::reinit(const SplineSpace<dim> &space)
+  {
+    cells   = space.owned_cells();
+    n_owned = cells.size();
+    numbers.clear();
+    places.clear();
+    if (Utilities::MPI::n_mpi_processes(space.communicator()) == 1)
+      return;
+
+    const auto &tria       = space.triangulation();
+    const auto partitioner = tria.global_active_cell_index_partitioner().lock();
+    buffer.reinit(partitioner);
+    places.resize(n_owned);
+    for (const auto &cell : tria.active_cell_iterators())
+      {
+        if (cell->is_artificial())
+          continue;
+        const unsigned int place =
+          partitioner->global_to_local(cell->global_active_cell_index());
+        if (cell->is_locally_owned())
+          places[space.cell_number(cell)] = place;
+        else
+          {
+            cells.push_back(
+              lexicographic<dim>(space.lattice().find_cell(cell->center()),
+                                 space.lattice().n_cells()));
+            places.push_back(place);
+          }
+      }
+    for (unsigned int c = 0; c < cells.size(); ++c)
+      numbers.emplace_back(cells[c], c);
+    std::sort(numbers.begin(), numbers.end());
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  CellNeighbors<dim>::find(const std::uint64_t position) const
+  {
+    if (numbers.empty()) // one process: all cells
+      return position;
+    const auto found = std::lower_bound(numbers.begin(),
+                                        numbers.end(),
+                                        std::make_pair(position, 0u));
+    return found != numbers.end() && found->first == position
+             ? found->second
+             : dealii::numbers::invalid_unsigned_int;
+  }
+
+
+
+  template <int dim>
+  void
+  CellNeighbors<dim>::exchange(std::vector<double> &values) const
+  {
+    AssertDimension(values.size(), cells.size());
+    if (buffer.size() == 0) // one process
+      return;
+    buffer.zero_out_ghost_values();
+    for (unsigned int c = 0; c < n_owned; ++c)
+      buffer.local_element(places[c]) = values[c];
+    buffer.update_ghost_values();
+    for (unsigned int c = n_owned; c < cells.size(); ++c)
+      values[c] = buffer.local_element(places[c]);
+  }
+
+
+
+  template class CellNeighbors<2>;
+  template class CellNeighbors<3>;
+} // namespace greville
