@@ -140,7 +140,7 @@ namespace greville
       constexpr int  n_functions    = power(n, dim);
       constexpr int  n_z            = dim == 3 ? n : 1;
       constexpr bool derivatives    = Kind::deform;
-      Simd           fastest        = 0.;
+      Simd           fastest = 0., fastest_wave = 0.;
 
       for (const unsigned int cell : points.cells())
         {
@@ -342,13 +342,15 @@ namespace greville
                   const Simd c2 =
                     load(group + Layout::wave_modulus * simd_width) * J *
                     load(group + Layout::volume0 * simd_width) / m;
-                  fastest = max(fastest, sqrt(c2) + sqrt(v2));
+                  fastest_wave = max(fastest_wave, sqrt(c2));
+                  fastest      = max(fastest, sqrt(c2) + sqrt(v2));
                 }
             }
           if (left)
             report.left_cells.push_back(cell);
         }
       report.fastest_signal = hmax(fastest);
+      report.fastest_wave   = hmax(fastest_wave);
     }
 
 
@@ -437,21 +439,27 @@ namespace greville
     multiply_stiffness(const MaterialPoints<dim>                &points,
                        const SplineSpace<dim>                   &space,
                        const std::array<SplinePolynomials, dim> &tables,
-                       const double                              lambda,
-                       const double                              shear,
+                       const Stiffness                          &stiffness,
                        const double                             *source,
                        double                                   *target)
     {
       using Layout               = PointLayout<dim>;
-      constexpr int n_functions  = power(n, dim);
+      constexpr int n_values     = power(n, dim) * dim;
       constexpr int n_z          = dim == 3 ? n : 1;
-      const double  wave_modulus = lambda + 2. * shear;
+      const double  wave_modulus = stiffness.lambda + 2. * stiffness.shear;
+      const double  inverse =
+        wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
       for (const unsigned int cell : points.cells())
         {
           const CellGeometry<dim, n> geometry(space, tables, cell);
-          Simd                       sums[n_functions * dim];
-          for (Simd &sum : sums)
-            sum = 0.;
+          double                     u[n_values];
+          Simd                       sums[n_values];
+          for (int k = 0; k < n_values; ++k)
+            {
+              u[k]    = source[std::size_t(geometry.functions[k / dim]) * dim +
+                            k % dim];
+              sums[k] = 0.;
+            }
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points.next_group(g))
@@ -461,39 +469,58 @@ namespace greville
               load_numbers<dim>(group, Layout::position, x);
               Shape<dim, n> shape;
               shape.template evaluate<true>(geometry, x);
-              const Simd volume =
-                load(group + Layout::volume0 * simd_width) *
-                load(group + Layout::J * simd_width) *
-                load(group + Layout::wave_modulus * simd_width) / wave_modulus;
+              const Simd volume = load(group + Layout::volume0 * simd_width) *
+                                  load(group + Layout::J * simd_width);
+              const Simd scale =
+                load(group + Layout::wave_modulus * simd_width) * inverse;
+              const Simd lambda =
+                volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
+              const Simd shear =
+                volume * (scale * stiffness.shear + stiffness.viscous_shear);
 
-              const auto for_each_function = [&](const auto &action) {
-                int a = 0;
+              // A row of functions along x has the factors of y and z, and
+              // their derivatives, in common.
+              const auto for_each_row = [&](const auto &action) {
+                int first = 0;
                 for (int a_z = 0; a_z < n_z; ++a_z)
-                  for (int a_y = 0; a_y < n; ++a_y)
-                    for (int a_x = 0; a_x < n; ++a_x, ++a)
-                      {
-                        const Simd N_z =
-                          dim == 3 ? shape.N[dim - 1][a_z] : Simd(1.);
-                        Simd gradient[dim];
-                        gradient[0] = shape.dN[0][a_x] * shape.N[1][a_y] * N_z;
-                        gradient[1] = shape.N[0][a_x] * shape.dN[1][a_y] * N_z;
-                        if constexpr (dim == 3)
-                          gradient[2] = shape.N[0][a_x] * shape.N[1][a_y] *
-                                        shape.dN[2][a_z];
-                        action(a, gradient);
-                      }
+                  for (int a_y = 0; a_y < n; ++a_y, first += n * dim)
+                    {
+                      Simd factors[dim];
+                      factors[0] = shape.N[1][a_y];
+                      factors[1] = shape.dN[1][a_y];
+                      if constexpr (dim == 3)
+                        {
+                          factors[2] = factors[0] * shape.dN[2][a_z];
+                          factors[0] *= shape.N[2][a_z];
+                          factors[1] *= shape.N[2][a_z];
+                        }
+                      action(first, factors);
+                    }
               };
 
               Simd H[dim][dim];
               for (auto &row : H)
                 for (Simd &entry : row)
                   entry = 0.;
-              for_each_function([&](const int a, const Simd *gradient) {
-                const double *u =
-                  source + std::size_t(geometry.functions[a]) * dim;
+              for_each_row([&](const int first, const Simd *factors) {
+                Simd values[dim], slopes[dim];
                 for (int i = 0; i < dim; ++i)
-                  for (int j = 0; j < dim; ++j)
-                    H[i][j] += gradient[j] * u[i];
+                  {
+                    values[i] = shape.N[0][0] * u[first + i];
+                    slopes[i] = shape.dN[0][0] * u[first + i];
+                  }
+                for (int a = 1; a < n; ++a)
+                  for (int i = 0; i < dim; ++i)
+                    {
+                      values[i] += shape.N[0][a] * u[first + a * dim + i];
+                      slopes[i] += shape.dN[0][a] * u[first + a * dim + i];
+                    }
+                for (int i = 0; i < dim; ++i)
+                  {
+                    H[i][0] += factors[0] * slopes[i];
+                    for (int j = 1; j < dim; ++j)
+                      H[i][j] += factors[j] * values[i];
+                  }
               });
               Simd trace = H[0][0];
               for (int i = 1; i < dim; ++i)
@@ -501,18 +528,27 @@ namespace greville
               Simd stress[dim][dim];
               for (int i = 0; i < dim; ++i)
                 for (int j = 0; j < dim; ++j)
-                  stress[i][j] = volume * (shear * (H[i][j] + H[j][i]) +
-                                           (i == j ? lambda : 0.) * trace);
-              for_each_function([&](const int a, const Simd *gradient) {
+                  {
+                    stress[i][j] = shear * (H[i][j] + H[j][i]);
+                    if (i == j)
+                      stress[i][j] += lambda * trace;
+                  }
+              for_each_row([&](const int first, const Simd *factors) {
                 for (int i = 0; i < dim; ++i)
-                  for (int j = 0; j < dim; ++j)
-                    sums[a * dim + i] += stress[i][j] * gradient[j];
+                  {
+                    const Simd along  = factors[0] * stress[i][0];
+                    Simd       across = factors[1] * stress[i][1];
+                    if constexpr (dim == 3)
+                      across += factors[2] * stress[i][2];
+                    for (int a = 0; a < n; ++a)
+                      sums[first + a * dim + i] +=
+                        shape.dN[0][a] * along + shape.N[0][a] * across;
+                  }
               });
             }
-          for (int a = 0; a < n_functions; ++a)
-            for (int i = 0; i < dim; ++i)
-              target[std::size_t(geometry.functions[a]) * dim + i] +=
-                reduce(sums[a * dim + i]);
+          for (int k = 0; k < n_values; ++k)
+            target[std::size_t(geometry.functions[k / dim]) * dim + k % dim] +=
+              reduce(sums[k]);
         }
     }
   } // namespace
@@ -522,8 +558,7 @@ namespace greville
   template <int dim>
   void
   PointTransfer<dim>::add_stiffness(const MaterialPoints<dim> &points,
-                                    const double               lambda,
-                                    const double               shear,
+                                    const Stiffness           &stiffness,
                                     const VectorField<dim>    &u,
                                     VectorField<dim>          &k,
                                     const bool                 overwrite)
@@ -537,21 +572,123 @@ namespace greville
       put_into_buffer(u[d], dim, d, buffer);
     with_order(space.degree(), [&](const auto size) {
       multiply_stiffness<dim, decltype(size)::value>(
-        points, space, tables, lambda, shear, buffer.data(), target.data());
+        points, space, tables, stiffness, buffer.data(), target.data());
     });
-    VectorType sums;
-    space.initialize_vector(sums);
+    collect(target, k, overwrite);
+  }
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::collect(const std::vector<double> &sums,
+                              VectorField<dim>          &field,
+                              const bool                 overwrite) const
+  {
+    VectorType part;
+    spline_space->initialize_vector(part);
     for (unsigned int d = 0; d < dim; ++d)
       {
-        sums = 0.;
-        for (std::size_t i = 0; i < n_functions; ++i)
-          sums.local_element(i) = target[i * dim + d];
-        sums.compress(VectorOperation::add);
+        for (std::size_t i = 0; i < sums.size() / dim; ++i)
+          part.local_element(i) = sums[i * dim + d];
+        part.compress(VectorOperation::add);
         if (overwrite)
-          k[d] = sums;
+          field[d] = part;
         else
-          k[d] += sums;
+          field[d] += part;
       }
+  }
+
+
+
+  namespace
+  {
+    template <int dim, int n>
+    void
+    multiply_mass_matrix(const MaterialPoints<dim>                &points,
+                         const SplineSpace<dim>                   &space,
+                         const std::array<SplinePolynomials, dim> &tables,
+                         const double                             *source,
+                         double                                   *target)
+    {
+      using Layout           = PointLayout<dim>;
+      constexpr int n_values = power(n, dim) * dim;
+      constexpr int n_rows   = power(n, dim - 1);
+      for (const unsigned int cell : points.cells())
+        {
+          const CellGeometry<dim, n> geometry(space, tables, cell);
+          double                     u[n_values];
+          Simd                       sums[n_values];
+          for (int k = 0; k < n_values; ++k)
+            {
+              u[k]    = source[std::size_t(geometry.functions[k / dim]) * dim +
+                            k % dim];
+              sums[k] = 0.;
+            }
+          for (unsigned int g = points.first_group(cell);
+               g != MaterialPoints<dim>::none;
+               g = points.next_group(g))
+            {
+              const double *group = points.group(g);
+              Simd          x[dim], momentum[dim], factors[n_rows];
+              load_numbers<dim>(group, Layout::position, x);
+              Shape<dim, n> shape;
+              shape.template evaluate<false>(geometry, x);
+              const Simd mass = load(group + Layout::mass * simd_width);
+              for (int row = 0; row < n_rows; ++row)
+                {
+                  factors[row] = shape.N[1][row % n];
+                  if constexpr (dim == 3)
+                    factors[row] *= shape.N[2][row / n];
+                }
+              for (int i = 0; i < dim; ++i)
+                {
+                  momentum[i] = 0.;
+                  for (int row = 0; row < n_rows; ++row)
+                    {
+                      Simd value = shape.N[0][0] * u[row * n * dim + i];
+                      for (int a = 1; a < n; ++a)
+                        value += shape.N[0][a] * u[(row * n + a) * dim + i];
+                      momentum[i] += factors[row] * value;
+                    }
+                  momentum[i] *= mass;
+                  for (int row = 0; row < n_rows; ++row)
+                    {
+                      const Simd share = factors[row] * momentum[i];
+                      for (int a = 0; a < n; ++a)
+                        sums[(row * n + a) * dim + i] += shape.N[0][a] * share;
+                    }
+                }
+            }
+          for (int k = 0; k < n_values; ++k)
+            target[std::size_t(geometry.functions[k / dim]) * dim + k % dim] +=
+              reduce(sums[k]);
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::multiply_mass(
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    const VectorField<dim>                         &x,
+    VectorField<dim>                               &y)
+  {
+    const SplineSpace<dim> &space = *spline_space;
+    const std::size_t       n_functions =
+      space.owned_functions().size() + space.ghost_functions().size();
+    buffer.resize(n_functions * dim);
+    std::vector<double> target(n_functions * dim, 0.);
+    for (unsigned int d = 0; d < dim; ++d)
+      put_into_buffer(x[d], dim, d, buffer);
+    with_order(space.degree(), [&](const auto size) {
+      for (const MaterialPoints<dim> *points : bodies)
+        multiply_mass_matrix<dim, decltype(size)::value>(
+          *points, space, tables, buffer.data(), target.data());
+    });
+    collect(target, y, true);
   }
 
 

@@ -1,5 +1,4 @@
-#include <deal.II/lac/lapack_full_matrix.h>
-
+#include <greville/base/largest_eigenvalue.h>
 #include <greville/simulation/critical_step.h>
 
 #include <cmath>
@@ -11,212 +10,320 @@ namespace greville
 
   namespace
   {
-    template <int dim>
-    double
-    dot(const VectorField<dim> &a, const VectorField<dim> &b)
-    {
-      double sum = 0.;
-      for (unsigned int d = 0; d < dim; ++d)
-        sum += a[d] * b[d];
-      return sum;
-    }
+    constexpr double       tolerance    = 0.01;
+    constexpr unsigned int max_products = 40;
 
-
-
-    template <int dim>
-    void
-    scale_and_add(VectorField<dim>       &x,
-                  const double            factor,
-                  const double            a,
-                  const VectorField<dim> &y)
-    {
-      for (unsigned int d = 0; d < dim; ++d)
-        x[d].sadd(factor, a, y[d]);
-    }
+    // The part of the square of the norm of the first vector that is noise,
+    // where an eigenvector is known.
+    constexpr double noise_part = 0.05;
 
 
 
     /**
-     * The largest eigenvalue of a symmetric tridiagonal matrix.
+     * Between -1 and 1, the same for any number of processes.
      */
     double
-    largest_eigenvalue(const std::vector<double> &diagonal,
-                       const std::vector<double> &side)
+    noise(const std::uint64_t function, const unsigned int component)
     {
-      const unsigned int       n = diagonal.size();
-      LAPACKFullMatrix<double> matrix(n, n);
-      for (unsigned int i = 0; i < n; ++i)
-        {
-          matrix(i, i) = diagonal[i];
-          if (i + 1 < n)
-            matrix(i, i + 1) = matrix(i + 1, i) = side[i];
-        }
-      matrix.compute_eigenvalues();
-      double largest = 0.;
-      for (unsigned int i = 0; i < n; ++i)
-        largest = std::max(largest, matrix.eigenvalue(i).real());
-      return largest;
+      const double x =
+        std::sin(12.9898 * (function % 100003) + 78.233 * component + 0.7) *
+        43758.5453;
+      return 2. * (x - std::floor(x)) - 1.;
+    }
+
+
+
+    double
+    dot(const std::vector<double> &a,
+        const std::vector<double> &b,
+        const MPI_Comm             comm)
+    {
+      double sum = 0.;
+      for (std::size_t u = 0; u < a.size(); ++u)
+        sum += a[u] * b[u];
+      return Utilities::MPI::sum(sum, comm);
     }
   } // namespace
 
 
 
   template <int dim>
-  double
-  critical_step(GridMass<dim>                        &mass,
-                PointTransfer<dim>                   &transfer,
-                const std::vector<const Body<dim> *> &bodies,
-                const Walls<dim>                     &walls,
-                const std::string                    &stress_update,
-                const unsigned int                    max_iterations)
+  void
+  CriticalStep<dim>::choose_unknowns(const GridMass<dim> &mass,
+                                     const Walls<dim>    &walls)
   {
-    const SplineSpace<dim> &space = mass.space();
-    VectorField<dim>        q, M_q, M_q_old, K_q, w;
-    for (auto *field : {&q, &M_q, &M_q_old, &K_q, &w})
+    const SplineSpace<dim> &space  = mass.space();
+    const VectorType       &lumped = mass.lumped();
+    for (auto *field : {&source, &target, &product})
       for (VectorType &component : *field)
         space.initialize_vector(component);
 
-    // Held coefficients stay zero; M_q is a force and so arbitrary there.
-    VectorField<dim> keep;
-    const double     smallest_mass = mass.is_consistent() ? -1.
-                                     : space.degree() == 1
-                                       ? 0.01 * mass.lumped().linfty_norm()
-                                       : 0.;
+    // Held coefficients stay zero.
+    const double smallest_mass = !mass.is_consistent() && space.degree() == 1
+                                   ? 0.01 * lumped.linfty_norm()
+                                   : 0.;
+    VectorType   held;
+    space.initialize_vector(held);
+    std::vector<double> random;
+    start.clear();
+    double squares[2] = {0., 0.}; // of noise and of the last vector
     for (unsigned int d = 0; d < dim; ++d)
       {
-        space.initialize_vector(keep[d]);
-        for (unsigned int i = 0; i < keep[d].locally_owned_size(); ++i)
-          keep[d].local_element(i) =
-            mass.lumped().local_element(i) > smallest_mass;
-        const Constraints held = walls.constraints(space, d);
-        for (const auto &line : held.get_lines())
-          keep[d](line.index) = 0.;
-      }
-    VectorField<dim> M_x, y;
-    for (auto *field : {&M_x, &y})
-      for (VectorType &component : *field)
-        space.initialize_vector(component);
-    const auto solve_mass = [&](VectorField<dim>       &x,
-                                const VectorField<dim> &b) {
-      for (VectorType &component : x)
-        component = 0.;
-      mass.solve({&x}, {&b});
-      for (unsigned int d = 0; d < dim; ++d)
-        x[d].scale(keep[d]);
-    };
-    const bool is_usl   = stress_update == "USL";
-    const bool is_other = stress_update == "USF" || stress_update == "MUSL";
-    const auto solve    = [&](VectorField<dim> &x, const VectorField<dim> &b) {
-      solve_mass(x, b);
-      if (mass.is_consistent() || !(is_usl || is_other))
-        return;
-      mass.multiply(M_x, x);
-      solve_mass(y, M_x);
-      for (unsigned int d = 0; d < dim; ++d)
-        if (is_usl)
-          x[d].sadd(2., -1., y[d]);
-        else
-          x[d] = y[d];
-    };
-
-    // Begin with a force that has all frequencies and does not depend on the
-    // number of processes.
-    for (unsigned int d = 0; d < dim; ++d)
-      for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
-        {
-          const double x =
-            std::sin(12.9898 * (space.owned_functions()[i] % 100003) +
-                     78.233 * d + 0.7) *
-            43758.5453;
-          M_q[d].local_element(i) = mass.lumped().local_element(i) *
-                                    keep[d].local_element(i) *
-                                    (2. * (x - std::floor(x)) - 1.);
-        }
-    solve(q, M_q);
-    double norm = std::sqrt(dot<dim>(q, M_q));
-    if (!(norm > 0.))
-      return std::numeric_limits<double>::infinity();
-    for (auto *field : {&q, &M_q})
-      for (VectorType &component : *field)
-        component /= norm;
-
-    double viscous_time = 0.;
-    for (const Body<dim> *body : bodies)
-      {
-        const Moduli moduli  = body->material->moduli();
-        const double modulus = moduli.bulk + 4. / 3. * moduli.shear;
-        if (modulus > 0.)
-          viscous_time =
-            std::max(viscous_time, 4. / 3. * moduli.viscosity / modulus);
-      }
-
-    std::vector<double> diagonal, side;
-    double              eigenvalue = 0.;
-    for (unsigned int k = 0; k < max_iterations; ++k)
-      {
-        bool first = true;
-        for (const Body<dim> *body : bodies)
+        held                      = 0.;
+        const Constraints at_wall = walls.constraints(space, d);
+        for (const auto &line : at_wall.get_lines())
+          held(line.index) = 1.;
+        unknowns[d].clear();
+        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
           {
-            const Moduli moduli = body->material->moduli();
-            if (!body->imposed_velocity.empty() ||
-                !(moduli.bulk + 4. / 3. * moduli.shear > 0.))
+            const double m = lumped.local_element(i);
+            if (!(m > smallest_mass) || held.local_element(i) != 0.)
               continue;
-            transfer.add_stiffness(body->points,
-                                   moduli.bulk - 2. / 3. * moduli.shear,
-                                   moduli.shear,
-                                   q,
-                                   K_q,
-                                   first);
-            first = false;
-          }
-        if (first)
-          return std::numeric_limits<double>::infinity();
-        for (unsigned int d = 0; d < dim; ++d)
-          K_q[d].scale(keep[d]);
-        const double alpha = dot<dim>(q, K_q);
-        diagonal.push_back(alpha);
-        const double last = eigenvalue;
-        eigenvalue        = largest_eigenvalue(diagonal, side);
-        if (k > 3 && std::abs(eigenvalue - last) < 0.01 * eigenvalue)
-          break;
-
-        // M w = K q - alpha M q - beta M q_old
-        scale_and_add<dim>(K_q, 1., -alpha, M_q);
-        if (!side.empty())
-          scale_and_add<dim>(K_q, 1., -side.back(), M_q_old);
-        solve(w, K_q);
-        const double beta = std::sqrt(std::max(0., dot<dim>(w, K_q)));
-        if (!(beta > 1e-10 * std::max(eigenvalue, 1e-300)))
-          break;
-        side.push_back(beta);
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            M_q_old[d] = M_q[d];
-            M_q[d].equ(1. / beta, K_q[d]);
-            q[d].equ(1. / beta, w[d]);
+            unknowns[d].push_back(i);
+            const double r = noise(space.owned_functions()[i], d);
+            random.push_back(m * r);
+            const double b = has_last ? last_force[d].local_element(i) : 0.;
+            start.push_back(b);
+            squares[0] += m * r * r;
+            squares[1] += b * b / m;
           }
       }
-    if (!(eigenvalue > 0.))
-      return std::numeric_limits<double>::infinity();
-    const double omega = std::sqrt(eigenvalue);
-    const double xi    = 0.5 * omega * viscous_time;
-    return 2. / omega * (std::sqrt(1. + xi * xi) - xi);
+    Utilities::MPI::sum(ArrayView<const double>(squares, 2),
+                        space.communicator(),
+                        ArrayView<double>(squares, 2));
+    const double weight = squares[1] > 0. ? noise_part * squares[1] : 1.;
+    if (squares[0] > 0.)
+      for (std::size_t u = 0; u < start.size(); ++u)
+        start[u] += random[u] * std::sqrt(weight / squares[0]);
   }
 
 
 
-  template double
-  critical_step<2>(GridMass<2> &,
-                   PointTransfer<2> &,
-                   const std::vector<const Body<2> *> &,
-                   const Walls<2> &,
-                   const std::string &,
-                   const unsigned int);
-  template double
-  critical_step<3>(GridMass<3> &,
-                   PointTransfer<3> &,
-                   const std::vector<const Body<3> *> &,
-                   const Walls<3> &,
-                   const std::string &,
-                   const unsigned int);
+  template <int dim>
+  void
+  CriticalStep<dim>::read_field(std::vector<double>    &values,
+                                const VectorField<dim> &field) const
+  {
+    std::size_t u = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (const unsigned int i : unknowns[d])
+        values[u++] = field[d].local_element(i);
+  }
+
+
+
+  template <int dim>
+  void
+  CriticalStep<dim>::write_field(VectorField<dim>          &field,
+                                 const std::vector<double> &values) const
+  {
+    std::size_t u = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        field[d] = 0.;
+        for (const unsigned int i : unknowns[d])
+          field[d].local_element(i) = values[u++];
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CriticalStep<dim>::multiply_by_B(
+    std::vector<double>                            &x,
+    const std::vector<double>                      &b,
+    GridMass<dim>                                  &mass,
+    PointTransfer<dim>                             &transfer,
+    const std::vector<const MaterialPoints<dim> *> &mass_points,
+    const StepScheme                               &scheme)
+  {
+    // The coefficients of the polynomial in s.
+    std::array<double, 3> c{{1., 0., 0.}};
+    if (!mass.is_consistent())
+      {
+        if (scheme.stress_update == "USL")
+          c = {{2., -1., 0.}};
+        else if (!scheme.apic)
+          c = {{0.,
+                2. / (1. + scheme.flip),
+                -(1. - scheme.flip) / (1. + scheme.flip)}};
+      }
+
+    const auto solve = [&](const VectorField<dim> &rows) {
+      for (VectorType &component : target)
+        component = 0.;
+      mass.solve({&target}, {&rows});
+    };
+    write_field(source, b);
+    solve(source);
+    std::vector<double> part(b.size());
+    read_field(part, target);
+    for (std::size_t u = 0; u < x.size(); ++u)
+      x[u] = c[0] * part[u];
+    for (unsigned int k = 1; k < 3 && (c[k] != 0. || c[2] != 0.); ++k)
+      {
+        write_field(target, part);
+        transfer.multiply_mass(mass_points, target, product);
+        solve(product);
+        read_field(part, target);
+        for (std::size_t u = 0; u < x.size(); ++u)
+          x[u] += c[k] * part[u];
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CriticalStep<dim>::multiply_by_stiffness(
+    std::vector<double>                  &y,
+    const std::vector<double>            &x,
+    PointTransfer<dim>                   &transfer,
+    const std::vector<const Body<dim> *> &bodies,
+    const double                          elastic,
+    const double                          viscous)
+  {
+    ++products;
+    write_field(source, x);
+    bool overwrite = true;
+    for (const Body<dim> *body : bodies)
+      {
+        const Moduli m = body->material->moduli();
+        Stiffness    stiffness;
+        stiffness.lambda         = m.bulk - 2. / 3. * m.shear;
+        stiffness.shear          = m.shear;
+        stiffness.elastic_factor = elastic;
+        stiffness.viscous_lambda =
+          viscous * (m.bulk_viscosity - 2. / 3. * m.viscosity);
+        stiffness.viscous_shear = viscous * m.viscosity;
+        transfer.add_stiffness(
+          body->points, stiffness, source, target, overwrite);
+        overwrite = false;
+      }
+    read_field(y, target);
+  }
+
+
+
+  template <int dim>
+  void
+  CriticalStep<dim>::begin_with(const VectorField<dim> &force)
+  {
+    last_force = force;
+    has_last   = true;
+  }
+
+
+
+  template <int dim>
+  double
+  CriticalStep<dim>::estimate(
+    GridMass<dim>                                  &mass,
+    PointTransfer<dim>                             &transfer,
+    const std::vector<const Body<dim> *>           &all_bodies,
+    const std::vector<const MaterialPoints<dim> *> &mass_points,
+    const Walls<dim>                               &walls,
+    const StepScheme                               &scheme)
+  {
+    std::vector<const Body<dim> *> bodies;
+    bool                           is_viscous = false;
+    for (const Body<dim> *body : all_bodies)
+      {
+        const Moduli moduli = body->material->moduli();
+        const bool   flows  = moduli.viscosity + moduli.bulk_viscosity > 0.;
+        if (!body->imposed_velocity.empty() ||
+            !(moduli.bulk + moduli.shear > 0. || flows))
+          continue;
+        bodies.push_back(body);
+        is_viscous = is_viscous || flows;
+      }
+    if (bodies.empty())
+      return std::numeric_limits<double>::infinity();
+
+    const MPI_Comm comm = mass.space().communicator();
+    choose_unknowns(mass, walls);
+    const std::size_t n = start.size();
+    const double      factor =
+      mass.is_lumped() ? 1. + scheme.damping : std::pow(1. + scheme.damping, 2);
+    const LinearAction B = [&](std::vector<double>       &x,
+                               const std::vector<double> &b) {
+      multiply_by_B(x, b, mass, transfer, mass_points, scheme);
+    };
+    const auto multiply = [&](std::vector<double>       &y,
+                              const std::vector<double> &x,
+                              const double               elastic,
+                              const double               viscous) {
+      multiply_by_stiffness(
+        y, x, transfer, bodies, factor * elastic, factor * viscous);
+    };
+
+    // The dt with dt^2 a + dt b = 1.
+    const auto root = [](const double a, const double b) {
+      return a > 0. || b > 0. ? 2. / (b + std::sqrt(b * b + 4. * a))
+                              : std::numeric_limits<double>::infinity();
+    };
+
+    // A vector x has a step of its own, that with x^T B^-1 x =
+    // x^T (dt^2 / 4 K + dt / 2 C) x, and the critical step is the smallest of
+    // all. So begin with that of the first vector, and repeat with that of the
+    // eigenvector. Without viscosity any dt will do.
+    double              step = 1.;
+    std::vector<double> x(n), y(n);
+    if (is_viscous)
+      {
+        step = last_step;
+        if (!(last_step > 0.))
+          {
+            B(x, start);
+            const double square = dot(x, start, comm);
+            multiply(y, x, 0.25, 0.);
+            const double a = dot(x, y, comm);
+            multiply(y, x, 0., 0.5);
+            const double b = dot(x, y, comm);
+            if (!(square > 0.))
+              return std::numeric_limits<double>::infinity();
+            step = root(a / square, b / square);
+          }
+      }
+    for (unsigned int repeat = 0; repeat < 5; ++repeat)
+      {
+        if (!std::isfinite(step))
+          break;
+        const LinearAction S = [&](std::vector<double>       &y,
+                                   const std::vector<double> &x) {
+          multiply(y, x, 0.25 * step * step, 0.5 * step);
+        };
+        LargestEigenvalue result =
+          largest_eigenvalue(S, B, start, tolerance, max_products, comm);
+        start = result.b;
+        if (!is_viscous)
+          {
+            step = root(result.value, 0.);
+            break;
+          }
+        multiply(y, result.x, 0.25, 0.);
+        const double a      = dot(result.x, y, comm);
+        const double b      = result.value / step - a * step;
+        const double before = step;
+        step                = root(a, std::max(b, 0.));
+        if (std::abs(step - before) <= tolerance * step)
+          break;
+      }
+
+    has_last  = std::isfinite(step);
+    last_step = has_last ? step : 0.;
+    if (has_last)
+      {
+        for (VectorType &component : last_force)
+          mass.space().initialize_vector(component);
+        write_field(last_force, start);
+      }
+    return step;
+  }
+
+
+
+  template class CriticalStep<2>;
+  template class CriticalStep<3>;
 } // namespace greville

@@ -194,19 +194,6 @@ namespace greville
 
   template <int dim>
   void
-  GridMass<dim>::multiply(VectorField<dim> &b, const VectorField<dim> &x) const
-  {
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        product->vmult(b[c], x[c]);
-        b[c].scale(is_free[c]);
-      }
-  }
-
-
-
-  template <int dim>
-  void
   GridMass<dim>::solve(const std::vector<VectorField<dim> *>       &x,
                        const std::vector<const VectorField<dim> *> &b,
                        const std::vector<double>                   &shares)

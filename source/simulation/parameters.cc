@@ -90,9 +90,12 @@ namespace greville
     add_parameter("Estimate every",
                   estimate_every,
                   "The critical step is estimated again after this number of "
-                  "steps; 0: in the beginning only. Automatic steps with "
-                  "consistent mass (not with USF) are estimated again, too, "
-                  "where accelerations show them to be too long. Unit: steps.",
+                  "steps, and after up to eight times as many while it changes "
+                  "by less than 2 %; 0: in the beginning only. It is estimated "
+                  "again, too, where the largest wave speed has grown by 10 %, "
+                  "and, for automatic steps with consistent mass (not with "
+                  "USF), where accelerations show them to be too long. Unit: "
+                  "steps.",
                   prm,
                   Patterns::Integer(0));
     add_parameter("Velocities at",

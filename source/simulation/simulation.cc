@@ -1,5 +1,4 @@
 #include <greville/base/errors.h>
-#include <greville/simulation/critical_step.h>
 #include <greville/simulation/simulation.h>
 
 #include <algorithm>
@@ -32,6 +31,18 @@ namespace greville
     // With consistent mass, cells that a point crosses in a step at most, times
     // the order: the filter of the velocity cannot keep up with longer steps.
     constexpr double most_crossings = 0.6;
+
+    // Where an estimate is closer to the last one than this part, the time to
+    // the next one is twice as long, up to a factor.
+    constexpr double       small_change  = 0.02;
+    constexpr unsigned int longest_delay = 8;
+
+    // Growth of the largest wave speed that asks for an estimate at once.
+    constexpr double wave_growth = 1.1;
+
+    // Accelerations that change a speed by less than this part of c + |v| in a
+    // step are noise.
+    constexpr double noise_of_acceleration = 1e-8;
 
 
 
@@ -242,10 +253,12 @@ namespace greville
           fastest_signal = std::max(fastest_signal, c + std::sqrt(v2));
           crossing_rate  = std::max(crossing_rate, rate);
         });
+        fastest_wave = std::max(fastest_wave, c);
         all_bodies.push_back(std::move(body));
       }
     fastest_signal = Utilities::MPI::max(fastest_signal, comm);
     crossing_rate  = Utilities::MPI::max(crossing_rate, comm);
+    fastest_wave   = Utilities::MPI::max(fastest_wave, comm);
     left_cells.resize(all_bodies.size());
     reconstructed.resize(all_bodies.size());
   }
@@ -272,19 +285,21 @@ namespace greville
     std::vector<const Body<dim> *> bodies;
     for (const Body<dim> &body : all_bodies)
       bodies.push_back(&body);
-    transfer.points_to_grid(quadrature_points(),
-                            &lumped_mass,
-                            &momentum,
-                            nullptr);
-    grid_mass->update(lumped_mass, summed_points, transfer);
+    sum_mass();
     // Obstacles may let go before the next estimate.
     if (obstacles)
       grid_mass->hold(
         std::vector<unsigned char>(lumped_mass.locally_owned_size(), 0));
-    if (!grid_mass->is_consistent())
-      grid_mass->prepare_product(summed_points, transfer);
-    const double estimate = critical_step<dim>(
-      *grid_mass, transfer, bodies, walls, parameters.scheme.stress_update);
+    StepScheme scheme;
+    scheme.stress_update = parameters.scheme.stress_update;
+    scheme.apic          = parameters.scheme.transfer == "APIC";
+    // Smaller shares have the shorter step, and dt is not known yet.
+    scheme.flip           = parameters.scheme.transfer == "PIC"
+                              ? 0.
+                              : std::min(parameters.scheme.flip, flip_share());
+    scheme.damping        = damping();
+    const double estimate = critical_step.estimate(
+      *grid_mass, transfer, bodies, summed_points, walls, scheme);
 
     // With the exact mass the highest frequency depends on how the surface cuts
     // the cells, and a moving body meets the same cuts again and again.
@@ -294,6 +309,43 @@ namespace greville
                       estimates.end() -
                         (grid_mass->is_consistent() ? n_estimates : 1));
     critical_dt = *std::min_element(estimates.begin(), estimates.end());
+
+    const unsigned int every = parameters.time.estimate_every;
+    if (std::abs(estimate - last_estimate) <= small_change * estimate)
+      n_between =
+        std::min(std::max(2 * n_between, every), longest_delay * every);
+    else
+      n_between = every;
+    next_estimate  = steps + n_between;
+    last_estimate  = estimate;
+    estimated_wave = fastest_wave;
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::is_estimate_due() const
+  {
+    return steps == 0 ||
+           (parameters.time.estimate_every > 0 && steps >= next_estimate) ||
+           fastest_wave > wave_growth * estimated_wave;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::sum_mass()
+  {
+    if (sums_are_current)
+      return;
+    transfer.points_to_grid(quadrature_points(),
+                            &lumped_mass,
+                            &momentum,
+                            nullptr);
+    grid_mass->update(lumped_mass, summed_points, transfer);
+    sums_are_current = true;
   }
 
 
@@ -367,44 +419,53 @@ namespace greville
 
   template <int dim>
   bool
-  Simulation<dim>::shows_faster_mode()
+  Simulation<dim>::shows_faster_mode(const double signal) const
   {
     // Before forces, USF has updated the points: such a step stands.
     if (!grid_mass->is_consistent() || step_formula ||
-        parameters.scheme.stress_update == "USF")
+        parameters.scheme.stress_update == "USF" || n_last_accelerations < 2)
       return false;
-    double sums[2] = {0., 0.};
-    if (n_last_accelerations >= 2)
-      for (unsigned int d = 0; d < dim; ++d)
-        for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
-          {
-            const double m  = lumped_mass.local_element(i);
-            const double a2 = acceleration[d].local_element(i);
-            const double a1 = last_accelerations[0][d].local_element(i);
-            const double a0 = last_accelerations[1][d].local_element(i);
-            const double change =
-              2. * ((a2 - a1) / last_steps[0] - (a1 - a0) / last_steps[1]) /
-              (last_steps[0] + last_steps[1]);
-            sums[0] += m * change * change;
-            sums[1] += m * a1 * a1;
-          }
-    Utilities::MPI::sum(ArrayView<const double>(sums, 2),
+    double sums[4] = {0., 0., 0., 0.};
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
+        {
+          const double m  = lumped_mass.local_element(i);
+          const double a2 = acceleration[d].local_element(i);
+          const double a1 = last_accelerations[0][d].local_element(i);
+          const double a0 = last_accelerations[1][d].local_element(i);
+          const double change =
+            2. * ((a2 - a1) / last_steps[0] - (a1 - a0) / last_steps[1]) /
+            (last_steps[0] + last_steps[1]);
+          sums[0] += m * change * change;
+          sums[1] += m * a1 * a1;
+          sums[2] += m * a2 * a2;
+          sums[3] += m / dim;
+        }
+    Utilities::MPI::sum(ArrayView<const double>(sums, 4),
                         comm,
-                        ArrayView<double>(sums, 2));
+                        ArrayView<double>(sums, 4));
+    const double noise = noise_of_acceleration * signal / dt;
+    if (!(sums[2] > noise * noise * sums[3]))
+      return false;
     const double omega =
       sums[1] > 0. ? std::sqrt(std::sqrt(sums[0] / sums[1])) : 0.;
-    if (dt * omega > 2. * parameters.time.safety)
-      {
-        n_last_accelerations = 0;
-        return true;
-      }
+    return dt * omega > 2. * parameters.time.safety;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::remember_acceleration()
+  {
+    if (!grid_mass->is_consistent())
+      return;
     std::swap(last_accelerations[0], last_accelerations[1]);
     for (unsigned int d = 0; d < dim; ++d)
       last_accelerations[0][d] = acceleration[d];
     last_steps[1] = last_steps[0];
     last_steps[0] = dt;
     ++n_last_accelerations;
-    return false;
   }
 
 
@@ -430,12 +491,11 @@ namespace greville
 
 
   template <int dim>
-  bool
-  Simulation<dim>::is_damped() const
+  double
+  Simulation<dim>::damping() const
   {
     const LoadParameters &given = parameters.loads;
-    return given.cundall > 0. &&
-           (given.damping_end < 0. || t < given.damping_end);
+    return given.damping_end < 0. || t < given.damping_end ? given.cundall : 0.;
   }
 
 
@@ -449,17 +509,30 @@ namespace greville
       if (g[d] != 0.)
         for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
           force[d].local_element(i) += g[d] * lumped_mass.local_element(i);
+  }
 
-    const LoadParameters &given = parameters.loads;
-    if (is_damped())
-      for (unsigned int d = 0; d < dim; ++d)
-        for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
+
+
+  template <int dim>
+  void
+  Simulation<dim>::damp_acceleration()
+  {
+    const double factor = damping();
+    if (factor == 0.)
+      return;
+    for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
+      {
+        const double        m    = lumped_mass.local_element(i);
+        const unsigned char held = grid_mass->held_components(i);
+        for (unsigned int d = 0; d < dim; ++d)
           {
-            double      &f = force[d].local_element(i);
-            const double v = velocity[d].local_element(i);
-            if (v != 0.)
-              f -= given.cundall * std::copysign(std::abs(f), v);
+            const double P = momentum[d].local_element(i);
+            if (m > 0. && P != 0. && !(held & (1 << d)))
+              acceleration[d].local_element(i) -=
+                factor *
+                std::copysign(std::abs(force[d].local_element(i)) / m, P);
           }
+      }
   }
 
 
@@ -689,7 +762,7 @@ namespace greville
   void
   Simulation<dim>::find_crossing_rate()
   {
-    double rates[2] = {fastest_signal, 0.};
+    double rates[3] = {fastest_signal, 0., fastest_wave};
     for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
       if (!grid_mass->is_consistent() ||
           grid_mass->extension()[i] == Extension<dim>::stable)
@@ -700,11 +773,12 @@ namespace greville
                     space().lattice().cell_size(d);
           rates[1] = std::max(rates[1], rate);
         }
-    Utilities::MPI::max(ArrayView<const double>(rates, 2),
+    Utilities::MPI::max(ArrayView<const double>(rates, 3),
                         comm,
-                        ArrayView<double>(rates, 2));
+                        ArrayView<double>(rates, 3));
     fastest_signal = rates[0];
     crossing_rate  = rates[1];
+    fastest_wave   = rates[2];
   }
 
 
@@ -778,6 +852,7 @@ namespace greville
         update.material          = body.material;
         const PointReport report = transfer.grid_to_points(body.points, update);
         fastest_signal = std::max(fastest_signal, report.fastest_signal);
+        fastest_wave   = std::max(fastest_wave, report.fastest_wave);
         if (move)
           left_cells[b] = report.left_cells;
         if (report.bad_point >= 0 && problem.empty())
@@ -897,6 +972,7 @@ namespace greville
     dt                   = remembered.dt;
     steps                = remembered.steps;
     n_last_accelerations = 0;
+    next_estimate        = 0;
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
       all_bodies[b].points = remembered.points[b];
     where << message << ". The state of step " << steps << ", t = " << t
@@ -925,6 +1001,7 @@ namespace greville
             for (unsigned int d = 0; d < dim; ++d)
               p[(PointLayout<dim>::velocity + d) * s] = v[d];
           });
+          sums_are_current = false;
         }
 
     if (obstacles)
@@ -938,39 +1015,42 @@ namespace greville
       const PartTimer timer(*this, "loads");
       loads.set(all_bodies, t);
     }
-    {
-      const PartTimer timer(*this, "points to grid");
-      transfer.points_to_grid(quadrature_points(),
-                              &lumped_mass,
-                              &momentum,
-                              order == "USF" ? nullptr : &force);
-    }
-    {
-      const PartTimer timer(*this, "mass");
-      grid_mass->update(lumped_mass, summed_points, transfer);
-    }
+    const bool has_mass = sums_are_current;
+    if (!has_mass || order != "USF")
+      {
+        const PartTimer timer(*this, "points to grid");
+        transfer.points_to_grid(has_mass ? summed_points : quadrature_points(),
+                                has_mass ? nullptr : &lumped_mass,
+                                has_mass ? nullptr : &momentum,
+                                order == "USF" ? nullptr : &force);
+      }
+    if (!has_mass)
+      {
+        const PartTimer timer(*this, "mass");
+        grid_mass->update(lumped_mass, summed_points, transfer);
+        sums_are_current = true;
+      }
 
-    // Velocity and acceleration come from one solve, unless the force depends
+    // Velocity and acceleration come from one solve, unless the stress depends
     // on the velocity. Their guesses are the fields of the step before.
     for (unsigned int d = 0; d < dim; ++d)
       velocity[d] = new_velocity[d];
     walls.hold_velocity(velocity, velocity_time);
     walls.hold_acceleration(acceleration, velocity_time, velocity_dt);
     touch_obstacles(order != "USF");
-    if (order == "USF" || is_damped())
+    if (order == "USF")
       {
         solve({&velocity}, {&momentum});
-        if (order == "USF")
-          {
-            walls.stop(velocity);
-            update_points(nullptr, nullptr, &velocity, false);
-            const PartTimer timer(*this, "points to grid");
-            transfer.points_to_grid(quadrature_points(),
-                                    nullptr,
-                                    nullptr,
-                                    &force);
-            touch_obstacles(true);
-          }
+        walls.stop(velocity);
+        update_points(nullptr, nullptr, &velocity, false);
+        {
+          const PartTimer timer(*this, "points to grid");
+          transfer.points_to_grid(quadrature_points(),
+                                  nullptr,
+                                  nullptr,
+                                  &force);
+        }
+        touch_obstacles(true);
         add_grid_forces();
         solve({&acceleration}, {&force});
       }
@@ -982,6 +1062,7 @@ namespace greville
               {&momentum, &force},
               {1., velocity_dt > 0. ? negligible_kick / velocity_dt : 0.});
       }
+    damp_acceleration();
   }
 
 
@@ -993,21 +1074,25 @@ namespace greville
     if (steps > 0 && steps % remember_every == 0)
       remember_state();
     iterations           = 0;
-    const double last_dt = dt, last_signal = fastest_signal;
-    const auto   n_between = parameters.time.estimate_every;
-    choose_step(steps == 0 || (n_between > 0 && steps % n_between == 0));
+    sums_are_current     = false; // Programs may have changed points.
+    const double last_dt = dt, last_signal = fastest_signal,
+                 last_wave = fastest_wave;
+    choose_step(is_estimate_due());
     // USF deforms by v, which belongs to the middle of the last step.
     deformation_dt = parameters.time.velocities == "half steps" ? last_dt : dt;
-    fastest_signal = 0.;
+    fastest_signal = fastest_wave = 0.;
     find_acceleration();
-    if (shows_faster_mode())
+    if (shows_faster_mode(last_signal))
       {
         dt             = last_dt;
         fastest_signal = last_signal;
+        fastest_wave   = last_wave;
+        critical_step.begin_with(force);
         choose_step(true);
-        fastest_signal = 0.;
+        fastest_signal = fastest_wave = 0.;
         find_acceleration();
       }
+    remember_acceleration();
     const std::string &order = parameters.scheme.stress_update;
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -1026,6 +1111,7 @@ namespace greville
     else
       {
         update_points(&acceleration, &new_velocity, nullptr, false);
+        sums_are_current = false;
         {
           const PartTimer timer(*this, "points to grid");
           transfer.points_to_grid(quadrature_points(),

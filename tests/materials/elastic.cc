@@ -59,7 +59,7 @@ namespace
     check("  moduli",
           std::max(std::abs(moduli.bulk / K - 1),
                    std::abs(moduli.shear / G - 1)) +
-            moduli.viscosity,
+            moduli.viscosity + moduli.bulk_viscosity,
           1e-14);
 
     // P = dW / dF by difference quotients.

@@ -15,6 +15,7 @@ namespace
     std::vector<double> result = {moduli.bulk,
                                   moduli.shear,
                                   moduli.viscosity,
+                                  moduli.bulk_viscosity,
                                   material.density};
     for (const double volume : {-1e-4, 2e-4})
       {

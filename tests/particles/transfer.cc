@@ -759,8 +759,8 @@ test_stiffness(const SplineSpace<dim> &space, const Material &material)
   transfer.reinit(space);
   const VectorField<dim> u = random_field(space, 1), w = random_field(space, 2);
   VectorField<dim>       Ku = random_field(space, 3), Kw = make_field(space);
-  transfer.add_stiffness(start, lambda, moduli.shear, u, Ku, true);
-  transfer.add_stiffness(start, lambda, moduli.shear, w, Kw, true);
+  transfer.add_stiffness(start, {lambda, moduli.shear}, u, Ku, true);
+  transfer.add_stiffness(start, {lambda, moduli.shear}, w, Kw, true);
   double wKu = 0., uKw = 0., norm = 0.;
   for (unsigned int d = 0; d < dim; ++d)
     {
@@ -793,7 +793,7 @@ test_stiffness(const SplineSpace<dim> &space, const Material &material)
 
   // It adds where asked for.
   VectorField<dim> sum(Ku);
-  transfer.add_stiffness(start, lambda, moduli.shear, w, sum, false);
+  transfer.add_stiffness(start, {lambda, moduli.shear}, w, sum, false);
   for (unsigned int d = 0; d < dim; ++d)
     {
       Ku[d] += Kw[d];
@@ -804,12 +804,44 @@ test_stiffness(const SplineSpace<dim> &space, const Material &material)
   // Points that got stiffer count as much.
   start.for_each(
     [&](const unsigned int, double *p) { at(p, Layout::wave_modulus) *= 3.; });
-  transfer.add_stiffness(start, lambda, moduli.shear, u, sum, true);
-  transfer.add_stiffness(start, 3. * lambda, 3. * moduli.shear, u, Ku, true);
+  transfer.add_stiffness(start, {lambda, moduli.shear}, u, sum, true);
+  transfer.add_stiffness(start, {3. * lambda, 3. * moduli.shear}, u, Ku, true);
   double scaled = 0.;
   for (unsigned int d = 0; d < dim; ++d)
     scaled = std::max(scaled, difference(sum[d], Ku[d]));
   check("    in proportion to wave moduli", scaled, 1e-14);
+
+  // Viscosity is the same at all of them.
+  transfer.add_stiffness(start,
+                         {lambda, moduli.shear, 3. * lambda, 3. * moduli.shear},
+                         u,
+                         sum,
+                         true);
+  double viscous = 0.;
+  for (unsigned int d = 0; d < dim; ++d)
+    {
+      Ku[d] *= 2.;
+      viscous = std::max(viscous, difference(sum[d], Ku[d]));
+    }
+  check("    viscosity is not", viscous, 1e-14);
+
+  // The mass matrix gives the momentum of points that have the velocity u.
+  VectorType       mass;
+  VectorField<dim> momentum = make_field(space);
+  space.initialize_vector(mass);
+  MaterialPoints<dim>    points(start);
+  PointUpdate<dim>       update;
+  const VectorField<dim> zero = make_field(space);
+  update.velocity             = &u;
+  update.acceleration         = &zero;
+  update.flip                 = 0.;
+  transfer.grid_to_points(points, update);
+  transfer.points_to_grid({&points}, &mass, &momentum, nullptr);
+  transfer.multiply_mass({&start}, u, Ku);
+  double product = 0.;
+  for (unsigned int d = 0; d < dim; ++d)
+    product = std::max(product, difference(Ku[d], momentum[d]));
+  check("    mass matrix", product, 1e-14);
 }
 
 

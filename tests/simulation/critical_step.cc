@@ -72,18 +72,67 @@ main(int argc, char **argv)
   };
   check("viscosity", fluid("1") < 0.8 * fluid("0"));
 
+  // Twice the viscosity of shear or of volume where it alone counts: half the
+  // step. A stiff body beside a viscous one has its own.
+  const auto viscous = [&](const std::vector<std::string> &lines) {
+    Text text = full_box(2, "lumped");
+    text.content =
+      text.content.substr(0, text.content.find("subsection Material"));
+    text.add("Material solid",
+             {"Model = newtonian-fluid", "Density = 1", "Sound speed = 0.01"});
+    text.add("Time", {"End = 1e-9", "Step = 1e-9", "Too large step = warn"});
+    return courant(text.with("Material solid", lines));
+  };
+  between("twice the viscosity",
+          viscous({"Viscosity = 2"}) / viscous({"Viscosity = 1"}),
+          0.49,
+          0.51);
+  between("twice the bulk viscosity",
+          viscous({"Viscosity = 0", "Bulk viscosity = 2"}) /
+            viscous({"Viscosity = 0", "Bulk viscosity = 1"}),
+          0.49,
+          0.51);
+  const auto mud_and_steel = [&](const bool with_mud, const bool with_steel) {
+    const std::string bodies = with_mud && with_steel ? "mud, steel"
+                               : with_mud             ? "mud"
+                                                      : "steel";
+    Text              text;
+    text.add("Simulation", {"Bodies = " + bodies, "Materials = " + bodies})
+      .add("Grid", {"Cells = 16, 16"})
+      .add("Scheme", {"Mass = lumped"})
+      .add("Time", {"End = 1e-20", "Step = 1e-20", "Too large step = warn"});
+    if (with_mud)
+      text.add("Body mud", {"Material = mud", "Shape = box(0, 0, 0.5, 0.5)"})
+        .add("Material mud",
+             {"Model = bingham",
+              "Density = 1500",
+              "Sound speed = 20",
+              "Plastic viscosity = 0.1",
+              "Yield stress = 100",
+              "Regularization = 1"});
+    if (with_steel)
+      text
+        .add("Body steel",
+             {"Material = steel", "Shape = box(0.7, 0.7, 0.9, 0.9)"})
+        .add("Material steel",
+             {"Model = neo-hookean",
+              "Density = 7800",
+              "Youngs modulus = 2e11",
+              "Poissons ratio = 0.3"});
+    return courant(text);
+  };
+  const double mud   = mud_and_steel(true, false),
+               steel = mud_and_steel(false, true);
+  check("steel is stiffer", steel < 0.1 * mud);
+  between("mud and steel", mud_and_steel(true, true) / steel, 0.95, 1.05);
+
   // On both sides of it: a small disturbance stays small, or grows.
-  const std::pair<std::string, std::string> schemes[] = {{"lumped", "USL"},
-                                                         {"lumped", "MUSL"},
-                                                         {"fmpm-3", "USL"},
-                                                         {"consistent", "USL"}};
-  for (const auto &scheme : schemes)
-    {
-      const Text box = full_box(2, scheme.first)
-                         .with("Scheme", {"Stress update = " + scheme.second});
-      const std::string name          = scheme.first + ", " + scheme.second;
-      const double      limit         = courant(box) / (16. * c);
-      const auto        largest_speed = [&](const double part) {
+  const auto test_stability =
+    [&](const std::string &name, const Text &box, const double unstable) {
+      Simulated<2> first(box);
+      first->step();
+      const double limit         = first->critical();
+      const auto   largest_speed = [&](const double part) {
         std::ostringstream step;
         step.precision(12);
         step << part * limit;
@@ -109,8 +158,25 @@ main(int argc, char **argv)
       check(name + ", 0.95 of the critical step is stable",
             largest_speed(0.95),
             1e-4);
-      check(name + ", 1.3 of it is not", largest_speed(1.3) > 1e-4);
-    }
+      check(name + ", a longer step is not", largest_speed(unstable) > 1e-4);
+    };
+  for (const std::string mass : {"fmpm-3", "consistent"})
+    test_stability(mass, full_box(2, mass), 1.3);
+  for (const unsigned int p : {1, 2, 3})
+    for (const std::string update : {"USL", "USF", "MUSL"})
+      for (const std::string transfer : {"FLIP", "PIC", "APIC"})
+        test_stability(
+          "p = " + std::to_string(p) + ", " + update + ", " + transfer,
+          full_box(p, "lumped")
+            .with("Grid", {"Cells = 8, 8"})
+            .with("Scheme",
+                  {"Stress update = " + update, "Transfer = " + transfer}),
+          1.3);
+  test_stability("half FLIP",
+                 full_box(2, "lumped")
+                   .with("Scheme",
+                         {"Stress update = MUSL", "FLIP share = 0.5"}),
+                 1.3);
 
   // What the parameter says.
   const auto outcome = [&](const std::string &what, const std::string &step) {
@@ -185,4 +251,64 @@ main(int argc, char **argv)
       is_stable = false;
     }
   check("the first one, given", !is_stable);
+
+  // A viscous blob that has torn keeps its viscosity, but not its stiffness: it
+  // loses energy all the time.
+  for (const std::string mass : {"lumped", "consistent"})
+    {
+      Simulated<2> blob(
+        Text()
+          .add("Simulation", {"Bodies = blob", "Materials = goo"})
+          .add("Grid", {"Cells = 20, 20"})
+          .add("Scheme", {"Mass = " + mass})
+          .add("Time", {"End = 0.15"})
+          .add("Body blob",
+               {"Material = goo",
+                "Shape = ball(0.5, 0.5, 0.15)",
+                "Points per direction = 3",
+                "Velocity = 8 * (x - 0.5); 8 * (y - 0.5) + 0.01 * sin(60 * "
+                "x)"})
+          .add("Material goo",
+               {"Model = newtonian-fluid",
+                "Density = 1000",
+                "Sound speed = 20",
+                "Viscosity = 200"}));
+      double last = blob->statistics().kinetic, rise = 0.;
+      try
+        {
+          while (!blob->is_finished())
+            {
+              blob->step();
+              const double kinetic = blob->statistics().kinetic;
+              rise                 = std::max(rise, kinetic / last - 1.);
+              last                 = kinetic;
+            }
+        }
+      catch (const std::exception &)
+        {
+          rise = 1.;
+        }
+      check("torn blob, " + mass, rise, 1e-10);
+    }
+
+  // Water hits a wall at half of its speed of sound and gets stiffer: the step
+  // is estimated again, though only the first one was asked for.
+  Simulated<2> impact(
+    Text()
+      .add("Simulation", {"Bodies = water", "Materials = water"})
+      .add("Grid", {"Cells = 16, 16"})
+      .add("Scheme", {"Mass = lumped"})
+      .add("Walls", {"Left = sliding", "Bottom = sliding", "Top = sliding"})
+      .add("Time", {"End = 0.02", "CFL number = 1e9", "Estimate every = 0"})
+      .add("Body water",
+           {"Material = water",
+            "Shape = box(0, 0, 0.5, 1)",
+            "Points per direction = 2",
+            "Velocity = -5; 0"})
+      .add("Material water",
+           {"Model = newtonian-fluid", "Density = 1000", "Sound speed = 10"}));
+  impact->step();
+  const double at_rest = impact->critical();
+  impact.run();
+  check("impact: critical step", impact->critical() < 0.8 * at_rest);
 }

@@ -42,13 +42,15 @@ namespace greville
 
 
   /**
-   * Bulk and shear modulus (Pa) and dynamic viscosity (Pa s).
+   * Bulk and shear modulus (Pa), and the largest dynamic viscosities (Pa s) of
+   * shear and of changes of volume.
    */
   struct Moduli
   {
-    double bulk      = 0.;
-    double shear     = 0.;
-    double viscosity = 0.;
+    double bulk           = 0.;
+    double shear          = 0.;
+    double viscosity      = 0.;
+    double bulk_viscosity = 0.;
   };
 
 
@@ -124,7 +126,8 @@ namespace greville
     }
 
     /**
-     * In the stress-free state. They set the critical time step.
+     * In the stress-free state, viscosities in any. They set the critical time
+     * step.
      */
     virtual Moduli
     moduli() const = 0;

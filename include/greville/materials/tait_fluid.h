@@ -167,17 +167,13 @@ namespace greville
       return point.state[0];
     }
 
-    /**
-     * The viscosity is the largest one plus 3 / 4 zeta, so that 4 / 3 of it
-     * damp longitudinal waves.
-     */
     Moduli
     moduli() const override
     {
       return {this->density * sound_speed * sound_speed,
               0.,
-              static_cast<const Law &>(*this).largest_viscosity() +
-                0.75 * bulk_viscosity};
+              static_cast<const Law &>(*this).largest_viscosity(),
+              bulk_viscosity};
     }
 
   private:

@@ -80,12 +80,32 @@ namespace greville
   {
     /// The largest c + |v| (m / s) with the speed c of pressure waves.
     double fastest_signal = 0.;
+    /// The largest c.
+    double fastest_wave = 0.;
     /// Cells that at least one point has left.
     std::vector<unsigned int> left_cells;
     /// The id of the first point with J <= 0 or a stress or position that is
     /// no number, and what is wrong with it.
     std::int64_t bad_point = -1;
     std::string  bad_reason;
+  };
+
+
+
+  /**
+   * Two isotropic tensors that make stress out of a gradient: that of
+   * elasticity, which follows the state of a point (lambda and G of the
+   * stress-free state are multiplied by the wave modulus of the point over
+   * lambda + 2 G, and by @p elastic_factor), and that of viscosity, which is
+   * the same in any state.
+   */
+  struct Stiffness
+  {
+    double lambda         = 0.;
+    double shear          = 0.;
+    double viscous_lambda = 0.;
+    double viscous_shear  = 0.;
+    double elastic_factor = 1.;
   };
 
 
@@ -163,20 +183,25 @@ namespace greville
             std::vector<double>                            &result) const;
 
     /**
-     * Collective. The action of the stiffness matrix of an isotropic body on
-     * the displacement u, k_i = sum_p V_p s_p (lambda div u 1 + 2 G sym grad u)
-     * grad N_i at x_p: add it for @p points with lambda (@p lambda) and G
-     * (@p shear) in Pa of the stress-free state, lambda + 2 G > 0; s_p is the
-     * wave modulus of the point over lambda + 2 G. @p k is overwritten if
-     * @p overwrite.
+     * Collective. Add k_i = sum_p V_p (lambda div u 1 + 2 G sym grad u)
+     * grad N_i at x_p, with lambda and G of the @p stiffness of @p points. @p k
+     * is overwritten if @p overwrite.
      */
     void
     add_stiffness(const MaterialPoints<dim> &points,
-                  const double               lambda,
-                  const double               shear,
+                  const Stiffness           &stiffness,
                   const VectorField<dim>    &u,
                   VectorField<dim>          &k,
                   const bool                 overwrite);
+
+    /**
+     * Collective. y = M x with the mass matrix M_ij = sum_p m_p N_i(x_p)
+     * N_j(x_p) of all @p bodies.
+     */
+    void
+    multiply_mass(const std::vector<const MaterialPoints<dim> *> &bodies,
+                  const VectorField<dim>                         &x,
+                  VectorField<dim>                               &y);
 
     /**
      * The diagonal of D_p = sum_i N_i (xi_i - x)(xi_i - x)^T for a point @p x
@@ -186,6 +211,15 @@ namespace greville
     spread(const unsigned int cell, const dealii::Point<dim> &x) const;
 
   private:
+    /**
+     * Add what this process's points contribute, @p sums[i * dim + d] for the
+     * local function i, to the functions of all processes.
+     */
+    void
+    collect(const std::vector<double> &sums,
+            VectorField<dim>          &field,
+            const bool                 overwrite) const;
+
     const SplineSpace<dim>            *spline_space = nullptr;
     std::array<SplinePolynomials, dim> tables;
     std::vector<double>                buffer;

@@ -6,44 +6,145 @@
 namespace greville
 {
   /**
-   * The largest step of central differences that is stable: 2 / omega with the
-   * largest eigenvalue omega^2 of B K, where K is the stiffness matrix of the
-   * bodies with the moduli of their materials. With the exact mass, B = M^-1.
-   * Otherwise velocities that live on the points and come to the grid by an
-   * approximate inverse A of M (lumped, FMPM) make a step of the grid's
-   * velocity v <- v + dt A M a out of v <- v + dt a, and the characteristic
-   * polynomials z^2 - (2 - k) z + 1 - k (1 - s) = 0   (USL: deformed by v + dt
-   * a), z^2 - (2 - k s) z + 1 = 0             (USF, MUSL) of a mode with the
-   * eigenvalues k of dt^2 A K and s <= 1 of A M are stable for k (2 - s) <= 4
-   * and k s <= 4. So B = (2 - A M) A (USL),   B = A M A (USF, MUSL). Lumped
-   * USL, with s near 0 for the highest frequency, has a step that is shorter by
-   * up to the root of 2 than that of A K, lumped MUSL a longer one.
+   * What a step does with velocities, as far as its stability depends on it.
+   */
+  struct StepScheme
+  {
+    /// USL, USF or MUSL.
+    std::string stress_update = "USL";
+    /// 1: FLIP, 0: PIC.
+    double flip = 1.;
+    bool   apic = false;
+    /// The factor alpha of Cundall's damping, 0 if it does not act.
+    double damping = 0.;
+  };
+
+
+
+  /**
+   * The largest step dt that is stable: the one at which the largest eigenvalue
+   * of
+   *   B (dt^2 / 4 K + dt / 2 C)
+   * is one. K is the stiffness matrix of the bodies, with the moduli of their
+   * materials scaled by the wave moduli of the points, and C that of their
+   * largest viscosities, which do not follow the state of a point: a torn fluid
+   * has no pressure, but its viscosity. Without viscosity dt is 2 / omega with
+   * the largest eigenvalue omega^2 of B K, without stiffness 2 / gamma with
+   * that of B C. K and C enter together, so a stiff body beside a viscous one
+   * does not make a step that is too short for both.
    *
-   * With a viscosity mu, the damping ratio of the mode is xi = omega mu' / (2
-   * (K
-   * + 4 G / 3)) with mu' = 4 mu / 3, and the step 2 / omega (sqrt(1 + xi^2) -
-   * xi) (T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for
-   * continua and structures, section 6.2).
+   * With the exact mass, B = M^-1. Otherwise velocities that live on the points
+   * and come to the grid by an approximate inverse A of M (lumped, FMPM) lose
+   * what A M takes from them. For a mode with the eigenvalues k of dt^2 A K and
+   * s <= 1 of A M, and with the FLIP share f, sigma = f + (1 - f) s, a step has
+   * the characteristic polynomial
+   *   z^2 - (1 + sigma - k) z + sigma - k (sigma - s)      (USL),
+   *   z^2 - (1 + sigma - k s) z + sigma                    (USF, MUSL),
+   * which is stable for k (1 + sigma - s) <= 2 (1 + sigma) and k s <= 2 (1 +
+   * sigma). B is a polynomial in s, times A, that is not below the 4 / k of
+   * these, and equal to it for f = 1 and at s = 0 and 1:
+   *   (2 - s) A                                            (USL),
+   *   (2 s - (1 - f) s^2) / (1 + f) A                      (USF, MUSL).
+   * APIC is PIC with an s that is nearer to one: (2 - s) A (USL), A (USF,
+   * MUSL). Lumped USL, with s near 0 for the highest frequency, has a step that
+   * is shorter by up to the root of 2 than that of A K, lumped MUSL a longer
+   * one. Cundall's damping multiplies
+   * forces by 1 + alpha at most, and the step is that of stiffness times
+   * 1 + alpha. With other masses than lumped it is that of (1 + alpha)^2: the
+   * damping changes its signs from step to step, and with the root of that
+   * factor a block that slid on its base gained strain energy again and again.
    *
-   * The eigenvalue is that of a Lanczos method (at most @p max_iterations
-   * steps, until it changes by less than 1 %). It comes from below, so a safety
-   * factor belongs to the result. A linear B-spline at the rim of a body has a
-   * mass that vanishes with the distance of the outermost point, but not so its
-   * stiffness; for p = 1 functions with less than 1 % of the largest mass are
-   * left out.
+   * The eigenvalue is that of largest_eigenvalue(), until it changes by less
+   * than 1 % per step. It comes from below, so a safety factor belongs to the
+   * result. An estimate begins with the eigenvector of the last one and some
+   * noise. A linear B-spline at the rim of a body has a mass that vanishes with
+   * the distance of the outermost point, but not so its stiffness; for p = 1
+   * functions with less than 1 % of the largest mass are left out.
    *
-   * Collective. Infinite where nothing is stiff. @p mass is that of the current
-   * positions of @p bodies, with the product prepared unless it is consistent.
-   * @p stress_update is USL, USF or MUSL; anything else asks for B = A.
+   * (T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua
+   * and structures, section 6.2, has the step of a damped mode.)
    */
   template <int dim>
-  double
-  critical_step(GridMass<dim>                        &mass,
-                PointTransfer<dim>                   &transfer,
-                const std::vector<const Body<dim> *> &bodies,
-                const Walls<dim>                     &walls,
-                const std::string                    &stress_update,
-                const unsigned int                    max_iterations = 30);
+  class CriticalStep
+  {
+  public:
+    /**
+     * Collective. Infinite where nothing is stiff or viscous. @p mass is that
+     * of the current positions of @p bodies, and of @p mass_points.
+     */
+    double
+    estimate(GridMass<dim>                                  &mass,
+             PointTransfer<dim>                             &transfer,
+             const std::vector<const Body<dim> *>           &bodies,
+             const std::vector<const MaterialPoints<dim> *> &mass_points,
+             const Walls<dim>                               &walls,
+             const StepScheme                               &scheme);
+
+    /**
+     * Let the next estimate begin with @p force instead of the last
+     * eigenvector: one that a mode which grows has much of.
+     */
+    void
+    begin_with(const VectorField<dim> &force);
+
+    /**
+     * Products with stiffness matrices so far.
+     */
+    unsigned int
+    n_products() const
+    {
+      return products;
+    }
+
+  private:
+    /**
+     * The functions that take part, and the force to begin with.
+     */
+    void
+    choose_unknowns(const GridMass<dim> &mass, const Walls<dim> &walls);
+
+    void
+    read_field(std::vector<double>    &values,
+               const VectorField<dim> &field) const;
+
+    void
+    write_field(VectorField<dim>          &field,
+                const std::vector<double> &values) const;
+
+    /**
+     * x = B b.
+     */
+    void
+    multiply_by_B(std::vector<double>                            &x,
+                  const std::vector<double>                      &b,
+                  GridMass<dim>                                  &mass,
+                  PointTransfer<dim>                             &transfer,
+                  const std::vector<const MaterialPoints<dim> *> &mass_points,
+                  const StepScheme                               &scheme);
+
+    /**
+     * y = (elastic K + viscous C) x.
+     */
+    void
+    multiply_by_stiffness(std::vector<double>                  &y,
+                          const std::vector<double>            &x,
+                          PointTransfer<dim>                   &transfer,
+                          const std::vector<const Body<dim> *> &bodies,
+                          const double                          elastic,
+                          const double                          viscous);
+
+    // By component: owned functions that are unknowns. Fields and arrays of
+    // their values, component by component.
+    std::array<std::vector<unsigned int>, dim> unknowns;
+    VectorField<dim>                           source, target, product;
+    std::vector<double>                        start;
+
+    // The last eigenvector as a force, in all owned functions.
+    VectorField<dim> last_force;
+    bool             has_last  = false;
+    double           last_step = 0.;
+    unsigned int     products  = 0;
+  };
 } // namespace greville
 
 #endif

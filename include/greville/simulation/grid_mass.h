@@ -157,20 +157,6 @@ namespace greville
     }
 
     /**
-     * Collective. b = M x with the consistent matrix, zero where coefficients
-     * are held. prepare_product() has to be called after update().
-     */
-    void
-    multiply(VectorField<dim> &b, const VectorField<dim> &x) const;
-
-    /**
-     * Collective.
-     */
-    void
-    prepare_product(const std::vector<const MaterialPoints<dim> *> &bodies,
-                    const PointTransfer<dim>                       &transfer);
-
-    /**
      * Most iterations of a component in the last solve().
      */
     unsigned int
@@ -237,6 +223,10 @@ namespace greville
 
     void
     make_groups();
+
+    void
+    prepare_product(const std::vector<const MaterialPoints<dim> *> &bodies,
+                    const PointTransfer<dim>                       &transfer);
 
     /**
      * Collective. Bits of owned functions, for all local ones.

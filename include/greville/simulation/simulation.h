@@ -3,6 +3,7 @@
 
 #include <greville/particles/point_transport.h>
 #include <greville/particles/reconstruction.h>
+#include <greville/simulation/critical_step.h>
 #include <greville/simulation/energy_balance.h>
 #include <greville/simulation/friction_contact.h>
 #include <greville/simulation/loads.h>
@@ -34,7 +35,7 @@ namespace greville
    *
    *   M, P, F     from the points                             (points to grid)
    *   M v  = P    the velocity of the grid
-   *   M a  = F    with gravity and damping
+   *   M a  = F    with gravity, then damped
    *   v'   = v + dt' a, filtered (consistent mass, see VelocityFilter), and
    *          contact with friction walls
    *   points are kicked by a (FLIP) or take v' (PIC, APIC), and are moved by v'
@@ -244,15 +245,32 @@ namespace greville
      * Whether the accelerations of this step and the two before it show a mode
      * that the step is too long for. Undamped, a'' = -M^-1 K a, so their second
      * difference is a step of the power method, which sees an unstable mode
-     * from its first steps on. Consistent mass with automatic steps: there the
-     * critical step can fall from one step to the next, where points have left
-     * a hole.
+     * from its first steps on. Accelerations that change speeds by less than
+     * 1e-8 of @p signal (c + |v|) in a step are noise and show nothing.
+     * Consistent mass with automatic steps: there the critical step can fall
+     * from one step to the next, where points have left a hole. Collective.
      */
     bool
-    shows_faster_mode();
+    shows_faster_mode(const double signal) const;
+
+    void
+    remember_acceleration();
+
+    /**
+     * Whether the critical step is to be estimated now: in the first step, then
+     * every so often, and where the stiffest point has got stiffer.
+     */
+    bool
+    is_estimate_due() const;
 
     void
     estimate_critical_step();
+
+    /**
+     * Mass and momentum of the points on the grid, unless they are there.
+     */
+    void
+    sum_mass();
 
     /**
      * What integrals are summed over: the points, or their reconstruction.
@@ -276,16 +294,26 @@ namespace greville
     take_held_residual();
 
     /**
-     * Gravity and damping.
+     * Gravity.
      */
     void
     add_grid_forces();
 
     /**
-     * Whether Cundall's damping acts now.
+     * The factor of Cundall's damping that acts now.
      */
-    bool
-    is_damped() const;
+    double
+    damping() const;
+
+    /**
+     * Cundall's damping, a_i -= alpha |f_i| / m_i sign(P_i) with the lumped
+     * mass m_i: it takes alpha sum |f_i| |P_i| / m_i out of the kinetic energy
+     * of the points per time, with any mass. To damp the force before the solve
+     * is the same for a lumped mass; an inverse that is not diagonal amplifies
+     * changes of sign from one function to the next.
+     */
+    void
+    damp_acceleration();
 
     /**
      * M field = sum for pairs of them; the fields hold guesses and the values
@@ -383,6 +411,7 @@ namespace greville
     PointTransfer<dim>                    transfer;
     PointTransport<dim>                   transport;
     Reconstruction<dim>                   reconstruction;
+    CriticalStep<dim>                     critical_step;
     std::vector<Body<dim>>                all_bodies;
     std::optional<Expression>             step_formula;
 
@@ -408,6 +437,8 @@ namespace greville
     double        velocity_dt    = 0.;
     double        critical_dt    = 0.;
     double        fastest_signal = 0.;
+    double        fastest_wave   = 0.;
+    double        estimated_wave = 0.; // that of the last estimate
     double        last_kinetic   = 0.;
     EnergyBalance energy;
     double        warned_gain    = 0.; // of energy
@@ -421,6 +452,10 @@ namespace greville
     std::vector<std::vector<unsigned int>> left_cells; // per body
     std::string                            problem;    // of this process
     std::vector<double>                    estimates;  // of the critical step
+    double                                 last_estimate    = 0.;
+    unsigned int                           next_estimate    = 0; // step
+    unsigned int                           n_between        = 0; // estimates
+    bool                                   sums_are_current = false;
     std::vector<std::string>               warnings;
     std::map<std::string, double>          seconds;
 
