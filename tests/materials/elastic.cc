@@ -5,32 +5,135 @@
 
 namespace
 {
+  // The principal values of a symmetric tensor, ascending, by Jacobi's cyclic
+  // rotations in long double.
+  Principal
+  exact_values(const SymmetricTensor2 &A)
+  {
+    long double a[3][3];
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j)
+        a[i][j] = A[i][j];
+    for (unsigned int k = 0; k < 30; ++k)
+      {
+        const unsigned int p = k % 3 == 2 ? 1 : 0, q = k % 3 == 0 ? 1 : 2,
+                           r  = 3 - p - q;
+        const long double apq = a[p][q], theta = (a[q][q] - a[p][p]) / 2;
+        const long double root = std::sqrt(theta * theta + apq * apq);
+        if (apq == 0)
+          continue;
+        const long double t = apq / (theta + std::copysign(root, theta)),
+                          c = 1 / std::sqrt(1 + t * t), s = t * c, x = a[r][p],
+                          y = a[r][q];
+        a[p][p] -= t * apq;
+        a[q][q] += t * apq;
+        a[p][q] = a[q][p] = 0;
+        a[r][p] = a[p][r] = c * x - s * y;
+        a[r][q] = a[q][r] = s * x + c * y;
+      }
+    Principal values{{double(a[0][0]), double(a[1][1]), double(a[2][2])}};
+    std::sort(values.begin(), values.end());
+    return values;
+  }
+
+
+
   void
   test_spectra()
   {
     Random random;
-    double error = 0, values = 0;
-    for (unsigned int k = 0; k < 2000; ++k)
+    double error = 0, values = 0, lanes = 0;
+    for (unsigned int k = 0; k < 20000; ++k)
       {
-        // Eigenvalues that are different, close, or equal.
-        const double     d[] = {1., 1e-5, 1e-9, 1e-13, 1e-16, 0.};
-        const double     a = d[k % 6], b = d[k / 6 % 6];
-        SymmetricTensor2 A;
-        A[0][0] = 0.3, A[1][1] = 0.3 + a, A[2][2] = 0.3 - 0.5 * b;
-        const bool                  plane = k % 2 == 0;
-        const auto                  B     = rotated(random.rotation(plane), A);
-        const SpectralDecomposition spectrum(B);
-        error =
-          std::max(error,
-                   (spectrum.assemble(spectrum.values) - B).norm() / A.norm());
-        Principal exact{{A[0][0], A[1][1], A[2][2]}}, v = spectrum.values;
-        std::sort(exact.begin(), exact.end());
-        std::sort(v.begin(), v.end());
-        for (unsigned int i = 0; i < 3; ++i)
-          values = std::max(values, std::abs(v[i] - exact[i]) / A.norm());
+        // Eigenvalues that are different, close, or equal; of any size.
+        const double gaps[]  = {1., 1e-3, 1e-5, 1e-8, 1e-9, 1e-13, 1e-16, 0.};
+        const double sizes[] = {1., 1e-12, 1e-4, 1e5, 1e20};
+        std::array<SymmetricTensor2, n_lanes> tensors;
+        std::array<Lanes, 6>                  entries;
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          {
+            const double     a = gaps[(k + lane) % 8], b = gaps[k / 8 % 8];
+            const double     size = sizes[(k / 7 + lane) % 5];
+            SymmetricTensor2 A;
+            A[0][0] = size * (lane == 3 ? 0. : random());
+            A[1][1] = A[0][0] + size * a * random();
+            A[2][2] = A[k % 2][k % 2] + size * b * random();
+            // Some without rotation, some by a tiny one.
+            const Tensor2 R =
+              k % 5 == 0   ? one_tensor()
+              : k % 5 == 1 ? Tensor2(one_tensor() + random.matrix(1e-9, false))
+                           : random.rotation(k % 2 == 0);
+            tensors[lane] = rotated(R, A);
+            for (unsigned int i = 0; i < 6; ++i)
+              entries[i][lane] = tensors[lane].access_raw_entry(i);
+          }
+        const SpectralDecomposition<Lanes> spectra(entries);
+        const auto again = spectra.assemble(spectra.values);
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          {
+            const SymmetricTensor2 &A     = tensors[lane];
+            const double            norm  = std::max(A.norm(), 1e-300);
+            const Principal         exact = exact_values(A);
+            const Spectrum          spectrum(A);
+            SymmetricTensor2        B;
+            Principal               v;
+            for (unsigned int i = 0; i < 6; ++i)
+              B.access_raw_entry(i) = again[i][lane];
+            for (unsigned int i = 0; i < 3; ++i)
+              v[i] = spectra.values[i][lane];
+            Principal u = spectrum.values;
+            error       = std::max({error,
+                                    (B - A).norm() / norm,
+                                    (spectrum.tensor(u) - A).norm() / norm});
+            std::sort(v.begin(), v.end());
+            std::sort(u.begin(), u.end());
+            for (unsigned int i = 0; i < 3; ++i)
+              values = std::max({values,
+                                 std::abs(v[i] - exact[i]) / norm,
+                                 std::abs(u[i] - exact[i]) / norm});
+          }
+        // Directions are orthonormal: their squares sum up to one.
+        const auto one = spectra.assemble(
+          std::array<Lanes, 3>{{Lanes(1.), Lanes(1.), Lanes(1.)}});
+        for (unsigned int i = 0; i < 6; ++i)
+          for (unsigned int lane = 0; lane < n_lanes; ++lane)
+            lanes = std::max(lanes, std::abs(one[i][lane] - (i < 3)));
       }
     check("spectral decomposition, tensors", error, 1e-14);
     check("  values", values, 1e-14);
+    check("  sum of the projections", lanes, 1e-14);
+
+    // A tensor with entries that are no numbers.
+    SymmetricTensor2 bad;
+    bad[0][1]         = std::nan("");
+    bad[0][2]         = 1.;
+    const Principal v = Spectrum(bad).values;
+    check("  values of no number", !std::isfinite(v[0] + v[1] + v[2]));
+
+    // Logarithms and exponentials of tiny to huge numbers.
+    double logarithm = 0, exponential = 0;
+    for (unsigned int k = 0; k < 20000; ++k)
+      {
+        Lanes x, y;
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          {
+            const double size = k % 3 == 0 ? 0.39 : k % 3 == 1 ? 1.5 : 20.;
+            y[lane] = size * random() * std::pow(10., -8 + 8 * random());
+            x[lane] = std::max(double(y[lane]), -0.999);
+          }
+        const Lanes a = log_of_one_plus(x), b = exp_less_one(y);
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          {
+            logarithm =
+              std::max(logarithm,
+                       std::abs(a[lane] / std::log1p(double(x[lane])) - 1));
+            exponential =
+              std::max(exponential,
+                       std::abs(b[lane] / std::expm1(double(y[lane])) - 1));
+          }
+      }
+    check("  logarithms", logarithm, 2e-15);
+    check("  exponentials", exponential, 2e-15);
 
     // Small strains keep their relative precision.
     Tensor2 F = one_tensor();
@@ -38,8 +141,7 @@ namespace
     const auto   e = left_cauchy_green_less_one(F);
     const double x = std::ldexp(1., -40);
     check("  a strain of 1e-12",
-          std::abs(logarithmic_strains(SpectralDecomposition(e).values)[0] -
-                   std::log1p(x)) /
+          std::abs(logarithmic_strains(Spectrum(e).values)[0] - std::log1p(x)) /
             x,
           1e-15);
   }
@@ -174,6 +276,21 @@ namespace
     check("  modulus of waves",
           std::abs(F[0][0] * (P[1] - P[0]) / 2e-6 / point.wave_modulus - 1),
           1e-5);
+
+    // In strong tension it stays positive: waves keep a tenth of their speed.
+    double slowest = 1.;
+    for (const double J : {2., 4., 6., 8., 100.})
+      {
+        point = rest(*material);
+        step(*material, point, std::cbrt(J) * one_tensor());
+        slowest = std::min(slowest, J * point.wave_modulus / M);
+        point   = rest(*material);
+        F       = one_tensor();
+        F[0][0] = J;
+        step(*material, point, F);
+        slowest = std::min(slowest, J * point.wave_modulus / M);
+      }
+    check("  modulus of waves in tension", 0.01 - slowest, 1e-15);
 
     std::vector<SymmetricTensor2> stresses;
     for (unsigned int k = 0; k < 50; ++k)

@@ -110,6 +110,15 @@ main(int argc, char **argv)
                 "Cohesion = 1e3",
                 "Tension cut-off = 0",
                 "Cone = inner"});
+  test_effects("drucker-prager",
+               {"Cohesion = 2e3", "Dilatancy angle = 5"},
+               {elastic[0],
+                elastic[1],
+                "Friction angle = 25",
+                "Dilatancy angle = 10",
+                "Cohesion = 1e3",
+                "Tension cut-off = 500",
+                "Cone = plane strain associated"});
   test_effects("mohr-coulomb",
                {"Cohesion = 2e3",
                 "Residual cohesion = 1e3",

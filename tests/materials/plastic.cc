@@ -29,7 +29,7 @@ namespace
   {
     SymmetricTensor2 trial, tau; // Kirchhoff stress
     SymmetricTensor2 flow;       // increment of plastic strain
-    double           alpha, growth;
+    double           alpha, growth, opened;
     double
     p() const
     {
@@ -55,6 +55,7 @@ namespace
     double        sum = 0, state = 0, heat = 0, softened = 0;
     unsigned int  n_plastic = 0;
     MaterialPoint point     = rest(material);
+    const bool    opens     = material.state_names().size() == 9;
     for (unsigned int k = 0; k < 6000; ++k)
       {
         if (k % 5 == 0 || k % 7 == 0)
@@ -75,12 +76,17 @@ namespace
           b.access_raw_entry(i) += before.state[i];
         step(material, point, f);
 
-        Return                 r;
-        const SymmetricTensor2 trial = 0.5 * logarithm(rotated(f, b));
+        Return           r;
+        SymmetricTensor2 trial = 0.5 * logarithm(rotated(f, b));
+        // What is open closes first, without stress.
+        const double closed =
+          opens ? std::min(before.state[8], std::max(-trace(trial), 0.)) : 0.;
+        trial += closed / 3 * one;
         r.trial  = K * trace(trial) * one + 2 * G * deviator(trial);
         r.tau    = point.J * point.stress;
         r.alpha  = point.state[6];
         r.growth = point.state[6] - before.state[6];
+        r.opened = opens ? point.state[8] - before.state[8] + closed : 0.;
         SymmetricTensor2 elastic = one;
         for (unsigned int i = 0; i < 6; ++i)
           elastic.access_raw_entry(i) += point.state[i];
@@ -235,7 +241,11 @@ namespace
                  : 3 * std::tan(degrees * degree) /
                    std::sqrt(9 + 12 * std::pow(std::tan(degrees * degree), 2));
     };
-    const double eta = fit(phi), eta2 = fit(psi);
+    const double eta2 = fit(psi), sine = std::sin(phi * degree);
+    const double eta =
+      cone == "plane strain"
+        ? sine / (std::sqrt(1 - eta2 * eta2 / 3) + eta2 * sine / 3)
+        : fit(phi);
     const double apex = c / std::tan(phi * degree);
     const double p_t  = cut_off < 0 ? apex : cut_off;
     const auto   material =
@@ -247,7 +257,7 @@ namespace
             "Friction angle = " + std::to_string(phi),
             "Dilatancy angle = " + std::to_string(psi),
             "Tension cut-off = " + std::to_string(cut_off)});
-    double       surface = 0, flow = 0, negative = 0;
+    double       surface = 0, flow = 0, negative = 0, opening = 0;
     unsigned int on_cone = 0, on_cut_off = 0, on_both = 0;
     visit(*material, 0.01, [&](const Return &r) {
       const double scale = std::max(c, r.trial.norm());
@@ -258,6 +268,8 @@ namespace
       const double cone_flow = std::sqrt(3.) * r.growth;
       const double cut_flow  = trace(r.flow) - eta2 * cone_flow;
       negative               = std::max(negative, -cut_flow / r.flow.norm());
+      opening =
+        std::max(opening, std::abs(cut_flow - r.opened) / r.flow.norm());
       if (r.q() > 1e-9 * scale)
         flow = std::max(flow,
                         (deviator(r.flow) -
@@ -283,6 +295,7 @@ namespace
     check("  on the yield surface", surface, 1e-12);
     check("  flow rule", flow, 1e-6);
     check("  multipliers are not negative", negative, 1e-6);
+    check("  the opening is the volume of the cut-off's flow", opening, 1e-6);
     check("  more than 300 returns to the cone", on_cone > 300);
     check(cut_off < 0 ? "  more than 300 to the apex"
                       : "  more than 300 to the corner",
@@ -302,7 +315,7 @@ namespace
 
     // The largest stress that initialize() takes where cones and
     // Mohr-Coulomb agree: axial compression for outer, extension for inner.
-    if (cone != "plane strain")
+    if (cone == "outer" || cone == "inner")
       {
         const double s = std::sin(phi * degree), side = -1e3;
         // s_1 - s_3 + (s_1 + s_3) sin(phi) = 2 c cos(phi)
@@ -371,7 +384,7 @@ namespace
             "Softening = " + softening,
             "Softening strain = 0.08"});
     const double m       = std::sin(psi * degree);
-    double       surface = 0, flow = 0, negative = 0;
+    double       surface = 0, flow = 0, negative = 0, opening = 0;
     unsigned int plane = 0, left = 0, right = 0, apex = 0, softened = 0;
     visit(*material, 0.01, [&](const Return &r) {
       const double part = softening == "linear"
@@ -400,6 +413,12 @@ namespace
         {
           // In the cone of all six: no component along its polar's rays.
           ++apex;
+          // Dilatancy takes its part of the volume.
+          opening = std::max({opening,
+                              -r.opened / size,
+                              (m > 0 ? r.opened - trace(r.flow)
+                                     : std::abs(r.opened - trace(r.flow))) /
+                                size});
           negative =
             std::max({negative,
                       (-(e[0] + e[1]) * (1 - m) - e[2] * (1 + m)) / size,
@@ -422,6 +441,7 @@ namespace
       else
         {
           ++plane;
+          opening        = std::max(opening, std::abs(r.opened) / size);
           const double a = e[0] / (1 + m);
           flow           = std::max(flow, largest(e[1], e[2] + a * (1 - m), 0));
           negative       = std::max(negative, -a / size);
@@ -430,6 +450,7 @@ namespace
     check("  on the yield surface", surface, 1e-12);
     check("  flow rule", flow, 1e-6);
     check("  multipliers are not negative", negative, 1e-6);
+    check("  the opening is a part of the volume", opening, 1e-9);
     check("  more than 100 returns to the plane", plane > 100);
     check("  to the left edge", left > 100);
     check("  to the right edge", right > 100);
@@ -447,6 +468,119 @@ namespace
              return F;
            });
   }
+
+
+  // The friction angle in degrees that biaxial compression of dense sand
+  // mobilises: plane strain, the lateral stress is held.
+  double
+  biaxial_angle(const std::string &cone, const double phi, const double psi)
+  {
+    const auto   material = make("drucker-prager",
+                               {"Youngs modulus = 1e8",
+                                  "Poissons ratio = 0.3",
+                                  "Cone = " + cone,
+                                  "Friction angle = " + std::to_string(phi),
+                                  "Dilatancy angle = " + std::to_string(psi)});
+    const double lateral = -1e4, sine = std::sin(psi * degree),
+                 growth = 2e-6 * (1 + sine) / (1 - sine);
+    MaterialPoint point;
+    material->initialize(point, lateral * one);
+    for (unsigned int k = 0; k < 20000; ++k)
+      {
+        Tensor2      f     = one_tensor();
+        const double error = point.stress[0][0] - lateral;
+        f[1][1]            = 1 - 2e-6;
+        f[0][0] = 1 + growth - 2e-9 * std::max(-3000., std::min(3000., error));
+        step(*material, point, f);
+      }
+    const double s1 = -point.stress[1][1], s3 = -point.stress[0][0];
+    return std::asin((s1 - s3) / (s1 + s3)) / degree;
+  }
+
+
+
+  void
+  test_biaxial()
+  {
+    print() << "biaxial compression" << std::endl;
+    double error = 0, associated = 0;
+    for (const double phi : {19.8, 30., 40.})
+      {
+        for (const double part : {0., 0.5, 1.})
+          error =
+            std::max(error,
+                     std::abs(biaxial_angle("plane strain", phi, part * phi) -
+                              phi));
+        associated =
+          std::max(associated,
+                   std::abs(biaxial_angle("plane strain associated", phi, phi) -
+                            phi));
+      }
+    check("  plane strain has the friction angle of the material", error, 1e-3);
+    check("  and so has the associated cone for psi = phi", associated, 1e-3);
+    print() << "  associated cone with phi = 19.8, psi = 0: " << std::fixed
+            << std::setprecision(2)
+            << biaxial_angle("plane strain associated", 19.8, 0.) << " degrees"
+            << std::defaultfloat << std::endl;
+  }
+
+
+
+  // Uniaxial cycles of extension and compression back to the volume of the
+  // start, which was under pressure: the stress is what it was.
+  void
+  test_opening(const std::string              &name,
+               const std::vector<std::string> &settings)
+  {
+    std::vector<std::string> all = {"Youngs modulus = 0.84e6",
+                                    "Friction angle = 19.8"};
+    all.insert(all.end(), settings.begin(), settings.end());
+    print() << name << ", cycles of extension";
+    for (const std::string &setting : settings)
+      print() << ", " << setting;
+    print() << std::endl;
+    const auto    material = make(name, all);
+    MaterialPoint point;
+    material->initialize(point, -2e3 * one);
+    const double start  = point.J;
+    double       stress = 0, open_stress = 0, opening = 0;
+    Principal    heat{};
+    for (unsigned int cycle = 0; cycle < 3; ++cycle)
+      {
+        double       J    = start;
+        const double last = material->dissipation(point);
+        for (unsigned int k = 1; k <= 200; ++k)
+          {
+            const double next =
+              start * (1 + 0.05 * (k <= 100 ? k : 200. - k) / 100);
+            Tensor2 f = one_tensor();
+            f[1][1]   = next / J;
+            step(*material, point, f);
+            J = next;
+            if (k == 100)
+              {
+                opening     = point.state[8];
+                open_stress = std::max(open_stress, point.stress.norm());
+              }
+          }
+        stress      = std::max(stress, std::abs(trace(point.stress) + 6e3));
+        opening     = std::max(opening - 0.05, point.state[8]);
+        heat[cycle] = material->dissipation(point) - last;
+      }
+    if (settings[1] == "Dilatancy angle = 0")
+      {
+        check("  mean stress back at the volume of the start, Pa",
+              stress,
+              1e-6);
+        check("  heat of the third cycle, not more than of the second, J / m^3",
+              heat[2] - heat[1],
+              1e-9);
+        check("  nor of the first", heat[2] - heat[0], 1e-9);
+      }
+    check("  nothing stays open", opening, 1e-15);
+    if (settings[0] == "Cohesion = 0")
+      check("  stress when open, Pa", open_stress, 1e-8);
+  }
 } // namespace
 
 
@@ -458,10 +592,17 @@ main(int argc, char **argv)
   test_von_mises();
   test_drucker_prager("plane strain", 30, 10, -1);
   test_drucker_prager("plane strain", 20, 20, -1);
+  test_drucker_prager("plane strain associated", 25, 5, 6e3);
   test_drucker_prager("outer", 30, 0, 4e3);
   test_drucker_prager("inner", 35, 15, 2e3);
   test_mohr_coulomb("linear", 5e3, 5e3, 30, 30, 10);
   test_mohr_coulomb("linear", 8e3, 2e3, 35, 25, 5);
   test_mohr_coulomb("exponential", 8e3, 1e3, 40, 30, 0);
   test_mohr_coulomb("linear", 8e3, 8e3, 0, 0, 0);
+  test_biaxial();
+  for (const std::string name : {"drucker-prager", "mohr-coulomb"})
+    for (const std::string cohesion : {"0", "500"})
+      for (const std::string psi : {"0", "5"})
+        test_opening(name,
+                     {"Cohesion = " + cohesion, "Dilatancy angle = " + psi});
 }

@@ -14,14 +14,20 @@ namespace greville
    *   f1 = sqrt(J2) + eta p - xi c <= 0, g1 = sqrt(J2) + eta' p,
    *   f2 = p - p_t <= 0,                 g2 = f2,
    * J2 = s : s / 2. The "Cone" fits Mohr-Coulomb's surface of friction angle
-   * phi: in plane strain (associated), at its outer or at its inner edges,
-   *   plane strain: eta = 3 tan(phi) / sqrt(9 + 12 tan(phi)^2),
-   *                 xi = 3 / sqrt(9 + 12 tan(phi)^2),
+   * phi: for plastic flow in plane strain, at its outer or at its inner edges,
+   *   plane strain: eta = sin(phi) / n, xi = cos(phi) / n,
+   *                 n = sqrt(1 - eta'^2 / 3) + eta' sin(phi) / 3,
+   *   plane strain associated: eta = 3 tan(phi) / sqrt(9 + 12 tan(phi)^2),
+   *                            xi = 3 / sqrt(9 + 12 tan(phi)^2),
    *   outer: eta = 6 sin(phi) / (sqrt(3) (3 - sin(phi))),
    *          xi = 6 cos(phi) / (sqrt(3) (3 - sin(phi))),
-   *   inner: the same with 3 + sin(phi);
-   * eta' is eta with the dilatancy angle psi for phi. The return is closed: to
-   * the cone,
+   *   inner: the same with 3 + sin(phi).
+   * eta' is the eta of an associated cone, of the second line or of outer or
+   * inner, with the dilatancy angle psi for phi. Flow without strain along z
+   * has s_zz = -2 / 3 eta' sqrt(J2), which is what n stands for: "plane strain"
+   * has the strength of Mohr-Coulomb for any psi. "plane strain associated" has
+   * it for psi = phi only and is weaker for smaller psi (Bui et al. 2008 and
+   * others use it with psi = 0). The return is closed: to the cone,
    *   dgamma = f1(trial) / (G + K eta eta'), p = p(trial) - K eta' dgamma,
    *   sqrt(J2) = sqrt(J2)(trial) - G dgamma;
    * to the cut-off, p = p_t with s = s(trial); or to where both meet, p = p_t
@@ -42,6 +48,7 @@ namespace greville
     static constexpr const char *name = "drucker-prager";
     static constexpr const char *yield_condition =
       "max(sqrt(J2) + eta p - xi c, p - p_t)";
+    static constexpr bool opens = true;
 
     DruckerPrager(const std::string &section)
       : HenckyPlasticity<DruckerPrager>(section)
@@ -72,7 +79,8 @@ namespace greville
                     cone,
                     "Where the cone agrees with Mohr-Coulomb's surface.",
                     prm,
-                    dealii::Patterns::Selection("plane strain|outer|inner"));
+                    dealii::Patterns::Selection(
+                      "plane strain|plane strain associated|outer|inner"));
     }
 
     bool
@@ -97,10 +105,17 @@ namespace greville
                       "Cohesion",
                       cohesion,
                       "greater than 0 where the friction angle is 0");
-      double unused;
-      fit(friction_angle, friction, strength);
-      fit(dilatancy_angle, dilatancy, unused);
-      strength *= cohesion;
+      dilatancy = associated_cone(dilatancy_angle)[0];
+      std::array<double, 2> cone_of_friction = associated_cone(friction_angle);
+      if (cone == "plane strain")
+        {
+          const double angle = friction_angle * (dealii::numbers::PI / 180.);
+          const double n     = std::sqrt(1. - dilatancy * dilatancy / 3.) +
+                           dilatancy * std::sin(angle) / 3.;
+          cone_of_friction = {{std::sin(angle) / n, std::cos(angle) / n}};
+        }
+      friction          = cone_of_friction[0];
+      strength          = cone_of_friction[1] * cohesion;
       const double apex = friction_angle > 0.
                             ? strength / friction
                             : std::numeric_limits<double>::infinity();
@@ -125,8 +140,14 @@ namespace greville
                       p - largest_mean);
     }
 
+    double
+    largest_mean_stress(const double) const
+    {
+      return largest_mean;
+    }
+
     bool
-    return_map(Principal &tau, double &alpha) const
+    return_map(Principal &tau, double &alpha, double &opening) const
     {
       const double p = mean_of(tau), q = std::sqrt(second_invariant(tau));
       const double f = q + friction * p - strength;
@@ -145,32 +166,35 @@ namespace greville
             {
               radius = corner_radius;
               mean   = largest_mean;
+              opening +=
+                std::max((p - mean) / K - dilatancy * (q - radius) / G, 0.);
             }
           // equivalent strain |dev(d eps_p)| sqrt(2 / 3)
           alpha += (q - radius) / (std::sqrt(3.) * G);
         }
+      else
+        opening += (p - mean) / elastic.bulk;
       scale_deviator(tau, q > 0. ? radius / q : 1., mean);
       return true;
     }
 
   private:
-    void
-    fit(const double degrees, double &eta, double &xi) const
+    /**
+     * eta and xi of the cone that fits for associated flow.
+     */
+    std::array<double, 2>
+    associated_cone(const double degrees) const
     {
       const double angle   = degrees * (dealii::numbers::PI / 180.);
       const double tangent = std::tan(angle);
-      if (cone == "plane strain")
-        {
-          xi  = 3. / std::sqrt(9. + 12. * tangent * tangent);
-          eta = xi * tangent;
-        }
+      double       xi;
+      if (cone == "plane strain" || cone == "plane strain associated")
+        xi = 3. / std::sqrt(9. + 12. * tangent * tangent);
       else
-        {
-          xi = 6. * std::cos(angle) /
-               (std::sqrt(3.) *
-                (3. + (cone == "outer" ? -1. : 1.) * std::sin(angle)));
-          eta = xi * tangent;
-        }
+        xi = 6. * std::cos(angle) /
+             (std::sqrt(3.) *
+              (3. + (cone == "outer" ? -1. : 1.) * std::sin(angle)));
+      return {{xi * tangent, xi}};
     }
 
     double      friction_angle  = 30.;

@@ -11,17 +11,6 @@
 namespace greville
 {
   /**
-   * 1 / J, not a number for J <= 0 (b = F F^T does not see the sign).
-   */
-  inline double
-  inverse_of_volume(const double J)
-  {
-    return J > 0. ? 1. / J : std::numeric_limits<double>::quiet_NaN();
-  }
-
-
-
-  /**
    * Isotropic linear elasticity between principal logarithmic strains eps_a
    * and principal Kirchhoff stresses tau_a, Pa (H. Hencky 1928; de Souza Neto,
    * Peric, Owen, Computational Methods for Plasticity, section 13.2):
@@ -66,20 +55,23 @@ namespace greville
       bulk   = E / (3. * (1. - 2. * nu));
     }
 
-    Principal
-    stress(const Principal &strain) const
+    template <typename Number>
+    std::array<Number, 3>
+    stress(const std::array<Number, 3> &strain) const
     {
-      const double p = lambda * (strain[0] + strain[1] + strain[2]);
+      const Number p = lambda * (strain[0] + strain[1] + strain[2]);
       return {{p + 2. * shear * strain[0],
                p + 2. * shear * strain[1],
                p + 2. * shear * strain[2]}};
     }
 
-    Principal
-    strain(const Principal &tau) const
+    template <typename Number>
+    std::array<Number, 3>
+    strain(const std::array<Number, 3> &tau) const
     {
-      const double mean = (tau[0] + tau[1] + tau[2]) / 3.;
-      const double a = 1. / (2. * shear), b = mean / (3. * bulk) - a * mean;
+      const Number mean = (tau[0] + tau[1] + tau[2]) / 3.;
+      const double a    = 1. / (2. * shear);
+      const Number b    = mean * (1. / (3. * bulk) - a);
       return {{a * tau[0] + b, a * tau[1] + b, a * tau[2] + b}};
     }
 
@@ -94,14 +86,19 @@ namespace greville
 
     /**
      * Of longitudinal waves in Hencky's law along principal direction a:
-     * rho c^2 = (K + 4 G / 3 - tau_a) / J; here the largest of the three.
+     * rho c^2 = (K + 4 G / 3 - tau_a) / J; here the largest of the three. It
+     * vanishes in strong tension, where the law softens. Time steps and
+     * estimates need a positive one: waves go at least a tenth as fast as in
+     * the stress-free state.
      */
-    double
-    wave_modulus(const Principal &tau, const double inverse_J) const
+    template <typename Number>
+    Number
+    wave_modulus(const std::array<Number, 3> &tau,
+                 const Number                &inverse_J) const
     {
-      return (bulk + 4. / 3. * shear -
-              std::min(tau[0], std::min(tau[1], tau[2]))) *
-             inverse_J;
+      const double modulus  = bulk + 4. / 3. * shear;
+      const Number smallest = smaller_of(tau[0], smaller_of(tau[1], tau[2]));
+      return larger_of(modulus - smallest, Number(1e-2 * modulus)) * inverse_J;
     }
 
     Moduli
@@ -122,8 +119,8 @@ namespace greville
                   const dealii::SymmetricTensor<2, 3> &sigma,
                   const char                          *material) const
     {
-      const SpectralDecomposition spectrum(sigma);
-      const double                pressure = trace(sigma) / (3. * bulk);
+      const Spectrum spectrum(sigma);
+      const double   pressure = trace(sigma) / (3. * bulk);
       check_stress(pressure < std::exp(-1.) && std::isfinite(sigma.norm()),
                    material,
                    sigma,
@@ -146,8 +143,8 @@ namespace greville
       const Principal eps = strain(tau);
       for (unsigned int a = 0; a < 3; ++a)
         stretch[a] = std::exp(eps[a]);
-      e                  = spectrum.assemble(stretches_less_one(eps));
-      point.F            = spectrum.assemble(stretch);
+      e                  = spectrum.tensor(stretches_less_one(eps));
+      point.F            = spectrum.tensor(stretch);
       point.stress       = sigma;
       point.wave_modulus = wave_modulus(tau, 1. / point.J);
       return tau;

@@ -4,8 +4,7 @@
 #include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/tensor.h>
 
-#include <array>
-#include <cmath>
+#include <greville/materials/spectral_decomposition.h>
 
 /**
  * Logarithmic (Hencky) strains of symmetric 3D tensors. Left Cauchy-Green
@@ -18,134 +17,6 @@ namespace greville
    * Three principal values.
    */
   using Principal = std::array<double, 3>;
-
-
-
-  /**
-   * The spectral decomposition A = sum_a values[a] n_a n_a^T of a symmetric
-   * tensor, to round-off of its norm, also where values are close or equal.
-   *
-   * Without xz and yz (plane strain) it is closed: with m = (A_xx + A_yy) / 2,
-   * d = (A_xx - A_yy) / 2 and r = sqrt(d^2 + A_xy^2) the values are m + r,
-   * m - r, A_zz, and 2 n_1 n_1^T - 1 = ((d, A_xy), (A_xy, -d)) / r in the
-   * plane. Else by Jacobi's cyclic rotations (Golub, Van Loan, Matrix
-   * Computations, section 8.5). Values are in no order. Throws nothing; entries
-   * that are not finite give values that are not finite.
-   */
-  class SpectralDecomposition
-  {
-  public:
-    SpectralDecomposition(const dealii::SymmetricTensor<2, 3> &A)
-      : plane(A.access_raw_entry(4) == 0. && A.access_raw_entry(5) == 0.)
-    {
-      if (plane)
-        {
-          const double mean =
-            0.5 * (A.access_raw_entry(0) + A.access_raw_entry(1));
-          const double difference =
-            0.5 * (A.access_raw_entry(0) - A.access_raw_entry(1));
-          const double xy     = A.access_raw_entry(3);
-          const double radius = std::sqrt(difference * difference + xy * xy);
-          values = {{mean + radius, mean - radius, A.access_raw_entry(2)}};
-          if (radius > 0.)
-            {
-              const double inverse = 1. / radius;
-              cosine               = difference * inverse;
-              sine                 = xy * inverse;
-            }
-        }
-      else
-        diagonalize(A);
-    }
-
-    /**
-     * The tensor sum_a v[a] n_a n_a^T.
-     */
-    dealii::SymmetricTensor<2, 3>
-    assemble(const Principal &v) const
-    {
-      dealii::SymmetricTensor<2, 3> A;
-      if (plane)
-        {
-          const double mean       = 0.5 * (v[0] + v[1]);
-          const double difference = 0.5 * (v[0] - v[1]);
-          A.access_raw_entry(0)   = mean + difference * cosine;
-          A.access_raw_entry(1)   = mean - difference * cosine;
-          A.access_raw_entry(2)   = v[2];
-          A.access_raw_entry(3)   = difference * sine;
-        }
-      else
-        for (unsigned int a = 0; a < 3; ++a)
-          {
-            const double x = vectors[0][a], y = vectors[1][a],
-                         z = vectors[2][a];
-            A.access_raw_entry(0) += v[a] * x * x;
-            A.access_raw_entry(1) += v[a] * y * y;
-            A.access_raw_entry(2) += v[a] * z * z;
-            A.access_raw_entry(3) += v[a] * x * y;
-            A.access_raw_entry(4) += v[a] * x * z;
-            A.access_raw_entry(5) += v[a] * y * z;
-          }
-      return A;
-    }
-
-    Principal values;
-
-  private:
-    void
-    diagonalize(const dealii::SymmetricTensor<2, 3> &A)
-    {
-      double a[3][3];
-      for (unsigned int i = 0; i < 3; ++i)
-        for (unsigned int j = 0; j < 3; ++j)
-          {
-            a[i][j]       = A[i][j];
-            vectors[i][j] = (i == j);
-          }
-      const double bound = 1e-32 * (A * A);
-      for (unsigned int sweep = 0; sweep < 20; ++sweep)
-        {
-          if (!(a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2] >
-                bound))
-            break;
-          rotate<0, 1>(a);
-          rotate<0, 2>(a);
-          rotate<1, 2>(a);
-        }
-      values = {{a[0][0], a[1][1], a[2][2]}};
-    }
-
-    // The rotation in the plane (p, q) that makes a[p][q] zero.
-    template <unsigned int p, unsigned int q>
-    void
-    rotate(double (&a)[3][3])
-    {
-      constexpr unsigned int r   = 3 - p - q;
-      const double           apq = a[p][q];
-      if (!(apq * apq > 0.)) // may underflow
-        return;
-      const double theta = 0.5 * (a[q][q] - a[p][p]);
-      const double root  = std::sqrt(theta * theta + apq * apq);
-      const double t     = apq / (theta + std::copysign(root, theta));
-      const double c = 1. / std::sqrt(1. + t * t), s = t * c;
-      a[p][p] -= t * apq;
-      a[q][q] += t * apq;
-      a[p][q] = a[q][p] = 0.;
-      const double arp = a[r][p], arq = a[r][q];
-      a[r][p] = a[p][r] = c * arp - s * arq;
-      a[r][q] = a[q][r] = s * arp + c * arq;
-      for (unsigned int i = 0; i < 3; ++i)
-        {
-          const double vp = vectors[i][p], vq = vectors[i][q];
-          vectors[i][p] = c * vp - s * vq;
-          vectors[i][q] = s * vp + c * vq;
-        }
-    }
-
-    const bool plane;
-    double     cosine = 1., sine = 0.; // of twice the angle of n_1
-    double     vectors[3][3];          // columns; not used in the plane
-  };
 
 
 
@@ -223,14 +94,16 @@ namespace greville
 
 
   /**
-   * Principal logarithmic strains ln(1 + e_a) / 2 from those of b - 1.
+   * Principal logarithmic strains ln(1 + e_a) / 2 from those of b - 1, of one
+   * point or of several.
    */
-  inline Principal
-  logarithmic_strains(const Principal &e)
+  template <typename Number>
+  std::array<Number, 3>
+  logarithmic_strains(const std::array<Number, 3> &e)
   {
-    return {{0.5 * std::log1p(e[0]),
-             0.5 * std::log1p(e[1]),
-             e[2] == 0. ? 0. : 0.5 * std::log1p(e[2])}};
+    return {{0.5 * log_of_one_plus(e[0]),
+             0.5 * log_of_one_plus(e[1]),
+             0.5 * log_of_one_plus(e[2])}};
   }
 
 
@@ -238,13 +111,50 @@ namespace greville
   /**
    * The inverse: exp(2 strain) - 1.
    */
-  inline Principal
-  stretches_less_one(const Principal &strains)
+  template <typename Number>
+  std::array<Number, 3>
+  stretches_less_one(const std::array<Number, 3> &strains)
   {
-    return {{std::expm1(2. * strains[0]),
-             std::expm1(2. * strains[1]),
-             std::expm1(2. * strains[2])}};
+    return {{exp_less_one(Number(2. * strains[0])),
+             exp_less_one(Number(2. * strains[1])),
+             exp_less_one(Number(2. * strains[2]))}};
   }
+
+
+
+  /**
+   * The spectral decomposition of one symmetric tensor.
+   */
+  class Spectrum : public SpectralDecomposition<double>
+  {
+  public:
+    Spectrum(const dealii::SymmetricTensor<2, 3> &A)
+      : SpectralDecomposition<double>(entries_of(A))
+    {}
+
+    /**
+     * The tensor with other values and the same directions.
+     */
+    dealii::SymmetricTensor<2, 3>
+    tensor(const Principal &v) const
+    {
+      dealii::SymmetricTensor<2, 3> A;
+      const Entries                 entries = assemble(v);
+      for (unsigned int i = 0; i < 6; ++i)
+        A.access_raw_entry(i) = entries[i];
+      return A;
+    }
+
+  private:
+    static Entries
+    entries_of(const dealii::SymmetricTensor<2, 3> &A)
+    {
+      Entries entries;
+      for (unsigned int i = 0; i < 6; ++i)
+        entries[i] = A.access_raw_entry(i);
+      return entries;
+    }
+  };
 } // namespace greville
 
 #endif

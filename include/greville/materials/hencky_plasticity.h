@@ -1,7 +1,7 @@
 #ifndef greville_materials_hencky_plasticity_h
 #define greville_materials_hencky_plasticity_h
 
-#include <greville/materials/elastic_constants.h>
+#include <greville/materials/hencky_law.h>
 
 namespace greville
 {
@@ -21,43 +21,54 @@ namespace greville
    * (all zeros are the stress-free state); the accumulated equivalent plastic
    * strain, d alpha = sqrt(2 / 3 dev(d eps_p) : dev(d eps_p)); the plastic work
    * tau : d eps_p per volume of the stress-free state, J / m^3, all of which is
-   * taken for heat.
+   * taken for heat; and for laws with a largest mean stress the opening v.
+   *
+   * The opening is the plastic strain of volume (logarithmic, v >= 0) that the
+   * largest mean stress has caused, without that of dilatancy: grains that part
+   * or cracks that open. It has to close before the material bears pressure
+   * again (A. P. Tampubolon et al., Multi-species simulation of porous sand and
+   * water mixtures, 2017, section 4.3): without it each cycle of opening and
+   * closing would leave more volume and more pressure behind. So
+   *   eps(trial) += w / 3 1, v -= w,
+   * with w = v where the largest mean stress is 0: what is still open then
+   * opens again in the return. A material that bears tension takes w =
+   * min(v, max(-tr(eps), 0)), so that it closes without stress. Closing does no
+   * plastic work.
    *
    * A @p Law has
    *   static constexpr const char *name, *yield_condition;
+   *   static constexpr bool opens,
+   * whether it has an opening;
    *   double yield_function(const Principal &tau, double alpha) const,
-   * positive where the stress is not possible, Pa, and
-   *   bool return_map(Principal &tau, double &alpha) const,
+   * positive where the stress is not possible, Pa;
+   *   bool return_map(Principal &tau, double &alpha, double &opening) const,
    * which leaves an elastic trial stress alone and returns false, or else
-   * returns it to the yield surface and adds to alpha.
+   * returns it to the yield surface and adds to alpha and to the opening; and
+   * if it opens
+   *   double largest_mean_stress(double alpha) const, Pa.
    */
   template <typename Law>
-  class HenckyPlasticity : public MaterialLaw<Law>
+  class HenckyPlasticity : public HenckyLaw<Law>
   {
   public:
     HenckyPlasticity(const std::string &section)
-      : MaterialLaw<Law>(section)
-    {
-      elastic.declare(*this);
-    }
-
-    void
-    reinit() override
-    {
-      elastic.reinit(this->get_section_name());
-    }
+      : HenckyLaw<Law>(section)
+    {}
 
     std::vector<std::string>
     state_names() const override
     {
-      return {"b_xx",
-              "b_yy",
-              "b_zz",
-              "b_xy",
-              "b_xz",
-              "b_yz",
-              "plastic_strain",
-              "dissipation"};
+      std::vector<std::string> names = {"b_xx",
+                                        "b_yy",
+                                        "b_zz",
+                                        "b_xy",
+                                        "b_xz",
+                                        "b_yz",
+                                        "plastic_strain",
+                                        "dissipation"};
+      if (Law::opens)
+        names.push_back("opening");
+      return names;
     }
 
     /**
@@ -81,47 +92,84 @@ namespace greville
       set_elastic(point, e);
     }
 
-    void
-    update_point(MaterialPoint &point) const
+    dealii::SymmetricTensor<2, 3>
+    trial(const MaterialPoint &point) const
     {
-      dealii::SymmetricTensor<2, 3> e =
-        push_forward(point.increment, elastic_of(point));
-      const SpectralDecomposition spectrum(e);
-      const Principal             trial = logarithmic_strains(spectrum.values);
-      Principal                   tau   = elastic.stress(trial);
-      if (law().return_map(tau, point.state[plastic_strain]))
-        {
-          const Principal strain = elastic.strain(tau);
-          for (unsigned int a = 0; a < 3; ++a)
-            point.state[work] += tau[a] * (trial[a] - strain[a]);
-          e = spectrum.assemble(stretches_less_one(strain));
-        }
-      set_elastic(point, e);
-
-      const double inverse_J = inverse_of_volume(point.J);
-      point.wave_modulus     = elastic.wave_modulus(tau, inverse_J);
-      for (double &t : tau)
-        t *= inverse_J;
-      point.stress = spectrum.assemble(tau);
+      return push_forward(point.increment, current(point));
     }
 
-    double
-    strain_energy(const MaterialPoint &point) const override
+    dealii::SymmetricTensor<2, 3>
+    current(const MaterialPoint &point) const
     {
-      const SpectralDecomposition spectrum(elastic_of(point));
-      return elastic.energy(logarithmic_strains(spectrum.values));
+      dealii::SymmetricTensor<2, 3> e;
+      for (unsigned int i = 0; i < 6; ++i)
+        e.access_raw_entry(i) = point.state[i];
+      return e;
+    }
+
+    std::array<Lanes, 3>
+    respond(MaterialPoint                      *points,
+            const unsigned int                  count,
+            const SpectralDecomposition<Lanes> &spectrum,
+            const std::array<Lanes, 6>         &e,
+            std::array<Lanes, 3>                eps) const
+    {
+      bool has_changed[n_lanes] = {}, any_changed = false;
+      if constexpr (Law::opens)
+        for (unsigned int lane = 0; lane < count; ++lane)
+          if (points[lane].state[opening] > 0.)
+            {
+              const double closed =
+                close(points[lane],
+                      double(eps[0][lane]) + eps[1][lane] + eps[2][lane]);
+              for (Lanes &strain : eps)
+                strain[lane] = strain[lane] + closed / 3.;
+              has_changed[lane] = any_changed = true;
+            }
+
+      const std::array<Lanes, 3> tau_trial = elastic.stress(eps);
+      std::array<Lanes, 3>       tau       = tau_trial;
+      for (unsigned int lane = 0; lane < count; ++lane)
+        {
+          auto     &state = points[lane].state;
+          Principal t{{tau[0][lane], tau[1][lane], tau[2][lane]}};
+          if (law().return_map(t, state[plastic_strain], state[opening]))
+            {
+              for (unsigned int a = 0; a < 3; ++a)
+                tau[a][lane] = t[a];
+              has_changed[lane] = any_changed = true;
+            }
+        }
+
+      if (any_changed)
+        {
+          const std::array<Lanes, 3> flow =
+            elastic.strain(std::array<Lanes, 3>{{tau_trial[0] - tau[0],
+                                                 tau_trial[1] - tau[1],
+                                                 tau_trial[2] - tau[2]}});
+          const Lanes heat =
+            tau[0] * flow[0] + tau[1] * flow[1] + tau[2] * flow[2];
+          const std::array<Lanes, 6> returned =
+            spectrum.assemble(stretches_less_one(elastic.strain(tau)));
+          for (unsigned int lane = 0; lane < count; ++lane)
+            if (has_changed[lane])
+              {
+                points[lane].state[work] += heat[lane];
+                for (unsigned int i = 0; i < 6; ++i)
+                  points[lane].state[i] = returned[i][lane];
+              }
+        }
+      for (unsigned int lane = 0; lane < count; ++lane)
+        if (!has_changed[lane])
+          for (unsigned int i = 0; i < 6; ++i)
+            points[lane].state[i] = e[i][lane];
+      return tau;
     }
 
     double
     dissipation(const MaterialPoint &point) const override
     {
       return point.state[work];
-    }
-
-    Moduli
-    moduli() const override
-    {
-      return elastic.moduli();
     }
 
   protected:
@@ -139,24 +187,26 @@ namespace greville
              (std::sqrt(2.) / 6.) / elastic.shear;
     }
 
-    ElasticConstants elastic;
+    using HenckyLaw<Law>::elastic;
+    using HenckyLaw<Law>::law;
 
   private:
-    static constexpr unsigned int plastic_strain = 6, work = 7;
+    static constexpr unsigned int plastic_strain = 6, work = 7, opening = 8;
 
-    const Law &
-    law() const
+    /**
+     * The part of the opening that closes at an elastic strain of volume, which
+     * is taken from the state.
+     */
+    double
+    close(MaterialPoint &point, const double volume_strain) const
     {
-      return static_cast<const Law &>(*this);
-    }
-
-    static dealii::SymmetricTensor<2, 3>
-    elastic_of(const MaterialPoint &point)
-    {
-      dealii::SymmetricTensor<2, 3> e;
-      for (unsigned int i = 0; i < 6; ++i)
-        e.access_raw_entry(i) = point.state[i];
-      return e;
+      double      &open = point.state[opening];
+      const double closed =
+        law().largest_mean_stress(point.state[plastic_strain]) > 0.
+          ? std::min(open, std::max(-volume_strain, 0.))
+          : open;
+      open -= closed;
+      return closed;
     }
 
     static void

@@ -1,7 +1,7 @@
 #ifndef greville_materials_linear_elastic_h
 #define greville_materials_linear_elastic_h
 
-#include <greville/materials/elastic_constants.h>
+#include <greville/materials/hencky_law.h>
 
 namespace greville
 {
@@ -18,22 +18,14 @@ namespace greville
    * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
    * 0.5), initialize() for a mean stress of K / exp(1) and more.
    */
-  class LinearElastic : public MaterialLaw<LinearElastic>
+  class LinearElastic : public HenckyLaw<LinearElastic>
   {
   public:
     static constexpr const char *name = "linear-elastic";
 
     LinearElastic(const std::string &section)
-      : MaterialLaw<LinearElastic>(section)
-    {
-      elastic.declare(*this);
-    }
-
-    void
-    reinit() override
-    {
-      elastic.reinit(get_section_name());
-    }
+      : HenckyLaw<LinearElastic>(section)
+    {}
 
     void
     initialize(MaterialPoint                       &point,
@@ -43,33 +35,27 @@ namespace greville
       elastic.invert_hencky(point, e, stress, name);
     }
 
-    void
-    update_point(MaterialPoint &point) const
+    dealii::SymmetricTensor<2, 3>
+    trial(const MaterialPoint &point) const
     {
-      const SpectralDecomposition spectrum(left_cauchy_green_less_one(point.F));
-      Principal    tau = elastic.stress(logarithmic_strains(spectrum.values));
-      const double inverse_J = inverse_of_volume(point.J);
-      point.wave_modulus     = elastic.wave_modulus(tau, inverse_J);
-      for (double &t : tau)
-        t *= inverse_J;
-      point.stress = spectrum.assemble(tau);
+      return left_cauchy_green_less_one(point.F);
     }
 
-    double
-    strain_energy(const MaterialPoint &point) const override
+    dealii::SymmetricTensor<2, 3>
+    current(const MaterialPoint &point) const
     {
-      const SpectralDecomposition spectrum(left_cauchy_green_less_one(point.F));
-      return elastic.energy(logarithmic_strains(spectrum.values));
+      return left_cauchy_green_less_one(point.F);
     }
 
-    Moduli
-    moduli() const override
+    std::array<Lanes, 3>
+    respond(MaterialPoint *,
+            const unsigned int,
+            const SpectralDecomposition<Lanes> &,
+            const std::array<Lanes, 6> &,
+            const std::array<Lanes, 3> &eps) const
     {
-      return elastic.moduli();
+      return elastic.stress(eps);
     }
-
-  private:
-    ElasticConstants elastic;
   };
 } // namespace greville
 

@@ -126,6 +126,18 @@ namespace greville
     }
 
     /**
+     * Whether points next to one another are to share their changes of volume
+     * (PointTransfer::share_volume()): where only J makes the pressure and
+     * nothing else couples J to the place that a point has, so that errors of
+     * J add up.
+     */
+    virtual bool
+    shares_volume() const
+    {
+      return false;
+    }
+
+    /**
      * In the stress-free state, viscosities in any. They set the critical time
      * step.
      */

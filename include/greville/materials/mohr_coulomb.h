@@ -43,6 +43,7 @@ namespace greville
     static constexpr const char *name = "mohr-coulomb";
     static constexpr const char *yield_condition =
       "tau_1 - tau_3 + (tau_1 + tau_3) sin(phi) - 2 c cos(phi)";
+    static constexpr bool opens = true;
 
     MohrCoulomb(const std::string &section)
       : HenckyPlasticity<MohrCoulomb>(section)
@@ -140,8 +141,17 @@ namespace greville
                  std::min(tau[0], std::min(tau[1], tau[2])));
     }
 
+    /**
+     * That of the apex; without friction there is none.
+     */
+    double
+    largest_mean_stress(const double alpha) const
+    {
+      return surface_at(alpha).apex;
+    }
+
     bool
-    return_map(Principal &tau, double &alpha) const
+    return_map(Principal &tau, double &alpha, double &opening) const
     {
       // Sort.
       unsigned int i = 0, j = 1, k = 2;
@@ -162,6 +172,8 @@ namespace greville
         result = soften(trial, growth, alpha);
       else
         alpha += growth;
+      if (result[0] == result[2] && start.sine > 0.)
+        opening += opening_at_apex(trial, result[0]);
       tau[i] = result[0];
       tau[j] = result[1];
       tau[k] = result[2];
@@ -250,6 +262,24 @@ namespace greville
       if (phi == 0. || !(r[0] < r[2])) // also what is not a number
         return r;
       return {{s.apex, s.apex, s.apex}};
+    }
+
+    /**
+     * The plastic strain of volume of a return from sorted stresses to the
+     * apex, less what dilatancy adds to its deviator e: planes' flows (1 + m,
+     * 0, m - 1) gamma, m = sin(psi), that meet at the right edge have the
+     * volume 2 m sum(gamma) with sum(gamma) = e_1 / (1 + m / 3), those of the
+     * left edge with -e_3 / (1 - m / 3).
+     */
+    double
+    opening_at_apex(const Principal &trial, const double apex) const
+    {
+      const double mean = mean_of(trial), m = sin_dilatancy;
+      const double right = (trial[0] - mean) / (1. + m / 3.),
+                   left  = (mean - trial[2]) / (1. - m / 3.);
+      return std::max((mean - apex) / elastic.bulk -
+                        m * std::max(right, left) / elastic.shear,
+                      0.);
     }
 
     /**

@@ -17,7 +17,8 @@ namespace greville
    *
    * A wave along a principal stretch s has rho c^2 = (lambda (1 - ln(J)) +
    * mu + mu s^2) / J; wave_modulus takes for s^2 the upper bound tr(b) / 3 +
-   * sqrt(2 / 3) |dev(b)| of the eigenvalues of b = F F^T.
+   * sqrt(2 / 3) |dev(b)| of the eigenvalues of b = F F^T, and at least lambda /
+   * 100 + mu / 50 for the bracket, which vanishes at large J.
    *
    * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
    * 0.5), initialize() for a stress that no deformation has.
@@ -47,8 +48,8 @@ namespace greville
     initialize(MaterialPoint                       &point,
                const dealii::SymmetricTensor<2, 3> &stress) const override
     {
-      const SpectralDecomposition spectrum(stress);
-      const double                lambda = elastic.lambda, mu = elastic.shear;
+      const Spectrum spectrum(stress);
+      const double   lambda = elastic.lambda, mu = elastic.shear;
 
       // Newton's method with a largest step; where a b_a is not positive, ln J
       // goes where it grows.
@@ -81,7 +82,7 @@ namespace greville
                    "no deformation has it with lambda = " + to_text(lambda) +
                      " Pa and mu = " + to_text(mu) + " Pa");
       point.J = std::exp(log_J);
-      point.F = spectrum.assemble(stretch);
+      point.F = spectrum.tensor(stretch);
       update_point(point);
       point.stress = stress;
     }
@@ -105,7 +106,10 @@ namespace greville
           square += 2. * e.access_raw_entry(i + 3) * e.access_raw_entry(i + 3);
         }
       const double largest = 1. + mean + std::sqrt(2. / 3. * square);
-      point.wave_modulus = (elastic.lambda - p + mu + mu * largest) * inverse_J;
+      const double modulus = elastic.lambda + 2. * mu;
+      point.wave_modulus =
+        larger_of(elastic.lambda - p + mu + mu * largest, 1e-2 * modulus) *
+        inverse_J;
       for (unsigned int i = 0; i < 3; ++i)
         {
           point.stress.access_raw_entry(i) =

@@ -161,6 +161,12 @@ namespace greville
                      : std::expm1((1. - exponent) * log_J) / (exponent - 1.)));
     }
 
+    bool
+    shares_volume() const override
+    {
+      return true;
+    }
+
     double
     dissipation(const MaterialPoint &point) const override
     {

@@ -22,6 +22,7 @@ namespace greville
   public:
     static constexpr const char *name            = "von-mises";
     static constexpr const char *yield_condition = "sqrt(3 J2) - sigma_y";
+    static constexpr bool        opens           = false;
 
     VonMises(const std::string &section)
       : HenckyPlasticity<VonMises>(section)
@@ -48,7 +49,7 @@ namespace greville
     }
 
     bool
-    return_map(Principal &tau, double &alpha) const
+    return_map(Principal &tau, double &alpha, double &) const
     {
       const double strength = yield_stress + hardening_modulus * alpha;
       const double square   = 3. * second_invariant(tau);

@@ -1,0 +1,158 @@
+// CPU time of constitutive laws, in ns per point and step: each law in plane
+// strain and in 3D, elastic and with plastic flow in each step. Each number is
+// the median of pairs with a fixed loop of square roots, whose time is printed
+// beside it, so that numbers of busy machines can be told from others.
+//
+//   ninja -C build law_benchmark && build/law_benchmark
+
+#include <deal.II/base/mpi.h>
+
+#include <greville/materials/hencky.h>
+#include <greville/materials/material.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <random>
+
+using namespace dealii;
+using namespace greville;
+
+namespace
+{
+  double
+  cpu_seconds()
+  {
+    return double(std::clock()) / CLOCKS_PER_SEC;
+  }
+
+
+
+  // Seconds of 10^6 square roots, each of which waits for the one before.
+  double
+  reference_loop()
+  {
+    const double    start = cpu_seconds();
+    volatile double last  = 2.;
+    double          x     = last;
+    for (unsigned int i = 0; i < 1000000; ++i)
+      x = std::sqrt(x + 1.);
+    last = x;
+    return cpu_seconds() - start;
+  }
+
+
+
+  double
+  median(std::vector<double> values)
+  {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+  }
+
+
+
+  // Increments that alternate with their inverses, of some size.
+  std::vector<Tensor<2, 3>>
+  increments(const unsigned int n, const double size, const bool plane)
+  {
+    std::mt19937                           engine;
+    std::uniform_real_distribution<double> random(-size, size);
+    std::vector<Tensor<2, 3>>              result(n);
+    for (Tensor<2, 3> &f : result)
+      {
+        f = unit_symmetric_tensor<3>();
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = 0; j < 3; ++j)
+            if (!plane || (i < 2 && j < 2))
+              f[i][j] += random(engine);
+      }
+    return result;
+  }
+
+
+
+  void
+  measure(const std::string              &name,
+          const std::vector<std::string> &settings,
+          const double                    size,
+          const std::string              &what)
+  {
+    ParameterAcceptor::clear();
+    const auto  material = make_material(name, "Material", "Model");
+    std::string text     = "subsection Material\n";
+    for (const std::string &setting : settings)
+      text += "set " + setting + "\n";
+    ParameterAcceptor::declare_all_parameters();
+    ParameterAcceptor::prm.parse_input_from_string(text + "end\n");
+    ParameterAcceptor::parse_all_parameters();
+    material->reinit();
+
+    // As many points at once as a kernel of the simulation takes.
+    constexpr unsigned int n = 256, group = 4, n_steps = 200, n_pairs = 9;
+    double                 nanoseconds[2], reference = 0.;
+    for (const bool plane : {true, false})
+      {
+        const auto                 f = increments(n, size, plane);
+        std::vector<Tensor<2, 3>>  back;
+        std::vector<MaterialPoint> points(n);
+        for (const Tensor<2, 3> &there : f)
+          back.push_back(invert(there));
+        for (MaterialPoint &point : points)
+          material->initialize(point, -2e3 * unit_symmetric_tensor<3>());
+        std::vector<double> times, references;
+        for (unsigned int pair = 0; pair < n_pairs; ++pair)
+          {
+            references.push_back(reference_loop());
+            double seconds = 0.;
+            for (unsigned int step = 0; step < n_steps; ++step)
+              {
+                for (unsigned int i = 0; i < n; ++i)
+                  {
+                    points[i].increment = step % 2 == 0 ? f[i] : back[i];
+                    points[i].F         = points[i].increment * points[i].F;
+                    points[i].J         = determinant(points[i].F);
+                    points[i].dt        = 1e-3;
+                  }
+                const double start = cpu_seconds();
+                for (unsigned int i = 0; i < n; i += group)
+                  material->update(
+                    ArrayView<MaterialPoint>(points.data() + i, group));
+                seconds += cpu_seconds() - start;
+              }
+            times.push_back(seconds / n_steps / n * 1e9);
+          }
+        nanoseconds[!plane] = median(times);
+        reference           = median(references) * 1e3;
+      }
+    std::printf("| %-16s | %-12s | %8.1f | %8.1f | %8.2f |\n",
+                name.c_str(),
+                what.c_str(),
+                nanoseconds[0],
+                nanoseconds[1],
+                reference);
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  std::printf("| law | | plane strain, ns | 3D, ns | reference, ns |\n"
+              "| --- | --- | --- | --- | --- |\n");
+  const std::string stiff = "Youngs modulus = 1e6";
+  measure("linear-elastic", {stiff}, 1e-2, "");
+  measure("linear-elastic", {stiff}, 0.3, "large strains");
+  measure("neo-hookean", {stiff}, 1e-2, "");
+  measure("newtonian-fluid", {"Viscosity = 1"}, 1e-3, "");
+  measure("bingham", {}, 1e-3, "");
+  measure("von-mises", {stiff, "Yield stress = 1e9"}, 1e-2, "elastic");
+  measure("von-mises", {stiff, "Yield stress = 1e3"}, 1e-2, "plastic");
+  for (const std::string law : {"drucker-prager", "mohr-coulomb"})
+    {
+      measure(law, {stiff, "Cohesion = 1e9"}, 1e-2, "elastic");
+      measure(law, {stiff, "Cohesion = 1e2"}, 1e-2, "plastic");
+    }
+}

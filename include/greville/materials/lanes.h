@@ -1,0 +1,155 @@
+#ifndef greville_materials_lanes_h
+#define greville_materials_lanes_h
+
+#include <algorithm>
+#include <cmath>
+#include <experimental/simd>
+
+namespace greville
+{
+  /**
+   * One number of each of several points, in one SIMD register where the
+   * machine has such wide ones.
+   */
+  using Lanes =
+    std::experimental::simd<double,
+                            std::experimental::simd_abi::deduce_t<double, 4>>;
+
+  constexpr unsigned int n_lanes = Lanes::size();
+
+
+
+  // What algorithms for a double and for Lanes need of both: choose() takes
+  // each lane of a where the condition holds, else that of b.
+  inline double
+  choose(const bool condition, const double a, const double b)
+  {
+    return condition ? a : b;
+  }
+
+  inline Lanes
+  choose(const Lanes::mask_type &condition, const Lanes &a, const Lanes &b)
+  {
+    Lanes result             = b;
+    where(condition, result) = a;
+    return result;
+  }
+
+  inline bool
+  is_true_everywhere(const bool condition)
+  {
+    return condition;
+  }
+
+  inline bool
+  is_true_everywhere(const Lanes::mask_type &condition)
+  {
+    return all_of(condition);
+  }
+
+  inline double
+  smaller_of(const double a, const double b)
+  {
+    return std::min(a, b);
+  }
+
+  inline Lanes
+  smaller_of(const Lanes &a, const Lanes &b)
+  {
+    return min(a, b);
+  }
+
+  inline double
+  larger_of(const double a, const double b)
+  {
+    return std::max(a, b);
+  }
+
+  inline Lanes
+  larger_of(const Lanes &a, const Lanes &b)
+  {
+    return max(a, b);
+  }
+
+
+
+  /**
+   * ln(1 + x) to round-off, relative to the result, of small x too.
+   */
+  inline double
+  log_of_one_plus(const double x)
+  {
+    return std::log1p(x);
+  }
+
+  /**
+   * With z = x / (2 + x), ln(1 + x) = 2 atanh(z), by its power series for
+   * |x| < 0.4; for -0.75 < x < 3 also ln(1 + x) = 4 ln(1 + y) with 1 + y =
+   * (1 + x)^(1/4).
+   */
+  inline Lanes
+  log_of_one_plus(Lanes x)
+  {
+    double factor = 2.;
+    if (!all_of(abs(x) < 0.4))
+      {
+        if (!all_of(x > -0.75 && x < 3.))
+          {
+            for (unsigned int lane = 0; lane < n_lanes; ++lane)
+              x[lane] = std::log1p(double(x[lane]));
+            return x;
+          }
+        for (unsigned int i = 0; i < 2; ++i)
+          x = x / (1. + sqrt(1. + x));
+        factor = 8.;
+      }
+    const Lanes z = x / (2. + x), z2 = z * z;
+    Lanes       sum = 1. / 23.;
+#pragma GCC unroll 11
+    for (int k = 21; k > 0; k -= 2)
+      sum = sum * z2 + 1. / k;
+    return factor * z * sum;
+  }
+
+
+
+  /**
+   * exp(x) - 1 to round-off, relative to the result, of small x too.
+   */
+  inline double
+  exp_less_one(const double x)
+  {
+    return std::expm1(x);
+  }
+
+  /**
+   * By the power series for |x| < 0.4; for |x| < 1.6 also by squaring twice,
+   * exp(2 x) - 1 = (exp(x) - 1) (exp(x) + 1).
+   */
+  inline Lanes
+  exp_less_one(Lanes x)
+  {
+    const bool is_small = all_of(abs(x) < 0.4);
+    if (!is_small)
+      {
+        if (!all_of(abs(x) < 1.6))
+          {
+            for (unsigned int lane = 0; lane < n_lanes; ++lane)
+              x[lane] = std::expm1(double(x[lane]));
+            return x;
+          }
+        x *= 0.25;
+      }
+    Lanes sum = 1.;
+#pragma GCC unroll 14
+    for (int k = 14; k > 1; --k)
+      sum = sum * x * (1. / k) + 1.;
+    sum *= x;
+    if (!is_small)
+      for (unsigned int i = 0; i < 2; ++i)
+        sum *= 2. + sum;
+    return sum;
+  }
+} // namespace greville
+
+#endif
