@@ -269,6 +269,16 @@ namespace greville
     auto &partitioner = partitioners[width];
     if (!partitioner)
       {
+        constexpr std::uint64_t most = types::global_dof_index(-1);
+        AssertThrow(std::uint64_t(n_unknowns) * width < most,
+                    ExcMessage(
+                      std::to_string(n_unknowns) + " functions with " +
+                      std::to_string(width) +
+                      " values each are more than this deal.II can number, "
+                      "which is " +
+                      std::to_string(most) +
+                      ": use a coarser grid, a 'Scheme/Mass' other than exact "
+                      "mass, or a deal.II with 64-bit indices."));
         const MPI_Comm comm = communicator();
         if (Utilities::MPI::n_mpi_processes(comm) == 1)
           partitioner = std::make_shared<const Utilities::MPI::Partitioner>(

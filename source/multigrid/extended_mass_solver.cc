@@ -353,12 +353,13 @@ namespace greville
     mass.read_fields(unknowns,
                      std::vector<const VectorField<dim> *>(x.begin(), x.end()),
                      width);
+    const bool  was_fresh = is_fresh;
     SolveResult result =
-      run(is_fresh
+      run(was_fresh
             ? parameters.max_iterations
             : std::min(parameters.max_iterations,
                        std::max(most_iterations_if_old, 2 * fresh_iterations)));
-    if (!result.converged && !is_fresh)
+    if (!result.converged && !was_fresh)
       {
         // The factorization is too old: go on with a new one.
         const unsigned int n = *result.iterations;

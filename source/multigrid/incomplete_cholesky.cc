@@ -34,6 +34,7 @@ namespace greville
                                std::to_string(i) + " is " +
                                std::to_string(diagonal) + "."));
         scaling[i] = 1. / std::sqrt(diagonal);
+        unit       = i == 0 ? diagonal : std::max(unit, diagonal);
       }
 
     // Strictly lower rows.
@@ -112,7 +113,7 @@ namespace greville
       {
         for (std::size_t e = row_begin[i]; e < row_begin[i + 1]; ++e)
           entries[e] *= scaling[columns[e]] / scaling[i];
-        inverse_pivots[i] = scaling[i] * scaling[i] / pivots[i];
+        inverse_pivots[i] = unit * scaling[i] * scaling[i] / pivots[i];
       }
     return true;
   }
@@ -191,7 +192,7 @@ namespace greville
           put(c[e], at(c[e]) - l[e] * value);
       }
     for (std::size_t k = 0; k < n * width; ++k)
-      values[k] = largest * single[k];
+      values[k] = largest / unit * single[k];
   }
 
 

@@ -183,6 +183,35 @@ main(int argc, char **argv)
     factors.factorize(matrix, 2. * found);
     check("  a shift that is asked for", factors.shift() == 2. * found);
   }
+  {
+    // The unit of mass does not matter, as small as it may be.
+    const std::vector<std::vector<double>> rows  = {{4., 2., 0.},
+                                                    {2., 3., 1e-5},
+                                                    {0., 1e-5, 1e-8}};
+    double                                 error = 0.;
+    std::vector<double>                    first;
+    for (const double unit : {1., 1e-42, 1e-90, 1e60})
+      {
+        auto scaled = rows;
+        for (auto &row : scaled)
+          for (double &entry : row)
+            entry *= unit;
+        IncompleteCholesky factors;
+        factors.factorize(lower_part(scaled));
+        std::vector<double> x{unit, -unit, 1e-4 * unit};
+        factors.solve(x.data(), 1);
+        if (first.empty())
+          first = x;
+        for (unsigned int i = 0; i < 3; ++i)
+          {
+            const double difference = std::abs(x[i] / first[i] - 1.);
+            error = difference <= error ? error : // also not a number
+                      std::isfinite(difference) ? difference
+                                                : 1e300;
+          }
+      }
+    check("the unit of mass does not matter", error, 1e-5);
+  }
   test_fails("Not definite", lower_part({{1., 100.}, {100., 1.}}));
   test_fails("Negative diagonal", lower_part({{1., 0.}, {0., -1.}}));
   test_fails("Zero diagonal", lower_part({{0.}}));

@@ -40,6 +40,17 @@ main(int argc, char **argv)
       check("  factorizations are reused",
             run->mass().n_factorizations() < run->n_steps());
     }
+  // In other units the masses are those of bodies of nanometres: nothing else
+  // changes.
+  Simulated<2> tiny(text.with("Material rubber",
+                              {"Density = 1e-37", "Youngs modulus = 1e-37"}));
+  const double start = tiny->statistics().center[1];
+  tiny.run();
+  check("tiny masses: there are fragments", tiny->mass().n_fragments() > 0);
+  check("  free fall",
+        std::abs(tiny->statistics().center[1] - start + 0.5 * 0.2 * 0.2),
+        1e-10);
+
   Simulated<2> each(text.with("Smoother", {"Reuse = 0"}));
   each.run();
   check("each step factorizes where it is asked for",

@@ -40,6 +40,8 @@ namespace greville
    *
    * The factors are kept, and solves are done, in single precision: half the
    * memory traffic, at an error (1e-7) that a preconditioner does not notice.
+   * They are those of the matrix divided by its largest diagonal entry, so that
+   * the unit of mass does not matter.
    */
   class IncompleteCholesky
   {
@@ -96,6 +98,7 @@ namespace greville
     solve_interleaved(double *x) const;
 
     double                     used_shift      = 0.;
+    double                     unit            = 1.; // largest diagonal entry
     unsigned int               n_raised_pivots = 0;
     std::vector<std::size_t>   row_begin;
     std::vector<unsigned int>  columns;
