@@ -1,8 +1,5 @@
 #include <deal.II/base/data_out_base.h>
 #include <deal.II/base/utilities.h>
-#include <deal.II/dofs/dof_handler.h>
-#include <deal.II/dofs/dof_tools.h>
-#include <deal.II/numerics/data_out.h>
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
@@ -149,6 +146,112 @@ namespace greville
 
 
 
+    /**
+     * Velocity and mass of the grid as DataOutBase writes them: a patch of
+     * order p for each cell that a function with mass reaches, and nothing for
+     * all others.
+     */
+    template <int dim>
+    class GridOut : public DataOutInterface<dim>
+    {
+    public:
+      GridOut(const SplineSpace<dim> &space,
+              const VectorField<dim> &velocity,
+              const VectorType       &mass)
+      {
+        std::vector<VectorType> fields(velocity.begin(), velocity.end());
+        fields.push_back(mass);
+        for (const VectorType &field : fields)
+          field.update_ghost_values();
+
+        const auto        &lattice = space.lattice();
+        const unsigned int n       = space.degree() + 1;
+        const unsigned int n_nodes = Utilities::fixed_power<dim>(n);
+        MultiIndex<dim>    extents;
+        extents.fill(n);
+        // Per direction, N[node * n + a].
+        std::array<std::vector<double>, dim> N;
+        for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
+          {
+            const auto functions = space.cell_functions(cell);
+            bool       has_mass  = false;
+            for (const unsigned int i : functions)
+              has_mass |= fields[dim].local_element(i) > 0.;
+            if (!has_mass)
+              continue;
+            const auto index =
+              multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
+            const Point<dim> corner = lattice.cell_corner(index);
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                N[d].resize(n * n);
+                for (unsigned int node = 0; node < n; ++node)
+                  space.knots(d).evaluate(
+                    index[d],
+                    corner[d] + lattice.cell_size(d) * node / (n - 1),
+                    0,
+                    ArrayView<double>(N[d].data() + node * n, n));
+              }
+
+            DataOutBase::Patch<dim> patch;
+            patch.n_subdivisions = n - 1;
+            patch.patch_index    = patches.size();
+            patch.reference_cell = ReferenceCells::get_hypercube<dim>();
+            for (unsigned int v = 0; v < (1u << dim); ++v)
+              for (unsigned int d = 0; d < dim; ++d)
+                patch.vertices[v][d] =
+                  corner[d] + ((v >> d) & 1) * lattice.cell_size(d);
+            patch.data.reinit(dim + 1, n_nodes);
+            for (unsigned int node = 0; node < n_nodes; ++node)
+              for (unsigned int a = 0; a < n_nodes; ++a)
+                {
+                  const auto at = multi_index<dim>(node, extents),
+                             of = multi_index<dim>(a, extents);
+                  double value  = 1.;
+                  for (unsigned int d = 0; d < dim; ++d)
+                    value *= N[d][at[d] * n + of[d]];
+                  for (unsigned int k = 0; k <= dim; ++k)
+                    patch.data(k, node) +=
+                      value * fields[k].local_element(functions[a]);
+                }
+            patches.push_back(patch);
+          }
+      }
+
+    private:
+      const std::vector<DataOutBase::Patch<dim>> &
+      get_patches() const override
+      {
+        return patches;
+      }
+
+      std::vector<std::string>
+      get_dataset_names() const override
+      {
+        std::vector<std::string> names(dim, "velocity");
+        names.push_back("mass");
+        return names;
+      }
+
+      std::vector<
+        std::tuple<unsigned int,
+                   unsigned int,
+                   std::string,
+                   DataComponentInterpretation::DataComponentInterpretation>>
+      get_nonscalar_data_ranges() const override
+      {
+        return {std::make_tuple(
+          0u,
+          dim - 1u,
+          std::string("velocity"),
+          DataComponentInterpretation::component_is_part_of_vector)};
+      }
+
+      std::vector<DataOutBase::Patch<dim>> patches;
+    };
+
+
+
     DataOutBase::VtkFlags
     fast_compression()
     {
@@ -224,12 +327,11 @@ namespace greville
 
   template <int dim>
   void
-  FieldOutput<dim>::write(const double                   time,
-                          const std::vector<Body<dim>>  &bodies,
-                          DistributedTriangulation<dim> &triangulation,
-                          const SplineSpace<dim>        &space,
-                          const VectorField<dim>        &velocity,
-                          const VectorType              &mass)
+  FieldOutput<dim>::write(const double                  time,
+                          const std::vector<Body<dim>> &bodies,
+                          const SplineSpace<dim>       &space,
+                          const VectorField<dim>       &velocity,
+                          const VectorType             &mass)
   {
     const MPI_Comm     comm   = space.communicator();
     const unsigned int number = n_written();
@@ -237,52 +339,12 @@ namespace greville
     if (!with_grid)
       return;
 
-    // Velocity and mass as a vector-valued space.
-    const SplineSpace<dim> all(triangulation, space.degree(), dim + 1);
-    VectorType             coefficients, bernstein;
-    all.initialize_vector(coefficients);
-    for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
-      {
-        for (unsigned int d = 0; d < dim; ++d)
-          coefficients.local_element(i * (dim + 1) + d) =
-            velocity[d].local_element(i);
-        coefficients.local_element(i * (dim + 1) + dim) = mass.local_element(i);
-      }
-    DoFHandler<dim> dof_handler(triangulation);
-    dof_handler.distribute_dofs(all.fe());
-    IndexSet relevant;
-    DoFTools::extract_locally_relevant_dofs(dof_handler, relevant);
-    bernstein.reinit(dof_handler.locally_owned_dofs(), relevant, comm);
-    all.extract(coefficients, dof_handler, bernstein);
-    bernstein.update_ghost_values();
-
-    std::vector<std::string> names(dim, "velocity");
-    names.push_back("mass");
-    std::vector<DataComponentInterpretation::DataComponentInterpretation>
-      interpretation(dim,
-                     DataComponentInterpretation::component_is_part_of_vector);
-    interpretation.push_back(DataComponentInterpretation::component_is_scalar);
-    DataOut<dim>          data_out;
+    GridOut<dim>          grid(space, velocity, mass);
     DataOutBase::VtkFlags flags    = fast_compression();
     flags.write_higher_order_cells = true;
-    data_out.set_flags(flags);
-    data_out.add_data_vector(dof_handler, bernstein, names, interpretation);
-    // Only cells with mass: of the functions that do not vanish there.
-    VectorType ghosted_mass(mass);
-    ghosted_mass.update_ghost_values();
-    data_out.set_cell_selection(
-      [&](const typename Triangulation<dim>::cell_iterator &cell) {
-        if (!cell->is_active() || !cell->is_locally_owned())
-          return false;
-        for (const unsigned int i :
-             space.cell_functions(space.cell_number(cell)))
-          if (ghosted_mass.local_element(i) > 0.)
-            return true;
-        return false;
-      });
-    data_out.build_patches(space.degree());
+    grid.set_flags(flags);
     times_and_names[1].emplace_back(
-      time, write_parallel(data_out, directory, "grid", number, comm));
+      time, write_parallel(grid, directory, "grid", number, comm));
     write_record(1, "grid.pvd", comm);
   }
 

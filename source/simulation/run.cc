@@ -180,7 +180,6 @@ namespace greville
   {
     fields.write(simulation.time(),
                  simulation.bodies(),
-                 simulation.triangulation(),
                  simulation.space(),
                  simulation.grid_velocity(),
                  simulation.mass().lumped());
@@ -363,7 +362,7 @@ namespace greville
   {
     std::ostringstream json;
     json.precision(12);
-    unsigned int n_cells = 1;
+    std::uint64_t n_cells = 1;
     for (const unsigned int n : run_case.cells)
       n_cells *= n;
     json << "{\n  \"dimension\": " << dim

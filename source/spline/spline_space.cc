@@ -48,12 +48,6 @@ namespace greville
     functions_per_cell = Utilities::fixed_power<dim>(p + 1);
     mesh_lattice       = Lattice<dim>(triangulation);
 
-    if (components == 1)
-      element = std::make_unique<FE_Bernstein<dim>>(p);
-    else
-      element =
-        std::make_unique<FESystem<dim>>(FE_Bernstein<dim>(p), components);
-
     for (unsigned int d = 0; d < dim; ++d)
       {
         const unsigned int n = mesh_lattice.n_cells()[d];
@@ -73,6 +67,13 @@ namespace greville
             anchor_cells[d][i] = std::min(sum / p, n - 1);
           }
       }
+    n_dofs(); // throws where they are too many
+
+    if (components == 1)
+      element = std::make_unique<FE_Bernstein<dim>>(p);
+    else
+      element =
+        std::make_unique<FESystem<dim>>(FE_Bernstein<dim>(p), components);
 
     find_owned_cells_and_functions();
     number_functions();
@@ -254,9 +255,21 @@ namespace greville
   types::global_dof_index
   SplineSpace<dim>::n_dofs() const
   {
-    types::global_dof_index n = components;
+    // Each factor has 32 bits, the product of two of them fits into 64.
+    constexpr std::uint64_t most = types::global_dof_index(-1);
+    std::uint64_t           n    = components;
     for (unsigned int d = 0; d < dim; ++d)
-      n *= extents[d];
+      {
+        n *= extents[d];
+        AssertThrow(
+          n < most,
+          ExcMessage(
+            "The grid has more functions than this deal.II can number, "
+            "which is " +
+            std::to_string(most) +
+            ": use a coarser grid, or a deal.II with 64-bit indices "
+            "(DEAL_II_WITH_64BIT_INDICES)."));
+      }
     return n;
   }
 

@@ -154,6 +154,16 @@ main(int argc, char **argv)
       {
         print() << message_of(error) << std::endl;
       }
+  bool refused = sizeof(types::global_dof_index) > 4;
+  try
+    {
+      SplineSpace<2>(box.mesh, 2, 1u << 31);
+    }
+  catch (const std::exception &error)
+    {
+      refused = message_of(error).find("4294967295") != std::string::npos;
+    }
+  check("more functions than 32 bits can number", refused);
   try
     {
       for (const auto &cell : box.mesh.active_cell_iterators())

@@ -24,16 +24,15 @@ namespace greville
     /**
      * Collective. Points: velocity, displacement, the components of stress,
      * pressure, von Mises stress, J, density, body, id and history. Grid: @p
-     * velocity and mass per function @p mass, as Bezier cells of the order of
-     * the space. Vectors have no ghost values.
+     * velocity and mass per function @p mass, as Lagrange cells of the order
+     * of the space, where there is mass. Vectors have no ghost values.
      */
     void
-    write(const double                   time,
-          const std::vector<Body<dim>>  &bodies,
-          DistributedTriangulation<dim> &triangulation,
-          const SplineSpace<dim>        &space,
-          const VectorField<dim>        &velocity,
-          const VectorType              &mass);
+    write(const double                  time,
+          const std::vector<Body<dim>> &bodies,
+          const SplineSpace<dim>       &space,
+          const VectorField<dim>       &velocity,
+          const VectorType             &mass);
 
     /**
      * Collective. Write points only.
