@@ -425,7 +425,7 @@ namespace greville
         state.increment = increment;
         state.F         = increment * state.F;
         state.J *= determinant(increment);
-        state.dt = 1.;
+        state.dt = 0.; // it has no rate
         AssertThrow(state.J > 0.,
                     ExcMessage("the displacement turns the body inside out."));
         material.update(ArrayView<MaterialPoint>(&state, 1));
@@ -567,6 +567,7 @@ namespace greville
       },
       space.communicator());
 
+    body.points.defragment();
     body.n_points = Utilities::MPI::sum<std::uint64_t>(body.points.n_points(),
                                                        space.communicator());
     AssertThrow(body.n_points > 0,

@@ -65,9 +65,15 @@ namespace greville
         return g;
       }
     const std::size_t size = std::size_t(point_layout.size) * width;
-    if (data.capacity() < data.size() + size)
-      data.reserve(std::max(data.size() + size, data.size() / 2 * 3));
-    data.resize_fast(data.size() + size);
+    const std::size_t used = links.size() * size;
+    if (data.size() < used + size)
+      {
+        // AlignedVector would double its memory.
+        dealii::AlignedVector<double> larger;
+        larger.resize_fast(used + std::max(size, used / 8 / size * size));
+        std::copy_n(data.begin(), used, larger.begin());
+        data.swap(larger);
+      }
     links.push_back(none);
     return links.size() - 1;
   }
@@ -242,8 +248,9 @@ namespace greville
   std::size_t
   MaterialPoints<dim>::memory_consumption() const
   {
-    return data.size() * sizeof(double) +
-           (heads.size() + counts.size() + links.size() + filled_cells.size()) *
+    return data.capacity() * sizeof(double) +
+           (heads.capacity() + counts.capacity() + links.capacity() +
+            filled_cells.capacity()) *
              sizeof(unsigned int);
   }
 

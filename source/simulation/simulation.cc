@@ -907,6 +907,33 @@ namespace greville
 
   template <int dim>
   void
+  Simulation<dim>::share_volume()
+  {
+    // Slowly, against waves that cross a cell in h / c.
+    constexpr unsigned int every = 10;
+    constexpr double       rate  = 0.025;
+    time_to_share += dt;
+    if (steps % every != every - 1)
+      return;
+    const PartTimer timer(*this, "volume of fluids");
+    double          h = std::numeric_limits<double>::max();
+    for (unsigned int d = 0; d < dim; ++d)
+      h = std::min(h, space().lattice().cell_size(d));
+    for (Body<dim> &body : all_bodies)
+      if (body.material->shares_volume() && body.imposed_velocity.empty())
+        {
+          const double c =
+            std::sqrt(body.material->moduli().bulk / body.material->density);
+          transfer.share_volume(body.points,
+                                -std::expm1(-rate * c * time_to_share / h));
+        }
+    time_to_share = 0.;
+  }
+
+
+
+  template <int dim>
+  void
   Simulation<dim>::damp_kinetically()
   {
     const LoadParameters &given = parameters.loads;
@@ -949,7 +976,7 @@ namespace greville
     remembered.steps         = steps;
     remembered.points.resize(all_bodies.size());
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
-      remembered.points[b] = all_bodies[b].points;
+      remembered.points[b].copy(all_bodies[b].points);
   }
 
 
@@ -974,7 +1001,7 @@ namespace greville
     n_last_accelerations = 0;
     next_estimate        = 0;
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
-      all_bodies[b].points = remembered.points[b];
+      remembered.points[b].restore(all_bodies[b].points);
     where << message << ". The state of step " << steps << ", t = " << t
           << " s, is the last good one that was kept.";
     problem.clear();
@@ -1130,6 +1157,7 @@ namespace greville
       }
     transport_points();
     check(problem);
+    share_volume();
     find_crossing_rate();
     t += dt;
     velocity_time += velocity_dt;

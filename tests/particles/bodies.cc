@@ -2,6 +2,7 @@
 // displacements, and the messages for what is wrong.
 
 #include <greville/materials/linear_elastic.h>
+#include <greville/materials/newtonian_fluid.h>
 #include <greville/particles/body.h>
 #include <greville/particles/point_transport.h>
 
@@ -549,6 +550,30 @@ test_displacement()
                  std::abs(at(p, Layout::mass) * 256. / 3000. - 1.);
         }),
         1e-13);
+
+  // A viscous fluid is displaced once, not at a rate.
+  NewtonianFluid fluid("Fluid");
+  BodyParameters parameters("Body of fluid");
+  ParameterAcceptor::prm.parse_input_from_string(
+    "subsection Fluid\n set Viscosity = 1e3\nend\n");
+  fluid.reinit();
+  parameters.shape        = "box(0, 0, 0.5, 0.75)";
+  parameters.displacement = "0.1 * y; 0";
+  Body<2> body;
+  body.name       = "fluid";
+  body.parameters = &parameters;
+  body.material   = &fluid;
+  make_points(body, made.space, Tensor<1, 2>(), false, false);
+  double stress = 0., heat = 0., shear = 1.;
+  body.points.for_each([&](const unsigned int, const double *p) {
+    for (unsigned int k = 0; k < Layout::n_stress; ++k)
+      stress = std::max(stress, std::abs(at(p, Layout::stress + k)));
+    heat  = std::max(heat, std::abs(at(p, body.points.layout().state)));
+    shear = std::min(shear, at(p, Layout::F + 1));
+  });
+  check("  a displacement of a fluid", max_all(0.1 - shear), 1e-9);
+  check("    makes no viscous stress, Pa", max_all(stress), 1e-3);
+  check("    and no heat, J / m^3", max_all(heat), 0.);
 }
 
 

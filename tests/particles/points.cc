@@ -3,6 +3,8 @@
 
 #include "points.h"
 
+#include <greville/particles/points_copy.h>
+
 // Insert, move, take out and sort points at random, beside a list of them.
 template <int dim>
 void
@@ -105,6 +107,7 @@ test_storage(const MultiIndex<dim> &cells)
     copy.insert(cell, make_array_view(numbers_of(points, p)));
   });
   copy.cells();
+  copy.defragment();
   points.defragment();
   points.cells();
   check(name + "memory after sorting",
@@ -118,6 +121,37 @@ test_storage(const MultiIndex<dim> &cells)
          g = points.next_group(g))
       sorted &= g == next++;
   check(name + "groups are sorted", on_all(sorted));
+
+  // A copy in single precision, which takes about half of the memory.
+  PointsCopy<dim>     rounded;
+  MaterialPoints<dim> restored;
+  rounded.copy(points);
+  restored.reinit(space, layout);
+  rounded.restore(restored);
+  std::map<double, std::vector<double>> originals;
+  points.for_each([&](const unsigned int cell, const double *p) {
+    std::vector<double> values = numbers_of(points, p);
+    values.push_back(cell);
+    originals[at(p, Layout::id)] = values;
+  });
+  double       rounding = 0.;
+  bool         kept     = restored.n_points() == points.n_points();
+  const double h        = lattice.cell_size(0);
+  restored.for_each([&](const unsigned int cell, const double *p) {
+    const auto &values = originals.at(at(p, Layout::id));
+    kept &= cell == values.back() &&
+            at(p, Layout::mass) == values[Layout::mass] &&
+            at(p, Layout::volume0) == values[Layout::volume0];
+    for (unsigned int k = 0; k < layout.size; ++k)
+      rounding = std::max(rounding,
+                          std::abs(at(p, k) - values[k]) /
+                            (k < dim ? h : std::max(1., std::abs(values[k]))));
+  });
+  check(name + "a rounded copy", on_all(kept));
+  check(name + "  is as good as single precision", max_all(rounding), 1e-7);
+  check(name + "  and takes little memory",
+        on_all(rounded.memory_consumption() <=
+               0.7 * points.memory_consumption()));
 
   // Groups that became empty are taken again.
   std::size_t most = 0;

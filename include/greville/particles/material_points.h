@@ -265,6 +265,7 @@ namespace greville
     PointLayout<dim>        point_layout;
     std::size_t             n_all_points = 0;
 
+    // More than the groups need, so that it seldom has to grow.
     dealii::AlignedVector<double> data;
     std::vector<unsigned int>     heads;  // per cell
     std::vector<unsigned int>     counts; // per cell

@@ -204,6 +204,20 @@ namespace greville
                   VectorField<dim>                               &y);
 
     /**
+     * Collective. Points share their changes of volume with their neighbours:
+     *   J_p <- J_p + part sum_i N_i(x_p) w_i (J_i - J_p),
+     *   J_i = sum_p V0_p J_p N_i(x_p) / sum_p V0_p N_i(x_p),
+     *   w_i = sum_p V0_p max(J_p - 1, 0) N_i / sum_p V0_p |J_p - 1| N_i,
+     * which keeps the sum of V0 J. The velocity of the grid moves all points of
+     * a cell alike, so that nothing else removes differences of J between them:
+     * where some points have J < 1 and bear pressure, others J > 1 and none, a
+     * fluid bears a pressure with more than its volume. The weight w_i leaves
+     * alone what is all compressed, whose pressure is a smooth field. F stays.
+     */
+    void
+    share_volume(MaterialPoints<dim> &points, const double part);
+
+    /**
      * The diagonal of D_p = sum_i N_i (xi_i - x)(xi_i - x)^T for a point @p x
      * of owned cell number @p cell, m^2.
      */

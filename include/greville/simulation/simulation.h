@@ -2,6 +2,7 @@
 #define greville_simulation_simulation_h
 
 #include <greville/particles/point_transport.h>
+#include <greville/particles/points_copy.h>
 #include <greville/particles/reconstruction.h>
 #include <greville/simulation/critical_step.h>
 #include <greville/simulation/energy_balance.h>
@@ -385,6 +386,12 @@ namespace greville
     void
     transport_points();
 
+    /**
+     * Points of fluids share their changes of volume.
+     */
+    void
+    share_volume();
+
     void
     damp_kinetically();
 
@@ -444,6 +451,7 @@ namespace greville
     double        warned_gain    = 0.; // of energy
     double        first_signal   = 0.; // fastest in the initial state
     double        crossing_rate  = 0.; // cells per second, of the fastest
+    double        time_to_share  = 0.; // since share_volume()
     unsigned int  steps          = 0;
     unsigned int  iterations     = 0;
     std::uint64_t all_iterations = 0;
@@ -461,12 +469,12 @@ namespace greville
 
     struct Remembered
     {
-      double                           t = 0., dt = 0., velocity_time = 0.;
-      double                           last_kinetic = 0.;
-      EnergyBalance                    energy;
-      std::uint64_t                    n_removed = 0, n_free = 0;
-      unsigned int                     steps = 0;
-      std::vector<MaterialPoints<dim>> points;
+      double                       t = 0., dt = 0., velocity_time = 0.;
+      double                       last_kinetic = 0.;
+      EnergyBalance                energy;
+      std::uint64_t                n_removed = 0, n_free = 0;
+      unsigned int                 steps = 0;
+      std::vector<PointsCopy<dim>> points;
     };
     Remembered remembered;
   };
