@@ -1,47 +1,21 @@
-#include <deal.II/base/mpi.h>
-
-#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/base/program.h>
 #include <greville/benchmark/mass_benchmark.h>
 
-#include <chrono>
-#include <iostream>
-#include <thread>
-
-/**
- * mass_benchmark FILE.prm        run the sweeps of a parameter file
- * mass_benchmark --parameters    print the reference of all parameters
- */
 int
 main(int argc, char **argv)
 {
-  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const unsigned int                       process =
-    dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD);
-  try
-    {
-      AssertThrow(argc == 2,
-                  dealii::ExcMessage("Usage: mass_benchmark FILE.prm, or "
-                                     "mass_benchmark --parameters"));
-      greville::MassBenchmark benchmark;
-      if (std::string(argv[1]) == "--parameters")
-        {
-          if (process == 0)
-            greville::print_parameter_reference(std::cout, "mass_benchmark");
-        }
-      else
-        benchmark.run(argv[1]);
-      return 0;
-    }
-  catch (const std::exception &error)
-    {
-      // Mostly all processes find the same error; the first one reports it and
-      // ends the others before they do.
-      if (process > 0)
-        std::this_thread::sleep_for(std::chrono::seconds(2));
-      std::cerr << "mass_benchmark: " << greville::message_of(error)
-                << std::endl;
-      MPI_Abort(MPI_COMM_WORLD, 1);
-      return 1;
-    }
+  greville::Program program;
+  program.name = "mass_benchmark";
+  program.purpose =
+    "solves with mass matrices on B-splines: runs the sweeps of a parameter "
+    "file and prints iterations and times";
+  program.run = [](const std::string &file) {
+    greville::MassBenchmark().run(file);
+  };
+  program.print_parameters = [](std::ostream &out) {
+    const greville::MassBenchmark benchmark;
+    greville::print_parameter_reference(out, "mass_benchmark");
+  };
+  return greville::run_program(program, argc, argv);
 }

@@ -3,6 +3,8 @@
 
 #include <greville/base/errors.h>
 
+#include <algorithm>
+#include <cctype>
 #include <sstream>
 
 namespace greville
@@ -26,6 +28,58 @@ namespace greville
     while (words >> word)
       result += (result.empty() ? "" : " ") + word;
     return result;
+  }
+
+
+
+  namespace
+  {
+    /**
+     * The number of letters to insert, remove, replace or exchange with their
+     * neighbour that make one word of the other.
+     */
+    unsigned int
+    distance(const std::string &a, const std::string &b)
+    {
+      std::vector<std::vector<unsigned int>> d(
+        a.size() + 1, std::vector<unsigned int>(b.size() + 1));
+      for (unsigned int i = 0; i <= a.size(); ++i)
+        for (unsigned int j = 0; j <= b.size(); ++j)
+          {
+            if (i == 0 || j == 0)
+              {
+                d[i][j] = i + j;
+                continue;
+              }
+            const bool same =
+              std::tolower(static_cast<unsigned char>(a[i - 1])) ==
+              std::tolower(static_cast<unsigned char>(b[j - 1]));
+            d[i][j] = std::min(
+              {d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + !same});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+              d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+          }
+      return d[a.size()][b.size()];
+    }
+  } // namespace
+
+
+
+  std::string
+  did_you_mean(const std::string &word, const std::vector<std::string> &known)
+  {
+    std::string  nearest;
+    unsigned int least = std::max<std::size_t>(1, word.size() / 3) + 1;
+    for (const std::string &other : known)
+      {
+        const unsigned int d = distance(word, other);
+        if (d < least && d < other.size())
+          {
+            least   = d;
+            nearest = other;
+          }
+      }
+    return nearest.empty() ? "" : " Did you mean <" + nearest + ">?";
   }
 
 

@@ -5,7 +5,10 @@
 #include <greville/base/expression.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <muParser.h>
+#include <sstream>
 
 namespace greville
 {
@@ -14,14 +17,30 @@ namespace greville
   class Expression::Parser
   {
   public:
-    mu::Parser          parser;
-    std::vector<double> values;
+    [[noreturn]] void
+    fail(const std::string &reason) const
+    {
+      AssertThrow(false,
+                  ExcMessage("The formula <" + text + "> of the parameter '" +
+                             parameter + "' " + reason));
+      std::abort();
+    }
+
+    std::string              text, parameter;
+    std::vector<std::string> variables;
+    mu::Parser               parser;
+    std::vector<double>      values;
   };
 
 
 
   namespace
   {
+    // Larger values overflow where they are squared.
+    constexpr double largest_value = 1e100;
+
+
+
     std::string
     list_of(const std::vector<std::string> &names)
     {
@@ -29,6 +48,120 @@ namespace greville
       for (const std::string &name : names)
         result += (result.empty() ? "" : ", ") + name;
       return result;
+    }
+
+
+
+    bool
+    is_letter(const char c)
+    {
+      return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+    }
+
+
+
+    /**
+     * What muParser accepts and hardly anybody means: assignments, and commas
+     * outside of the arguments of a function, of which the last value counts.
+     * Returns the reason, or nothing.
+     */
+    std::string
+    trap_in(const std::string &text)
+    {
+      std::vector<bool> is_call; // for each open parenthesis
+      char              last = ' ', word_end = ' ';
+      for (std::size_t i = 0; i < text.size(); ++i)
+        {
+          const char c    = text[i];
+          const char next = i + 1 < text.size() ? text[i + 1] : ' ';
+          if (c == '=' && next != '=' && last != '=' && last != '<' &&
+              last != '>' && last != '!')
+            return "has an assignment: equality is written ==.";
+          if (c == '(')
+            is_call.push_back(is_letter(word_end));
+          else if (c == ')' && !is_call.empty())
+            is_call.pop_back();
+          else if (c == ',' && (is_call.empty() || !is_call.back()))
+            return "has a comma outside of the arguments of a function: the "
+                   "decimal separator is a point (0.5), formulas are "
+                   "separated by semicolons.";
+          last = c;
+          if (c != ' ' && c != '\t')
+            word_end = c;
+        }
+      return "";
+    }
+
+
+
+    // What muParser does not have, or has under other names.
+    double
+    if_function(const double condition, const double yes, const double no)
+    {
+      return condition != 0. ? yes : no;
+    }
+
+    double
+    and_function(const double a, const double b)
+    {
+      return a != 0. && b != 0.;
+    }
+
+    double
+    or_function(const double a, const double b)
+    {
+      return a != 0. || b != 0.;
+    }
+
+    double
+    cot(const double x)
+    {
+      return 1. / std::tan(x);
+    }
+
+    double
+    sec(const double x)
+    {
+      return 1. / std::cos(x);
+    }
+
+    double
+    csc(const double x)
+    {
+      return 1. / std::sin(x);
+    }
+
+
+
+    void
+    define_functions(mu::Parser &parser)
+    {
+      // muParser's own _pi and _e have 13 digits.
+      parser.DefineConst("pi", numbers::PI);
+      parser.DefineConst("_pi", numbers::PI);
+      parser.DefineConst("_e", numbers::E);
+      parser.DefineFun("if", if_function);
+      parser.DefineFun(
+        "pow", +[](double x, double y) { return std::pow(x, y); });
+      parser.DefineFun(
+        "atan2", +[](double y, double x) { return std::atan2(y, x); });
+      parser.DefineFun(
+        "mod", +[](double x, double y) { return x - y * std::floor(x / y); });
+      parser.DefineFun("cot", cot);
+      parser.DefineFun("sec", sec);
+      parser.DefineFun("csc", csc);
+      parser.DefineFun(
+        "floor", +[](double x) { return std::floor(x); });
+      parser.DefineFun(
+        "ceil", +[](double x) { return std::ceil(x); });
+      parser.DefineFun(
+        "int", +[](double x) { return std::round(x); });
+      parser.DefineFun(
+        "erf", +[](double x) { return std::erf(x); });
+      parser.DefineFun(
+        "erfc", +[](double x) { return std::erfc(x); });
+      parser.DefineOprt("&", and_function, 1);
+      parser.DefineOprt("|", or_function, 0);
     }
   } // namespace
 
@@ -40,12 +173,20 @@ namespace greville
                          const std::vector<Function>    &functions)
     : parser(std::make_unique<Parser>())
   {
+    parser->text      = text;
+    parser->parameter = parameter;
+    parser->variables = variables;
     parser->values.assign(variables.size(), 0.);
+    if (text.find_first_not_of(" \t") == std::string::npos)
+      parser->fail("is empty.");
+    const std::string trap = trap_in(text);
+    if (!trap.empty())
+      parser->fail(trap);
     try
       {
-        parser->parser.DefineConst("pi", numbers::PI);
         for (unsigned int i = 0; i < variables.size(); ++i)
           parser->parser.DefineVar(variables[i], &parser->values[i]);
+        define_functions(parser->parser);
         for (const Function &function : functions)
           parser->parser.DefineFun(function.name, function.function);
         parser->parser.SetExpr(text);
@@ -53,18 +194,15 @@ namespace greville
       }
     catch (const mu::ParserError &error)
       {
-        AssertThrow(false,
-                    ExcMessage("The expression <" + text +
-                               "> of the parameter '" + parameter +
-                               "' is no function of " + list_of(variables) +
-                               ": " + error.GetMsg()));
+        std::string message = error.GetMsg();
+        while (!message.empty() && message.back() == '.')
+          message.pop_back();
+        parser->fail("is no function of " + list_of(variables) + ": " +
+                     message + " (doc/formulas.md has all functions).");
       }
     catch (const ExceptionBase &error)
       {
-        AssertThrow(false,
-                    ExcMessage("The expression <" + text +
-                               "> of the parameter '" + parameter +
-                               "': " + message_of(error) + "."));
+        parser->fail("is wrong: " + message_of(error) + ".");
       }
   }
 
@@ -82,7 +220,39 @@ namespace greville
   {
     AssertDimension(values.size(), parser->values.size());
     std::copy(values.begin(), values.end(), parser->values.begin());
-    return parser->parser.Eval();
+    double result;
+    try
+      {
+        result = parser->parser.Eval();
+      }
+    catch (const mu::ParserError &error)
+      {
+        parser->fail("is wrong: " + error.GetMsg());
+      }
+    catch (const ExceptionBase &error)
+      {
+        parser->fail("is wrong: " + message_of(error) + ".");
+      }
+    // Also false where the result is NaN.
+    if (!(std::abs(result) <= largest_value))
+      {
+        std::ostringstream text;
+        text << "is "
+             << (std::isnan(result)      ? "NaN"
+                 : std::isfinite(result) ? ""
+                 : result > 0.           ? "infinite"
+                                         : "-infinite");
+        if (std::isfinite(result))
+          text << result;
+        text << " at ";
+        for (unsigned int i = 0; i < parser->variables.size(); ++i)
+          text << (i > 0 ? ", " : "") << parser->variables[i] << " = "
+               << parser->values[i];
+        text << (std::isfinite(result) ? ": values are at most 1e100 in size."
+                                       : ": it has to be a finite number.");
+        parser->fail(text.str());
+      }
+    return result;
   }
 
 
@@ -97,8 +267,8 @@ namespace greville
     AssertThrow(parts.size() == n,
                 ExcMessage("The parameter '" + parameter + "' takes " +
                            std::to_string(n) +
-                           " expressions separated by semicolons, not <" +
-                           text + ">."));
+                           " formulas separated by semicolons, not <" + text +
+                           ">."));
     std::vector<Expression> result;
     for (const std::string &part : parts)
       result.emplace_back(part, parameter, variables);

@@ -1,55 +1,43 @@
-#include <deal.II/base/function_parser.h>
 #include <deal.II/base/parameter_acceptor.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/expression.h>
 #include <greville/base/parameters.h>
 
 #include <boost/property_tree/json_parser.hpp>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <sstream>
+#include <unistd.h>
 
 namespace greville
 {
   using namespace dealii;
 
-  void
-  parse_parameter_file(const std::string &file)
+  std::string
+  demangle(const std::string &name)
   {
-    AssertThrow(std::filesystem::is_regular_file(file),
-                ExcMessage("There is no parameter file <" + file + ">."));
-    ParameterAcceptor::declare_all_parameters();
-    ParameterAcceptor::prm.parse_input(file);
-    ParameterAcceptor::parse_all_parameters();
+    std::string result;
+    for (std::size_t i = 0; i < name.size(); ++i)
+      if (name[i] == '_' && i + 2 < name.size() && std::isxdigit(name[i + 1]) &&
+          std::isxdigit(name[i + 2]))
+        {
+          result += char(std::stoi(name.substr(i + 1, 2), nullptr, 16));
+          i += 2;
+        }
+      else
+        result += name[i];
+    return result;
   }
 
 
 
   namespace
   {
-    /**
-     * ParameterHandler writes "Box_20size" for "Box size".
-     */
-    std::string
-    demangle(const std::string &name)
-    {
-      std::string result;
-      for (std::size_t i = 0; i < name.size(); ++i)
-        if (name[i] == '_' && i + 2 < name.size() &&
-            std::isxdigit(name[i + 1]) && std::isxdigit(name[i + 2]))
-          {
-            result += char(std::stoi(name.substr(i + 1, 2), nullptr, 16));
-            i += 2;
-          }
-        else
-          result += name[i];
-      return result;
-    }
-
-
-
     std::string
     escape_for_table(const std::string &text)
     {
@@ -117,6 +105,32 @@ namespace greville
 
 
 
+  namespace
+  {
+    template <int dim>
+    class FunctionOfExpression : public Function<dim>
+    {
+    public:
+      FunctionOfExpression(const std::string &text, const std::string &name)
+        : expression(text,
+                     name,
+                     dim == 2 ? std::vector<std::string>{"x", "y"}
+                              : std::vector<std::string>{"x", "y", "z"})
+      {}
+
+      double
+      value(const Point<dim> &x, const unsigned int) const override
+      {
+        return expression(ArrayView<const double>(&x[0], dim));
+      }
+
+    private:
+      const Expression expression;
+    };
+  } // namespace
+
+
+
   template <int dim>
   std::unique_ptr<Function<dim>>
   make_function(const std::string &expression, const std::string &name)
@@ -125,37 +139,39 @@ namespace greville
       {
         std::size_t  n_read;
         const double value = std::stod(expression, &n_read);
-        if (expression.find_first_not_of(" \t", n_read) == std::string::npos)
+        if (expression.find_first_not_of(" \t", n_read) == std::string::npos &&
+            std::abs(value) < 1e100)
           return std::make_unique<Functions::ConstantFunction<dim>>(value);
       }
     catch (const std::exception &)
       {}
+    return std::make_unique<FunctionOfExpression<dim>>(expression, name);
+  }
 
-    auto function = std::make_unique<FunctionParser<dim>>();
-    // deal.II prints what muParser says, besides throwing it.
-    std::streambuf *const cerr_buffer = std::cerr.rdbuf(nullptr);
-    try
-      {
-        function->initialize(dim == 2 ? "x,y" : "x,y,z",
-                             expression,
-                             {{"pi", numbers::PI}});
-        // Parsed when it is first used.
-        function->value(Point<dim>());
-      }
-    catch (const std::exception &error)
-      {
-        std::cerr.clear();
-        std::cerr.rdbuf(cerr_buffer);
-        AssertThrow(false,
-                    ExcMessage("The expression <" + expression +
-                               "> of the parameter '" + name +
-                               "' is no function of " +
-                               (dim == 2 ? "x and y" : "x, y and z") + ": " +
-                               message_of(error)));
-      }
-    std::cerr.clear();
-    std::cerr.rdbuf(cerr_buffer);
-    return function;
+
+
+  void
+  create_folder(const std::string &folder, const std::string &parameter)
+  {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (!error && !std::filesystem::is_directory(folder))
+      error = std::make_error_code(std::errc::not_a_directory);
+    if (!error && access(folder.c_str(), W_OK | X_OK) != 0)
+      error = std::error_code(errno, std::generic_category());
+    AssertThrow(!error,
+                ExcMessage("Results cannot be written into the folder <" +
+                           folder + "> of the parameter '" + parameter +
+                           "': " + error.message() + "."));
+  }
+
+
+
+  std::string
+  write_error(const std::string &file)
+  {
+    return "Cannot write <" + file + ">" +
+           (errno != 0 ? std::string(": ") + std::strerror(errno) : "") + ".";
   }
 
 
@@ -165,12 +181,17 @@ namespace greville
   {
     const std::string temporary = file + ".tmp";
     {
+      errno = 0;
       std::ofstream out(temporary);
       out << content;
       out.close();
-      AssertThrow(out, ExcMessage("Cannot write <" + temporary + ">."));
+      AssertThrow(out, ExcMessage(write_error(file)));
     }
-    std::filesystem::rename(temporary, file);
+    std::error_code error;
+    std::filesystem::rename(temporary, file, error);
+    AssertThrow(!error,
+                ExcMessage("Cannot write <" + file + ">: " + error.message() +
+                           "."));
   }
 
 

@@ -2,6 +2,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/memory.h>
 #include <greville/base/parameters.h>
 #include <greville/base/simd.h>
 #include <greville/benchmark/mass_benchmark.h>
@@ -97,23 +98,102 @@ namespace greville
 
 
 
+  namespace
+  {
+    /**
+     * Collective. What the first process writes is known to have failed to all.
+     */
+    void
+    write_on_first(const std::function<void()> &write)
+    {
+      run_on_all(
+        [&]() {
+          if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+            write();
+        },
+        MPI_COMM_WORLD);
+    }
+
+
+
+    /**
+     * The entries of a list, or the one value where the list is empty.
+     */
+    std::vector<std::string>
+    list_or(const std::vector<std::string> &list, const std::string &value)
+    {
+      return list.empty() ? std::vector<std::string>{value} : list;
+    }
+
+
+
+    template <typename T>
+    void
+    check_different(const std::vector<T> &entries, const std::string &parameter)
+    {
+      for (std::size_t i = 0; i < entries.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          {
+            std::ostringstream entry;
+            entry << entries[i];
+            AssertThrow(entries[i] != entries[j],
+                        ExcMessage("The parameter 'Benchmark/" + parameter +
+                                   "' has the entry <" + entry.str() +
+                                   "> twice."));
+          }
+    }
+
+
+
+    void
+    check_names(const std::vector<std::string> &names,
+                const std::string              &parameter,
+                const std::string              &allowed)
+    {
+      for (const std::string &name : names)
+        check_word(name, "Benchmark/" + parameter, allowed);
+      check_different(names, parameter);
+    }
+  } // namespace
+
+
+
   void
   MassBenchmark::run(const std::string &file)
   {
-    parse_parameter_file(file);
+    parse_parameter_file(
+      file,
+      read_parameter_lines(file, "Benchmark", {"Simulation"}, "greville"));
     const std::filesystem::path path(file);
     check_parameters(path.parent_path().string());
 
     output_directory = parameters.output_directory.empty()
                          ? "output/" + path.stem().string()
                          : parameters.output_directory;
-    if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-      {
-        std::filesystem::create_directories(output_directory);
-        std::ostringstream used;
-        ParameterAcceptor::prm.print_parameters(used, ParameterHandler::Text);
-        write_atomically(output_directory + "/parameters.prm", used.str());
-      }
+    // The copy lies elsewhere: its files have absolute names.
+    std::ostringstream used;
+    {
+      ParameterHandler &prm = ParameterAcceptor::prm;
+      std::string       absolute;
+      for (const std::string &entry : parameters.published)
+        {
+          const std::size_t colon = entry.find(':');
+          absolute +=
+            (absolute.empty() ? "" : ", ") + entry.substr(0, colon + 1) +
+            std::filesystem::absolute(path.parent_path() /
+                                      Utilities::trim(entry.substr(colon + 1)))
+              .string();
+        }
+      prm.enter_subsection("Benchmark");
+      prm.set("Published iterations", absolute);
+      prm.set("Output directory", output_directory);
+      prm.leave_subsection();
+      prm.print_parameters(used, ParameterHandler::Text);
+    }
+    write_on_first([&]() {
+      create_folder(output_directory, "Benchmark/Output directory");
+      write_atomically(output_directory + "/parameters.prm", used.str());
+    });
     print_header(file);
 
     const auto cells = cells_of_dimensions();
@@ -126,36 +206,17 @@ namespace greville
 
     if (parameters.throughput)
       bandwidth = measure_bandwidth(MPI_COMM_WORLD);
-    write_results();
+    write_on_first([&]() { write_results(); });
+    bool has_result = false;
+    for (const SolveRecord &record : records)
+      has_result = has_result || !record.has_failed;
+    AssertThrow(has_result,
+                ExcMessage("All solves have failed; the first one: " +
+                           records.front().variant() + ", " +
+                           std::to_string(records.front().cells) +
+                           " cells, p = " + std::to_string(records.front().p) +
+                           " " + records.front().result.reason + "."));
   }
-
-
-
-  namespace
-  {
-    /**
-     * The entries of a list, or the one value where the list is empty.
-     */
-    std::vector<std::string>
-    list_or(const std::vector<std::string> &list, const std::string &value)
-    {
-      return list.empty() ? std::vector<std::string>{value} : list;
-    }
-
-
-
-    void
-    check_names(const std::vector<std::string> &names,
-                const std::string              &parameter,
-                const std::string              &allowed)
-    {
-      const auto list = Utilities::split_string_list(allowed, '|');
-      for (const std::string &name : names)
-        AssertThrow(std::count(list.begin(), list.end(), name) == 1,
-                    ExcMessage("The value <" + name + "> of the parameter '" +
-                               parameter + "' is none of " + allowed + "."));
-    }
-  } // namespace
 
 
 
@@ -165,28 +226,30 @@ namespace greville
     auto lists = Utilities::split_string_list(parameters.cells, ';');
     if (lists.size() == 1)
       lists.resize(parameters.dimensions.size(), lists[0]);
-    AssertThrow(lists.size() == parameters.dimensions.size(),
-                ExcMessage("The parameter 'Cells' has to hold one list, or one "
-                           "for each of the dimensions, separated by ';', but "
-                           "is <" +
-                           parameters.cells + ">."));
+    AssertThrow(
+      lists.size() == parameters.dimensions.size(),
+      ExcMessage("The parameter 'Benchmark/Cells' has to hold one list, or one "
+                 "for each of the dimensions, separated by ';', but "
+                 "is <" +
+                 parameters.cells + ">."));
     std::vector<std::vector<unsigned int>> result;
     for (const std::string &list : lists)
       {
         result.emplace_back();
         for (const std::string &word : Utilities::split_string_list(list, ','))
           {
-            AssertThrow(!word.empty() && word.size() < 8 &&
-                          word.find_first_not_of("0123456789") ==
-                            std::string::npos &&
-                          std::stoul(word) > 0,
-                        ExcMessage("The parameter 'Cells' has to hold whole "
-                                   "numbers of 1 or more, but has <" +
-                                   word + ">."));
+            AssertThrow(
+              !word.empty() && word.size() < 8 &&
+                word.find_first_not_of("0123456789") == std::string::npos &&
+                std::stoul(word) > 0,
+              ExcMessage("The parameter 'Benchmark/Cells' has to hold whole "
+                         "numbers of 1 or more, but has <" +
+                         word + ">."));
             result.back().push_back(std::stoul(word));
           }
         AssertThrow(!result.back().empty(),
-                    ExcMessage("The parameter 'Cells' holds no number."));
+                    ExcMessage(
+                      "The parameter 'Benchmark/Cells' holds no number."));
       }
     return result;
   }
@@ -197,11 +260,18 @@ namespace greville
   MassBenchmark::check_parameters(const std::string &directory)
   {
     AssertThrow(!parameters.solvers.empty(),
-                ExcMessage("The parameter 'Solvers' is empty. It takes some "
-                           "of " +
-                           MassSolver<2>::names() + "."));
+                ExcMessage(
+                  "The parameter 'Benchmark/Solvers' is empty. It takes some "
+                  "of " +
+                  MassSolver<2>::names() + "."));
     for (const std::string &solver : parameters.solvers)
-      MassSolver<2>::check_name(solver);
+      MassSolver<2>::check_name(solver, "Benchmark/Solvers");
+    check_different(parameters.solvers, "Solvers");
+    check_different(parameters.dimensions, "Dimensions");
+    check_different(parameters.orders, "Orders");
+    for (const auto &list : cells_of_dimensions())
+      check_different(list, "Cells");
+    smoother_parameters.check();
     check_names(parameters.smoothers, "Smoothers", smoother_names());
     check_names(parameters.cycles, "Cycles", "V|W|F");
     check_names(parameters.restrictions,
@@ -219,9 +289,10 @@ namespace greville
       {
         const std::size_t colon = entry.find(':');
         AssertThrow(colon != std::string::npos,
-                    ExcMessage("The value <" + entry +
-                               "> of the parameter 'Published iterations' has "
-                               "not the form solver:FILE."));
+                    ExcMessage(
+                      "The value <" + entry +
+                      "> of the parameter 'Benchmark/Published iterations' has "
+                      "not the form solver:FILE."));
         const auto table = std::filesystem::path(directory) /
                            Utilities::trim(entry.substr(colon + 1));
         published.emplace_back(Utilities::trim(entry.substr(0, colon)),
@@ -229,13 +300,13 @@ namespace greville
       }
     for (const unsigned int dim : parameters.dimensions)
       for (const auto &expression :
-           {std::make_pair(problem_parameters.density, "Density"),
-            std::make_pair(problem_parameters.acceleration, "Acceleration")})
+           {std::make_pair(problem_parameters.density, "Problem/Density"),
+            std::make_pair(problem_parameters.acceleration,
+                           "Problem/Acceleration")})
         if (dim == 2)
           make_function<2>(expression.first, expression.second);
         else
           make_function<3>(expression.first, expression.second);
-    cells_of_dimensions();
   }
 
 
@@ -324,7 +395,15 @@ namespace greville
         DistributedTriangulation<dim> triangulation(MPI_COMM_WORLD,
                                                     Triangulation<dim>::none,
                                                     mesh_settings<dim>);
-        MultiIndex<dim>               n_cells;
+        double                        n_all = 1.;
+        for (unsigned int d = 0; d < dim; ++d)
+          n_all *= double(n) * problem_parameters.cell_ratio[d];
+        check_memory_of_cells(n_all,
+                              dim,
+                              "The parameters 'Benchmark/Cells' and "
+                              "'Problem/Cell ratio'",
+                              MPI_COMM_WORLD);
+        MultiIndex<dim> n_cells;
         for (unsigned int d = 0; d < dim; ++d)
           n_cells[d] = n * problem_parameters.cell_ratio[d];
         create_box_mesh<dim>(triangulation, lower, upper, n_cells);
@@ -435,8 +514,9 @@ namespace greville
     const auto run = [&](const SolveRecord &record) {
       records.push_back(solve<dim>(problem, mass, record));
       // Nothing is lost if a later solve fails.
-      if (out.is_active())
+      write_on_first([&]() {
         write_atomically(output_directory + "/solves.csv", solves_csv(records));
+      });
     };
     SolveRecord record = what;
     record.solver      = solver;
@@ -493,6 +573,7 @@ namespace greville
 
     const bool has_peak =
       Utilities::MPI::min(int(reset_peak_memory()), comm) == 1;
+    bool                is_of_problem = false;
     std::vector<double> assembly, setup, solution;
     const auto timed = [&](std::vector<double> &times, const auto &action) {
       MPI_Barrier(comm);
@@ -504,20 +585,27 @@ namespace greville
       try
         {
           timed(assembly, [&]() { solver.assemble(); });
+          is_of_problem = true;
           problem.right_hand_side(b, mass.finest());
+          is_of_problem = false;
           timed(setup, [&]() { solver.setup(); });
           timed(solution, [&]() { record.result = solver.solve(x, b); });
 
           record.error = problem.error(x, mass.finest());
+          record.has_failed =
+            record.result.iterations && !record.result.converged;
         }
       catch (const std::exception &error)
         {
+          if (is_of_problem)
+            throw;
           // A solver that cannot be set up says why and leaves the others
           // their turn. All processes throw what one throws.
           record.result           = SolveResult();
           record.result.reason    = message_of(error);
           record.result.reduction = 1.;
           record.error            = 1.;
+          record.has_failed       = true;
           break;
         }
     if (has_peak)
@@ -540,8 +628,6 @@ namespace greville
   void
   MassBenchmark::write_results() const
   {
-    if (!out.is_active())
-      return;
     std::ostream &stream = std::cout;
     print_iterations(stream, records);
     if (parameters.print_times)

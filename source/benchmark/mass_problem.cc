@@ -87,30 +87,31 @@ namespace greville
   {
     AssertThrow(lower.size() >= dim && upper.size() >= dim &&
                   cell_ratio.size() >= dim,
-                ExcMessage("'Lower corner', 'Upper corner' and 'Cell "
-                           "ratio' need " +
+                ExcMessage("'Problem/Lower corner', 'Problem/Upper corner' and "
+                           "'Problem/Cell ratio' need " +
                            std::to_string(dim) + " numbers in " +
                            std::to_string(dim) + "D."));
     for (unsigned int d = 0; d < dim; ++d)
       AssertThrow(lower[d] < upper[d],
-                  ExcMessage("'Lower corner' has to be below 'Upper corner' in "
-                             "each direction."));
+                  ExcMessage("'Problem/Lower corner' has to be below "
+                             "'Problem/Upper corner' in each direction."));
     const std::string names =
       dim == 2 ? PointProblem<2>::body_names() : PointProblem<3>::body_names();
-    const auto list = Utilities::split_string_list(names, '|');
     for (const std::string &body : bodies)
-      AssertThrow(std::count(list.begin(), list.end(), body) == 1,
-                  ExcMessage("The value <" + body +
-                             "> of the parameter 'Points' is none of " + names +
-                             " of " + std::to_string(dim) + "D."));
+      AssertThrow(names.find(body) != std::string::npos,
+                  ExcMessage("The parameter 'Problem/Points' is <" + body +
+                             ">; it has to be one of " + names + " in " +
+                             std::to_string(dim) +
+                             "D (see 'Benchmark/Dimensions')."));
   }
 
 
 
   template <int dim>
   DensityProblem<dim>::DensityProblem(const MassProblemParameters &parameters)
-    : density(make_function<dim>(parameters.density, "Density"))
-    , acceleration(make_function<dim>(parameters.acceleration, "Acceleration"))
+    : density(make_function<dim>(parameters.density, "Problem/Density"))
+    , acceleration(
+        make_function<dim>(parameters.acceleration, "Problem/Acceleration"))
   {}
 
 
@@ -211,8 +212,9 @@ namespace greville
     run_on_all([&]() { make_points(body, n); }, space.communicator());
     AssertThrow(Utilities::MPI::sum<std::uint64_t>(points.n_points(),
                                                    space.communicator()) > 0,
-                ExcMessage("The density is zero at all points: there is no "
-                           "mass."));
+                ExcMessage("No point of the body '" + body +
+                           "' has a mass: 'Problem/Density' is zero there, or "
+                           "'Benchmark/Cells' are too few."));
 
     double cell_volume = 1.;
     for (unsigned int d = 0; d < dim; ++d)
@@ -231,10 +233,11 @@ namespace greville
   void
   PointProblem<dim>::make_points(const std::string &body, const unsigned int n)
   {
-    using Layout       = PointLayout<dim>;
-    const auto density = make_function<dim>(parameters.density, "Density");
+    using Layout = PointLayout<dim>;
+    const auto density =
+      make_function<dim>(parameters.density, "Problem/Density");
     const auto acceleration =
-      make_function<dim>(parameters.acceleration, "Acceleration");
+      make_function<dim>(parameters.acceleration, "Problem/Acceleration");
     PointPlacement placement;
     placement.shape                = shape_of(body, space.lattice());
     placement.points_per_direction = {n};
@@ -248,7 +251,7 @@ namespace greville
         if (!(rho >= 0. && std::isfinite(rho)))
           {
             std::ostringstream text;
-            text << "The density has to be a number >= 0, but is " << rho
+            text << "'Problem/Density' has to be a number >= 0, but is " << rho
                  << " at (" << point.x << ").";
             AssertThrow(false, ExcMessage(text.str()));
           }

@@ -45,36 +45,40 @@ namespace greville
     double              largest = 0.;
     std::string         message;
 
-    for (std::size_t b = 0; b < cell_batches.size(); ++b)
-      {
-        const auto &batch = cell_batches[b];
-        for (unsigned int lane = batch.first_lane; lane < batch.end_lane;
-             ++lane)
-          {
-            MultiIndex<dim> cell = batch.index;
-            cell[0] += lane;
-            const auto cell_points = points(space, cell);
-            density.value_list(cell_points, densities);
-            for (unsigned int q = 0; q < n_points(); ++q)
-              {
-                if (!(densities[q] >= 0 && std::isfinite(densities[q])))
-                  {
-                    std::ostringstream text;
-                    text << "The density has to be a number >= 0, but is "
-                         << densities[q] << " at (" << cell_points[q] << ").";
-                    if (message.empty())
-                      message = text.str();
-                  }
-                largest = std::max(largest, densities[q]);
-                values[(b * n_points() + q) * width + lane] =
-                  densities[q] * cell_measure * quadrature.weight(q);
-              }
-          }
-      }
+    const auto add_cells = [&](const auto &batch, const std::size_t b) {
+      for (unsigned int lane = batch.first_lane; lane < batch.end_lane; ++lane)
+        {
+          MultiIndex<dim> cell = batch.index;
+          cell[0] += lane;
+          const auto cell_points = points(space, cell);
+          density.value_list(cell_points, densities);
+          for (unsigned int q = 0; q < n_points(); ++q)
+            {
+              if (!(densities[q] >= 0 && std::isfinite(densities[q])))
+                {
+                  std::ostringstream text;
+                  text << "'Problem/Density' has to be a number >= 0, but is "
+                       << densities[q] << " at (" << cell_points[q] << ").";
+                  if (message.empty())
+                    message = text.str();
+                }
+              largest = std::max(largest, densities[q]);
+              values[(b * n_points() + q) * width + lane] =
+                densities[q] * cell_measure * quadrature.weight(q);
+            }
+        }
+    };
+    run_on_all(
+      [&]() {
+        for (std::size_t b = 0; b < cell_batches.size(); ++b)
+          add_cells(cell_batches[b], b);
+      },
+      space.communicator());
     throw_on_all(message, space.communicator());
     AssertThrow(Utilities::MPI::max(largest, space.communicator()) > 0.,
-                ExcMessage("The density is zero at all points: there is no "
-                           "mass."));
+                ExcMessage(
+                  "'Problem/Density' is zero at all points: there is no "
+                  "mass."));
   }
 
 

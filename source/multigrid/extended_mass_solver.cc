@@ -401,7 +401,9 @@ namespace greville
     const auto largest_ratio = [&](const auto &now, const auto &reference) {
       double ratio = 0.;
       for (unsigned int k = 0; k < n_fields; ++k)
-        if (reference[k] > 0.)
+        if (!std::isfinite(reference[k]))
+          ratio = std::numeric_limits<double>::infinity();
+        else if (reference[k] > 0.)
           ratio = std::max(ratio, std::sqrt(now[k] / reference[k]));
         else if (!(now[k] <= 0.))
           ratio = std::numeric_limits<double>::infinity();
@@ -462,9 +464,16 @@ namespace greville
     if (!result.converged)
       {
         std::ostringstream text;
-        text << (std::isfinite(ratio) ? "did not converge in "
-                                      : "met a number that is none after ")
-             << k << " iterations, reduction " << ratio;
+        if (!std::all_of(target.begin(), target.end(), [](const double t) {
+              return std::isfinite(t);
+            }))
+          text << "has a right-hand side that is infinite or NaN";
+        else
+          text << (std::isfinite(ratio)
+                     ? "did not converge in "
+                     : "met an infinite number or NaN after ")
+               << k << " iterations; the residual is " << ratio
+               << " times the right-hand side";
         result.reason = text.str();
       }
 

@@ -1,3 +1,4 @@
+#include <greville/base/errors.h>
 #include <greville/multigrid/mass_operator.h>
 #include <greville/multigrid/sum_factorization.h>
 
@@ -334,28 +335,34 @@ namespace greville
     Simd                  values[max_cell_size(dim)];
     Simd                  result[max_cell_size(dim)];
     std::vector<double>   f_values(weights->n_points());
-    for (std::size_t b = 0; b < weights->batches().size(); ++b)
-      {
-        const auto &batch = weights->batches()[b];
-        rows->load_tables(rows->tables, batch, tables);
+    const auto            add_batch = [&](const std::size_t b) {
+      const auto &batch = weights->batches()[b];
+      rows->load_tables(rows->tables, batch, tables);
+      for (unsigned int q = 0; q < weights->n_points(); ++q)
+        values[q] = load((*weights)[b] + q * simd_width);
+      if (constant != nullptr)
         for (unsigned int q = 0; q < weights->n_points(); ++q)
-          values[q] = load((*weights)[b] + q * simd_width);
-        if (constant != nullptr)
-          for (unsigned int q = 0; q < weights->n_points(); ++q)
-            values[q] *= constant->value(Point<dim>());
-        else
-          for (unsigned int lane = batch.first_lane; lane < batch.end_lane;
-               ++lane)
-            {
-              MultiIndex<dim> cell = batch.index;
-              cell[0] += lane;
-              f.value_list(weights->points(rows->space, cell), f_values);
-              for (unsigned int q = 0; q < weights->n_points(); ++q)
-                values[q][lane] = values[q][lane] * f_values[q];
-            }
-        rows->kernels.integrate(values, tables.x, tables.y, tables.z, result);
-        rows->scatter_add(b, batch, result, dst.begin());
-      }
+          values[q] *= constant->value(Point<dim>());
+      else
+        for (unsigned int lane = batch.first_lane; lane < batch.end_lane;
+             ++lane)
+          {
+            MultiIndex<dim> cell = batch.index;
+            cell[0] += lane;
+            f.value_list(weights->points(rows->space, cell), f_values);
+            for (unsigned int q = 0; q < weights->n_points(); ++q)
+              values[q][lane] = values[q][lane] * f_values[q];
+          }
+      rows->kernels.integrate(values, tables.x, tables.y, tables.z, result);
+      rows->scatter_add(b, batch, result, dst.begin());
+    };
+    // A formula can fail at a point of one process.
+    run_on_all(
+      [&]() {
+        for (std::size_t b = 0; b < weights->batches().size(); ++b)
+          add_batch(b);
+      },
+      rows->space.communicator());
     dst.compress(VectorOperation::add);
   }
 

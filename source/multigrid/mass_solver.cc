@@ -2,6 +2,7 @@
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_gmres.h>
 
+#include <greville/base/errors.h>
 #include <greville/multigrid/mass_solver.h>
 
 #include <sstream>
@@ -151,19 +152,30 @@ namespace greville
     , smoother_parameters(smoother_parameters)
     , fmpm_order(fmpm_order_of(name))
   {
-    check_name(name);
+    Assert(fmpm_order > 0 ||
+             std::count(solver_names.begin(), solver_names.end(), name) == 1,
+           ExcMessage("Unknown solver <" + name + ">."));
   }
 
 
 
   template <int dim>
   void
-  MassSolver<dim>::check_name(const std::string &name)
+  MassSolver<dim>::check_name(const std::string &name,
+                              const std::string &parameter,
+                              const std::string &others)
   {
-    AssertThrow(
-      fmpm_order_of(name) > 0 ||
-        std::count(solver_names.begin(), solver_names.end(), name) == 1,
-      ExcMessage("The solver <" + name + "> is none of " + names() + "."));
+    auto known = solver_names;
+    for (const std::string &other : Utilities::split_string_list(others, '|'))
+      known.push_back(other);
+    const bool is_known = fmpm_order_of(name) > 0 ||
+                          std::count(known.begin(), known.end(), name) == 1;
+    known.push_back("fmpm-2");
+    AssertThrow(is_known,
+                ExcMessage("The parameter '" + parameter + "' is <" + name +
+                           ">; it has to be one of " +
+                           (others.empty() ? "" : others + "|") + names() +
+                           "." + did_you_mean(name, known)));
   }
 
 
@@ -237,7 +249,16 @@ namespace greville
   MassSolver<dim>::solve(VectorType &x, const VectorType &b) const
   {
     SolveResult result;
-    x = 0.;
+    x                 = 0.;
+    const double norm = b.l2_norm();
+    if (!std::isfinite(norm))
+      {
+        result.iterations = 0;
+        result.reduction  = 1.;
+        result.converged  = false;
+        result.reason     = "has a right-hand side that is infinite or NaN";
+        return result;
+      }
     if (fmpm_order > 0)
       run_fmpm(x, b);
     else if (name == "tensor-product")
@@ -250,8 +271,7 @@ namespace greville
     VectorType residual(b);
     hierarchy.finest().vmult(residual, x);
     residual.sadd(-1., 1., b);
-    const double norm = b.l2_norm();
-    result.reduction  = norm > 0. ? residual.l2_norm() / norm : 0.;
+    result.reduction = norm > 0. ? residual.l2_norm() / norm : 0.;
 
     // Recursive and true residual may differ by round-off.
     result.converged = result.reduction <= 1.01 * parameters.tolerance;
@@ -259,12 +279,12 @@ namespace greville
       {
         std::ostringstream reason;
         if (result.iterations)
-          reason << "the residual of the iteration and the true one differ: "
-                    "round-off keeps it at "
-                 << result.reduction;
+          reason << "did not reach the tolerance: round-off keeps the true "
+                    "residual at "
+                 << result.reduction << " times the right-hand side";
         else
-          reason << "a direct approximation, its residual is "
-                 << result.reduction;
+          reason << "is a direct approximation; the residual is "
+                 << result.reduction << " times the right-hand side";
         result.reason = reason.str();
       }
     return result;
@@ -279,11 +299,13 @@ namespace greville
     {
       std::ostringstream reason;
       if (!std::isfinite(reduction) || reduction > 1e3)
-        reason << "diverges: residual times " << reduction << " after "
-               << iterations << " iterations";
+        reason << "diverged: the residual is " << reduction
+               << " times the right-hand side after " << iterations
+               << " iterations";
       else
-        reason << "not within " << iterations << " iterations: residual times "
-               << reduction;
+        reason << "did not converge in " << iterations
+               << " iterations; the residual is " << reduction
+               << " times the right-hand side";
       return reason.str();
     }
   } // namespace

@@ -9,9 +9,13 @@ namespace greville
   using namespace dealii;
 
   PMultigridParameters::PMultigridParameters(const std::string &section,
-                                             const std::string &coarsening)
+                                             const std::string &coarsening,
+                                             const std::string &restriction,
+                                             const std::string &smoother)
     : ParameterAcceptor(section)
     , coarsening(coarsening)
+    , restriction(restriction)
+    , smoother(smoother)
   {
     add_parameter("Coarsening",
                   this->coarsening,
@@ -31,7 +35,7 @@ namespace greville
                   prm,
                   Patterns::Selection(OrderTransfer<2>::prolongations()));
     add_parameter("Restriction",
-                  restriction,
+                  this->restriction,
                   "From an order to the next lower one: L2 projection of the "
                   "residual, lumped or exact, or the transpose of the "
                   "prolongation, which makes the cycle symmetric.",
@@ -43,7 +47,7 @@ namespace greville
                   prm,
                   Patterns::Selection(OrderTransfer<2>::weightings()));
     add_parameter("Smoother",
-                  smoother,
+                  this->smoother,
                   "The smoother of all levels but the coarsest, or of the "
                   "only level where Coarsening is none.",
                   prm,

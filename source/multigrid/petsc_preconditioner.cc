@@ -48,7 +48,8 @@ namespace greville
       check_petsc(PCGetFailedReason(handle, &reason));
     throw_on_all(error == 0 && reason == PC_NOERROR
                    ? ""
-                   : "PETSc cannot make the preconditioner <" + options + ">.",
+                   : "PETSc cannot make the preconditioner <" + options +
+                       "> of the parameter 'Smoother/PETSc options'.",
                  comm);
 
     std::string unused;
@@ -60,9 +61,11 @@ namespace greville
           unused += " -" + name.substr(1 + prefix.size());
         check_petsc(PetscOptionsClearValue(nullptr, name.c_str()));
       }
-    throw_on_all(unused.empty() ? ""
-                                : "PETSc has no use for" + unused +
-                                    " in the options <" + options + ">.",
+    throw_on_all(unused.empty()
+                   ? ""
+                   : "PETSc has no use for" + unused + " in <" + options +
+                       ">, the parameter "
+                       "'Smoother/PETSc options'.",
                  comm);
 
     PetscInt n;

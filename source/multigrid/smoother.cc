@@ -7,13 +7,17 @@
 #include <greville/multigrid/tensor_product_solver.h>
 
 #include <algorithm>
+#include <cctype>
+#include <sstream>
 
 namespace greville
 {
   using namespace dealii;
 
-  SmootherParameters::SmootherParameters(const std::string &section)
+  SmootherParameters::SmootherParameters(const std::string &section,
+                                         const unsigned int overlap)
     : ParameterAcceptor(section)
+    , overlap(overlap)
   {
     add_parameter("Drop tolerance",
                   drop_tolerance,
@@ -44,7 +48,7 @@ namespace greville
                   prm,
                   Patterns::Integer(0));
     add_parameter("Overlap",
-                  overlap,
+                  this->overlap,
                   "ilut, ilu0, ic0, schwarz: overlap of the domains of "
                   "processes, in layers of the matrix's graph (p coefficients "
                   "each). Unit: layers.",
@@ -97,6 +101,32 @@ namespace greville
                   petsc_options,
                   "petsc: the preconditioner, in PETSc's options without "
                   "prefix.");
+  }
+
+
+
+  void
+  SmootherParameters::check() const
+  {
+    std::istringstream words(petsc_options);
+    std::string        word;
+    bool               is_value = true; // of the option before
+    unsigned int       n        = 0;
+    for (; words >> word; ++n)
+      {
+        const bool is_option =
+          word.size() > 1 && word[0] == '-' &&
+          std::isalpha(static_cast<unsigned char>(word[1]));
+        AssertThrow(is_option || !is_value,
+                    ExcMessage("The parameter 'Smoother/PETSc options' is <" +
+                               petsc_options + ">, in which <" + word +
+                               "> is neither an option, which begins with a "
+                               "dash, nor the value of one."));
+        is_value = !is_option;
+      }
+    AssertThrow(n > 0,
+                ExcMessage("The parameter 'Smoother/PETSc options' is empty; "
+                           "it takes options like -pc_type bjacobi."));
   }
 
 

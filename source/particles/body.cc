@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <random>
 #include <sstream>
@@ -82,7 +83,8 @@ namespace greville
                   surface,
                   "For K0: where the body ends against gravity, as the "
                   "coordinate along the axis of gravity; a formula of x, y (, "
-                  "z). Unit: m.");
+                  "z). No point may lie beyond it by half a cell or more. "
+                  "Unit: m.");
     add_parameter("Imposed velocity",
                   imposed_velocity,
                   "Formulas of t, separated by semicolons: points follow this "
@@ -100,6 +102,16 @@ namespace greville
     view(const Point<dim> &x)
     {
       return {&x[0], dim};
+    }
+
+
+
+    std::string
+    to_text(const double value)
+    {
+      std::ostringstream text;
+      text << value;
+      return text.str();
     }
 
 
@@ -192,7 +204,8 @@ namespace greville
                         "The body of '" + section +
                         "' sticks out of the grid, for instance at " +
                         text_of(outside) +
-                        " m. Make the grid larger, the shape smaller, or set "
+                        " m. Make the grid larger ('Grid/Lower corner', "
+                        "'Grid/Upper corner'), the shape smaller, or set "
                         "'Clip at the grid' to true."));
                   }
           }
@@ -215,10 +228,13 @@ namespace greville
     {
       const std::string &name = parameters.points_file;
       std::ifstream      file(name);
-      AssertThrow(file,
-                  ExcMessage("Cannot read the file <" + name +
-                             "> of the parameter '" + section +
-                             "/Points file'."));
+      const std::string  parameter =
+        "the parameter '" + section + "/Points file'";
+      AssertThrow(file && !std::filesystem::is_directory(name),
+                  ExcMessage(
+                    "Cannot read the file <" + name + "> of " + parameter +
+                    (std::filesystem::is_directory(name) ? ": it is a folder."
+                                                         : ".")));
       std::vector<std::string> wanted = coordinate_names<dim>();
       wanted.push_back("volume");
       std::vector<unsigned int> columns;
@@ -237,8 +253,9 @@ namespace greville
               line[line.find_first_not_of(" \t")] == '#')
             continue;
           const auto        fields = Utilities::split_string_list(line, ',');
-          const std::string where =
-            "<" + name + ">, line " + std::to_string(line_number) + ": ";
+          const std::string where  = "<" + name + "> of " + parameter +
+                                    ", line " + std::to_string(line_number) +
+                                    ": ";
           if (columns.empty())
             {
               for (const std::string &column : wanted)
@@ -269,7 +286,7 @@ namespace greville
             point.x[d] = numbers[d];
           point.volume = numbers[dim];
           point.id     = id++;
-          AssertThrow(point.volume > 0.,
+          AssertThrow(point.volume > 0. && std::isfinite(point.volume),
                       ExcMessage(where + "the volume has to be positive in <" +
                                  line + ">."));
           for (unsigned int d = 0; d < dim; ++d)
@@ -303,6 +320,7 @@ namespace greville
       InitialStress(const BodyParameters &parameters,
                     const std::string    &section,
                     const Tensor<1, dim> &gravity,
+                    const Lattice<dim>   &lattice,
                     const double          density)
         : K0(parameters.K0)
         , weight(density * gravity.norm())
@@ -324,9 +342,13 @@ namespace greville
               if (std::abs(gravity[d]) > 0.999 * gravity.norm())
                 axis = d;
             AssertThrow(axis < dim && weight > 0.,
-                        ExcMessage("'" + section +
-                                   "/K0' needs a gravity along an axis."));
-            upwards = gravity[axis] < 0. ? 1. : -1.;
+                        ExcMessage("The parameter '" + section +
+                                   "/K0' needs a gravity along an axis, but "
+                                   "'Loads/Gravity' is " +
+                                   text_of(Point<dim>(gravity)) +
+                                   " m / s^2 at t = 0."));
+            cell_size = lattice.cell_size(axis);
+            upwards   = gravity[axis] < 0. ? 1. : -1.;
             components.emplace_back(parameters.surface,
                                     section + "/Surface",
                                     coordinate_names<dim>());
@@ -339,10 +361,17 @@ namespace greville
         SymmetricTensor<2, 3> result;
         if (K0 >= 0.)
           {
-            const double depth =
-              std::max(0., upwards * (components[0](view(x)) - x[axis]));
+            const double surface = components[0](view(x));
+            const double depth   = upwards * (surface - x[axis]);
+            AssertThrow(depth > -0.5 * cell_size,
+                        ExcMessage(
+                          "this point lies " + to_text(-depth) +
+                          " m beyond the parameter 'Surface', which is " +
+                          to_text(surface) +
+                          " m there; nothing of a body with K0 does."));
             for (unsigned int d = 0; d < 3; ++d)
-              result[d][d] = -weight * depth * (d == axis ? 1. : K0);
+              result[d][d] =
+                -weight * std::max(0., depth) * (d == axis ? 1. : K0);
           }
         else if (!components.empty())
           {
@@ -357,8 +386,9 @@ namespace greville
     private:
       double                  K0;
       double                  weight;
-      unsigned int            axis    = dim;
-      double                  upwards = 1.;
+      unsigned int            axis      = dim;
+      double                  upwards   = 1.;
+      double                  cell_size = 0.;
       std::vector<Expression> components;
     };
 
@@ -452,6 +482,7 @@ namespace greville
       const InitialStress<dim>       stress(parameters,
                                       section,
                                       gravity,
+                                      body.points.space().lattice(),
                                       material.density);
       const InitialDisplacement<dim> displacement(
         parameters, section, body.points.space().lattice());
@@ -485,9 +516,13 @@ namespace greville
           catch (const std::exception &error)
             {
               AssertThrow(false,
-                          ExcMessage("'" + section + "' at " +
-                                     text_of(point.x) +
-                                     " m: " + message_of(error)));
+                          ExcMessage(
+                            "'" + section + "'" +
+                            (parameters.material.empty()
+                               ? ""
+                               : " of 'Material " + parameters.material + "'") +
+                            " at " + text_of(point.x) +
+                            " m: " + message_of(error)));
             }
           for (unsigned int d = 0; d < dim; ++d)
             {
@@ -575,8 +610,9 @@ namespace greville
                   "The body of '" + section + "' is empty: " +
                   (parameters.points_file.empty()
                      ? "there is no point inside <" + parameters.shape +
-                         "> in the grid: is it outside, or are the cells too "
-                         "large?"
+                         "> in the grid: is it outside ('Grid/Lower corner', "
+                         "'Grid/Upper corner'), or are the cells too large "
+                         "('Grid/Cells')?"
                      : "<" + parameters.points_file + "> has no point.")));
     return parameters.displacement.empty() ? std::vector<unsigned int>()
                                            : body.points.cells();

@@ -1,6 +1,7 @@
 #include <greville/particles/point_kernels.h>
 
 #include <cmath>
+#include <sstream>
 
 namespace greville
 {
@@ -113,10 +114,13 @@ namespace greville
           if (J > 0. && std::isfinite(sum))
             continue;
           report.bad_point = std::int64_t(values[Layout::id * simd_width]);
-          report.bad_reason =
-            J <= 0.
-              ? "its volume has become negative (J = " + std::to_string(J) + ")"
-              : "its state is no number";
+          std::ostringstream reason;
+          if (J <= 0.)
+            reason << "its volume has become negative (J = " << J << ")";
+          else
+            reason << "its state is infinite or NaN (J = " << J << ", velocity "
+                   << values[Layout::velocity * simd_width] << " m/s in x)";
+          report.bad_reason = reason.str();
         }
     }
 

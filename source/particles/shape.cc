@@ -31,6 +31,10 @@ namespace greville
     box(const double *arguments, const int n)
     {
       check_arguments("box", n, 2 * shape_dim);
+      for (int d = 0; d < shape_dim; ++d)
+        AssertThrow(arguments[d] <= arguments[shape_dim + d],
+                    ExcMessage("the upper corner of a box() has to be above "
+                               "the lower one"));
       bool inside = true;
       for (int d = 0; d < shape_dim; ++d)
         inside = inside && shape_point[d] >= arguments[d] &&
@@ -42,6 +46,8 @@ namespace greville
     ball(const double *arguments, const int n)
     {
       check_arguments("ball", n, shape_dim + 1);
+      AssertThrow(arguments[shape_dim] > 0.,
+                  ExcMessage("the radius of a ball() has to be positive"));
       double square = 0.;
       for (int d = 0; d < shape_dim; ++d)
         square += std::pow(shape_point[d] - arguments[d], 2);
@@ -53,6 +59,8 @@ namespace greville
     {
       check_arguments("cylinder", n, 7);
       AssertThrow(shape_dim == 3, ExcMessage("cylinder() is a shape of 3D"));
+      AssertThrow(arguments[6] > 0.,
+                  ExcMessage("the radius of a cylinder() has to be positive"));
       double along = 0., length = 0., square = 0.;
       for (int d = 0; d < 3; ++d)
         {
@@ -62,6 +70,8 @@ namespace greville
           length += axis * axis;
           square += distance * distance;
         }
+      AssertThrow(length > 0.,
+                  ExcMessage("the ends of a cylinder() have to be different"));
       return along >= 0. && along <= length &&
              square - along * along / length <= std::pow(arguments[6], 2);
     }
@@ -70,9 +80,14 @@ namespace greville
     half_space(const double *arguments, const int n)
     {
       check_arguments("half_space", n, shape_dim + 1);
-      double sum = 0.;
+      double sum = 0., normal = 0.;
       for (int d = 0; d < shape_dim; ++d)
-        sum += arguments[d] * shape_point[d];
+        {
+          sum += arguments[d] * shape_point[d];
+          normal += std::abs(arguments[d]);
+        }
+      AssertThrow(normal > 0.,
+                  ExcMessage("the normal of a half_space() is zero"));
       return sum <= arguments[shape_dim];
     }
 

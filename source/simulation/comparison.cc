@@ -1,7 +1,9 @@
+#include <greville/base/errors.h>
 #include <greville/simulation/comparison.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 namespace greville
@@ -43,30 +45,36 @@ namespace greville
       if (formulas.empty())
         return {};
       double error = 0., norm = 0., volume = 0., max_error = 0., max_norm = 0.;
-      for (const Body<dim> &body : bodies)
-        {
-          const unsigned int s = body.points.stride();
-          body.points.for_each([&](const unsigned int, const double *p) {
-            double arguments[dim + 1];
-            for (unsigned int d = 0; d < dim; ++d)
-              arguments[d] = p[(Layout::reference + d) * s];
-            arguments[dim]  = t;
-            const double V0 = p[Layout::volume0 * s];
-            double       e2 = 0., u2 = 0.;
-            for (unsigned int k = 0; k < formulas.size(); ++k)
-              {
-                const double exact =
-                  formulas[k](ArrayView<const double>(arguments, dim + 1));
-                e2 += std::pow(value(p, s, k) - exact, 2);
-                u2 += exact * exact;
-              }
-            error += V0 * e2;
-            norm += V0 * u2;
-            volume += V0;
-            max_error = std::max(max_error, e2);
-            max_norm  = std::max(max_norm, u2);
-          });
-        }
+      const auto add = [&](const Body<dim> &body) {
+        const unsigned int s = body.points.stride();
+        body.points.for_each([&](const unsigned int, const double *p) {
+          double arguments[dim + 1];
+          for (unsigned int d = 0; d < dim; ++d)
+            arguments[d] = p[(Layout::reference + d) * s];
+          arguments[dim]  = t;
+          const double V0 = p[Layout::volume0 * s];
+          double       e2 = 0., u2 = 0.;
+          for (unsigned int k = 0; k < formulas.size(); ++k)
+            {
+              const double exact =
+                formulas[k](ArrayView<const double>(arguments, dim + 1));
+              e2 += std::pow(value(p, s, k) - exact, 2);
+              u2 += exact * exact;
+            }
+          error += V0 * e2;
+          norm += V0 * u2;
+          volume += V0;
+          max_error = std::max(max_error, e2);
+          max_norm  = std::max(max_norm, u2);
+        });
+      };
+      // A formula can fail at a point of one process.
+      run_on_all(
+        [&]() {
+          for (const Body<dim> &body : bodies)
+            add(body);
+        },
+        comm);
       error               = Utilities::MPI::sum(error, comm);
       norm                = Utilities::MPI::sum(norm, comm);
       volume              = Utilities::MPI::sum(volume, comm);
@@ -155,9 +163,14 @@ namespace greville
                const unsigned int n_columns)
   {
     std::ifstream file(name);
-    AssertThrow(file,
+    AssertThrow(file && !std::filesystem::is_directory(name),
                 ExcMessage("Cannot read the file <" + name +
-                           "> of the parameter '" + parameter + "'."));
+                           "> of the parameter '" + parameter + "'" +
+                           (std::filesystem::is_directory(name)
+                              ? ": it is a folder."
+                              : ".")));
+    const std::string of_parameter =
+      " (file of the parameter '" + parameter + "')";
     std::vector<std::vector<double>> result;
     std::string                      line;
     unsigned int                     line_number = 0;
@@ -186,11 +199,19 @@ namespace greville
         AssertThrow(numbers.size() == n_columns,
                     ExcMessage("<" + name + ">, line " +
                                std::to_string(line_number) + ": <" + line +
-                               "> has not " + std::to_string(n_columns) +
-                               " numbers."));
+                               "> does not hold " + std::to_string(n_columns) +
+                               " numbers" + of_parameter + "."));
+        for (const double number : numbers)
+          AssertThrow(std::isfinite(number),
+                      ExcMessage("<" + name + ">, line " +
+                                 std::to_string(line_number) + ": <" + line +
+                                 "> has an infinite number or NaN" +
+                                 of_parameter + "."));
         result.push_back(numbers);
       }
-    AssertThrow(!result.empty(), ExcMessage("<" + name + "> has no numbers."));
+    AssertThrow(!result.empty(),
+                ExcMessage("<" + name + "> has no numbers" + of_parameter +
+                           "."));
     return result;
   }
 
@@ -218,7 +239,9 @@ namespace greville
         AssertThrow(found != names.end(),
                     ExcMessage(
                       "The parameter 'Reference/Series quantity' is <" +
-                      parameters.series_quantity + ">, none of " + list + "."));
+                      parameters.series_quantity + ">, none of " + list + "." +
+                      did_you_mean(parameters.series_quantity,
+                                   {names.begin(), names.end()})));
         quantity = found - names.begin();
       }
   }

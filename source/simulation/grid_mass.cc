@@ -19,7 +19,6 @@ namespace greville
     , walls(walls)
     , orders(triangulation, degree, parameters.multigrid.coarsening)
     , held(space().owned_functions().size() + space().ghost_functions().size())
-    , product_weights(space(), 2 * degree + 1)
   {
     space().initialize_vector(lumped_mass);
     space().initialize_vector(inverse_lumped);
@@ -99,11 +98,13 @@ namespace greville
     const std::vector<const MaterialPoints<dim> *> &bodies,
     const PointTransfer<dim>                       &transfer)
   {
-    transfer.mass_weights(bodies, product_weights);
+    if (!product_weights)
+      product_weights.emplace(space(), 2 * space().degree() + 1);
+    transfer.mass_weights(bodies, *product_weights);
     if (!product)
       product = std::make_unique<CrossMassOperator<dim>>(space(),
                                                          space(),
-                                                         product_weights);
+                                                         *product_weights);
   }
 
 
@@ -220,7 +221,9 @@ namespace greville
     AssertThrow(!result.iterations || result.converged,
                 ExcMessage("The solver <" + solver_name +
                            "> of the mass matrix failed: it " + result.reason +
-                           "."));
+                           ". The matrix is singular where a body has fewer "
+                           "points across it than functions of 'Grid/Order' "
+                           "see it: look at 'Points per direction'."));
     iterations = result.iterations.value_or(0);
   }
 

@@ -1,5 +1,7 @@
 #include <greville/simulation/loads.h>
 
+#include <sstream>
+
 namespace greville
 {
   using namespace dealii;
@@ -13,6 +15,23 @@ namespace greville
       return dim == 2
                ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
                : std::vector<std::string>{"x", "y", "z", "X", "Y", "Z", "t"};
+    }
+
+
+
+    template <int dim>
+    std::string
+    too_large(const SimulationParameters &parameters,
+              const Point<dim>           &X,
+              const double                t)
+    {
+      std::ostringstream message;
+      message << "'Loads/Body force'";
+      for (const std::string &name : parameters.general.tractions)
+        message << ", 'Traction " << name << "/Traction' with its 'Area'";
+      message << " together give the point of the initial position (" << X
+              << ") m more than 1e100 m / s^2 at t = " << t << " s";
+      return message.str();
     }
   } // namespace
 
@@ -125,6 +144,8 @@ namespace greville
                 sum[d] += traction.formulas[d](view) *
                           traction.area_per_volume0 * p[Layout::volume0 * s] /
                           p[Layout::mass * s];
+          AssertThrow(sum.norm() <= 1e100,
+                      ExcMessage(too_large(parameters, X, t)));
           for (unsigned int d = 0; d < dim; ++d)
             p[(load + d) * s] = sum[d];
         });

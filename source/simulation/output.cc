@@ -6,7 +6,9 @@
 #include <greville/simulation/output.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <sstream>
 
@@ -264,7 +266,8 @@ namespace greville
 
 
     /**
-     * Each process writes its file, the first one the record of all.
+     * Collective. Each process writes its file, the first one the record of
+     * all, whose name is returned.
      */
     template <typename DataOutType>
     std::string
@@ -274,8 +277,43 @@ namespace greville
                    const unsigned int number,
                    const MPI_Comm     comm)
     {
-      return data.write_vtu_with_pvtu_record(
-        directory + "/", name, number, comm, 4);
+      const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
+      const unsigned int process     = Utilities::MPI::this_mpi_process(comm);
+      const std::string  numbered =
+        name + "_" + Utilities::int_to_string(number, 4);
+      std::vector<std::string> pieces;
+      for (unsigned int k = 0; k < n_processes; ++k)
+        pieces.push_back(
+          numbered + "." +
+          Utilities::int_to_string(k, Utilities::needed_digits(n_processes)) +
+          ".vtu");
+      const auto write = [&](const std::string &file, const auto &content) {
+        const std::string path = directory + "/" + file;
+        errno                  = 0;
+        std::ofstream out(path);
+        try
+          {
+            if (out)
+              content(out);
+            out.close();
+          }
+        catch (const std::exception &)
+          {
+            out.setstate(std::ios::failbit);
+          }
+        AssertThrow(out, ExcMessage(write_error(path)));
+      };
+      run_on_all(
+        [&]() {
+          write(pieces[process],
+                [&](std::ostream &out) { data.write_vtu(out); });
+          if (process == 0)
+            write(numbered + ".pvtu", [&](std::ostream &out) {
+              data.write_pvtu_record(out, pieces);
+            });
+        },
+        comm);
+      return numbered + ".pvtu";
     }
   } // namespace
 
@@ -356,6 +394,7 @@ namespace greville
                       const std::string            &file,
                       const MPI_Comm                comm)
     : comm(comm)
+    , file(file)
   {
     using Layout = PointLayout<dim>;
     for (const std::string &position : Utilities::split_string_list(text, ';'))
@@ -394,7 +433,17 @@ namespace greville
                 }
             });
           }
-        const double       best = Utilities::MPI::min(nearest, comm);
+        const double best = Utilities::MPI::min(nearest, comm);
+        double       size = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          size =
+            std::max(size, bodies[0].points.space().lattice().cell_size(d));
+        AssertThrow(best <= size * size,
+                    ExcMessage("The parameter 'Output/Probes' has the position "
+                               "<" +
+                               position +
+                               ">, but no point of a body is nearer to it "
+                               "than a cell is long."));
         const double       none = std::numeric_limits<double>::max();
         const unsigned int own_body =
           nearest == best ? probe.body : numbers::invalid_unsigned_int;
@@ -403,8 +452,11 @@ namespace greville
           Utilities::MPI::min(own_body == probe.body ? probe.id : none, comm);
         probes.push_back(probe);
       }
-    if (Utilities::MPI::this_mpi_process(comm) == 0)
-      {
+    run_on_all(
+      [&]() {
+        if (Utilities::MPI::this_mpi_process(comm) > 0)
+          return;
+        errno = 0;
         out.open(file);
         out << "time";
         const char *axes[] = {"x", "y", "z"};
@@ -417,8 +469,10 @@ namespace greville
             for (const char *c : {"xx", "yy", "zz", "xy"})
               out << ",stress_" << c << probe;
           }
-        out << '\n';
-      }
+        out << std::endl;
+        AssertThrow(out, ExcMessage(write_error(file)));
+      },
+      comm);
   }
 
 
@@ -450,14 +504,19 @@ namespace greville
         });
       }
     Utilities::MPI::sum(values, comm, values);
-    if (out.is_open())
-      {
+    run_on_all(
+      [&]() {
+        if (!out.is_open())
+          return;
+        errno = 0;
         out.precision(12);
         out << time;
         for (const double value : values)
           out << "," << value;
         out << std::endl;
-      }
+        AssertThrow(out, ExcMessage(write_error(file)));
+      },
+      comm);
   }
 
 

@@ -1,8 +1,10 @@
 #include <greville/base/errors.h>
+#include <greville/base/json.h>
 #include <greville/base/parameters.h>
 #include <greville/simulation/run.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <iomanip>
 #include <iostream>
@@ -60,21 +62,26 @@ namespace greville
              comm)
     , is_terminal(isatty(STDOUT_FILENO) == 1)
   {
-    if (is_first)
-      {
-        statistics_file.open(directory + "/statistics.csv");
+    run_on_all(
+      [&]() {
+        if (!is_first)
+          return;
+        const std::string file = directory + "/statistics.csv";
+        errno                  = 0;
+        statistics_file.open(file);
         const auto names = Statistics<dim>::names();
         for (std::size_t k = 0; k < names.size(); ++k)
           statistics_file << (k > 0 ? "," : "") << names[k];
-        statistics_file << '\n';
+        statistics_file << std::endl;
         statistics_file.precision(14);
-      }
-    run_on_all(
-      [&]() {
-        AssertThrow(!is_first || statistics_file,
-                    ExcMessage("Cannot write into <" + directory + ">."));
+        AssertThrow(statistics_file, ExcMessage(write_error(file)));
       },
       comm);
+    // A formula that fails is better found now than at the end.
+    const double end = parameters.time.end;
+    exact.displacement(simulation.bodies(), end, comm);
+    exact.velocity(simulation.bodies(), end, comm);
+    exact.stress(simulation.bodies(), end, comm);
   }
 
 
@@ -195,12 +202,19 @@ namespace greville
     largest_front             = std::max(largest_front, row.front);
     measured.add(row);
     probes.write(simulation.time(), simulation.bodies());
-    if (!is_first)
-      return;
-    const auto values = row.values();
-    for (std::size_t k = 0; k < values.size(); ++k)
-      statistics_file << (k > 0 ? "," : "") << values[k];
-    statistics_file << std::endl;
+    run_on_all(
+      [&]() {
+        if (!is_first)
+          return;
+        errno             = 0;
+        const auto values = row.values();
+        for (std::size_t k = 0; k < values.size(); ++k)
+          statistics_file << (k > 0 ? "," : "") << values[k];
+        statistics_file << std::endl;
+        AssertThrow(statistics_file,
+                    ExcMessage(write_error(directory + "/statistics.csv")));
+      },
+      comm);
   }
 
 
@@ -360,66 +374,53 @@ namespace greville
   void
   SimulationRun<dim>::write_summary(const RunSummary &summary)
   {
-    std::ostringstream json;
-    json.precision(12);
-    std::uint64_t n_cells = 1;
+    double n_cells = 1.;
     for (const unsigned int n : run_case.cells)
       n_cells *= n;
-    json << "{\n  \"dimension\": " << dim
-         << ",\n  \"points\": " << summary.n_points
-         << ",\n  \"removed_points\": " << summary.n_removed
-         << ",\n  \"cells\": " << n_cells << ",\n  \"p\": " << run_case.degree
-         << ",\n  \"mass\": \"" << run_case.mass << "\",\n  \"quadrature\": \""
-         << run_case.quadrature
-         << "\",\n  \"processes\": " << Utilities::MPI::n_mpi_processes(comm)
-         << ",\n  \"steps\": " << summary.n_steps
-         << ",\n  \"time\": " << summary.time
-         << ",\n  \"wall_time\": " << summary.wall_time
-         << ",\n  \"point_steps_per_second\": "
-         << summary.point_steps_per_second()
-         << ",\n  \"bytes_per_point\": " << summary.bytes_per_point
-         << ",\n  \"points_sent\": " << summary.n_sent;
+    JsonWriter json;
+    json.add("dimension", dim)
+      .add("points", summary.n_points)
+      .add("removed_points", summary.n_removed)
+      .add("cells", n_cells)
+      .add("p", run_case.degree)
+      .add("mass", run_case.mass)
+      .add("quadrature", run_case.quadrature)
+      .add("processes", Utilities::MPI::n_mpi_processes(comm))
+      .add("steps", summary.n_steps)
+      .add("time", summary.time)
+      .add("wall_time", summary.wall_time)
+      .add("point_steps_per_second", summary.point_steps_per_second())
+      .add("bytes_per_point", summary.bytes_per_point)
+      .add("points_sent", summary.n_sent);
     if (std::isfinite(summary.critical) && summary.critical > 0.)
-      json << ",\n  \"critical_step\": " << summary.critical;
-    json << ",\n  \"front\": " << summary.front << ",\n  \"parts\": {";
-    bool is_next = false;
+      json.add("critical_step", summary.critical);
+    json.add("front", summary.front).begin("parts");
     for (const auto &part : summary.part_times)
-      {
-        json << (is_next ? "," : "") << "\n    \"" << part.first
-             << "\": " << part.second;
-        is_next = true;
-      }
-    json << "\n  },\n  \"errors\": {";
-    is_next           = false;
+      json.add(part.first, part.second);
+    json.end().begin("errors");
     const auto errors = [&](const std::string           &name,
                             const std::optional<Errors> &value) {
-      if (!value)
-        return;
-      json << (is_next ? "," : "") << "\n    \"" << name
-           << "\": {\"l2\": " << value->l2 << ", \"max\": " << value->max
-           << "}";
-      is_next = true;
+      if (value)
+        json.begin(name).add("l2", value->l2).add("max", value->max).end();
     };
     errors("displacement", summary.displacement);
     errors("velocity", summary.velocity);
     errors("stress", summary.stress);
-    json << "\n  },\n  \"reference\": {";
-    is_next             = false;
+    json.end().begin("reference");
     const auto distance = [&](const std::string             &name,
                               const std::optional<Distance> &value) {
-      if (!value)
-        return;
-      json << (is_next ? "," : "") << "\n    \"" << name
-           << "\": {\"mean\": " << value->mean
-           << ", \"largest\": " << value->largest
-           << ", \"relative\": " << value->relative
-           << ", \"values\": " << value->n << "}";
-      is_next = true;
+      if (value)
+        json.begin(name)
+          .add("mean", value->mean)
+          .add("largest", value->largest)
+          .add("relative", value->relative)
+          .add("values", value->n)
+          .end();
     };
     distance("surface", summary.surface);
     distance("series", summary.series);
-    json << "\n  }\n}\n";
-    write_atomically(directory + "/summary.json", json.str());
+    json.end();
+    write_atomically(directory + "/summary.json", json.text());
   }
 
 

@@ -1,4 +1,5 @@
 #include <greville/base/errors.h>
+#include <greville/base/memory.h>
 #include <greville/simulation/simulation.h>
 
 #include <algorithm>
@@ -17,6 +18,9 @@ namespace greville
     // groups.
     constexpr unsigned int remember_every   = 50;
     constexpr unsigned int defragment_every = 200;
+
+    // Runs with more are an error in a parameter.
+    constexpr double most_steps = 1e9;
 
     // Estimates of the critical step of which the smallest counts.
     constexpr unsigned int n_estimates = 3;
@@ -43,6 +47,26 @@ namespace greville
     // Accelerations that change a speed by less than this part of c + |v| in a
     // step are noise.
     constexpr double noise_of_acceleration = 1e-8;
+
+
+
+    std::string
+    without_stop(std::string text)
+    {
+      while (!text.empty() && text.back() == '.')
+        text.pop_back();
+      return text;
+    }
+
+
+
+    std::string
+    text_of(const double value)
+    {
+      std::ostringstream text;
+      text << value;
+      return text.str();
+    }
 
 
 
@@ -129,6 +153,15 @@ namespace greville
                            ">: the momentum of APIC is the right-hand side of "
                            "a lumped solve. With the exact mass, PIC already "
                            "is a projection that keeps linear fields."));
+    double n_cells = 1.;
+    for (const unsigned int n : run_case.cells)
+      n_cells *= n;
+    check_memory_of_cells(n_cells,
+                          dim,
+                          run_case.cells == parameters.grid.cells
+                            ? "The parameter 'Grid/Cells'"
+                            : "The parameter 'Sweep/Cells'",
+                          comm);
     create_box_mesh<dim>(mesh,
                          to_point<dim>(parameters.grid.lower),
                          to_point<dim>(parameters.grid.upper),
@@ -259,8 +292,70 @@ namespace greville
     fastest_signal = Utilities::MPI::max(fastest_signal, comm);
     crossing_rate  = Utilities::MPI::max(crossing_rate, comm);
     fastest_wave   = Utilities::MPI::max(fastest_wave, comm);
+    check_overlap();
     left_cells.resize(all_bodies.size());
     reconstructed.resize(all_bodies.size());
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::check_overlap() const
+  {
+    using Layout       = PointLayout<dim>;
+    double cell_volume = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      cell_volume *= space().lattice().cell_size(d);
+
+    // Fractions of cells: where the bodies before fill more than what this one
+    // leaves, two of them are in the same place.
+    const unsigned int  n_cells = space().owned_cells().size();
+    std::vector<double> before(n_cells, 0.), own(n_cells);
+    for (unsigned int b = 0; b < all_bodies.size(); ++b)
+      {
+        const auto &points = all_bodies[b].points;
+        std::fill(own.begin(), own.end(), 0.);
+        points.for_each([&](const unsigned int cell, const double *p) {
+          own[cell] += p[Layout::volume0 * points.stride()] *
+                       p[Layout::J * points.stride()] / cell_volume;
+        });
+        std::ostringstream message;
+        for (unsigned int cell = 0; cell < n_cells; ++cell)
+          {
+            own[cell] = std::min(own[cell], 1.);
+            if (own[cell] + before[cell] > 1.5 && message.str().empty())
+              {
+                const auto index =
+                  multi_index<dim>(space().owned_cells()[cell],
+                                   space().lattice().n_cells());
+                Point<dim> middle = space().lattice().cell_corner(index);
+                for (unsigned int d = 0; d < dim; ++d)
+                  middle[d] += 0.5 * space().lattice().cell_size(d);
+                message << "'Body " << all_bodies[b].name
+                        << "' is in the same place as 'Body "
+                        << all_bodies[body_at(cell, b)].name
+                        << "', for instance at (" << middle
+                        << ") m: the mass would be counted twice. In shapes, "
+                           "difference(a, b) cuts one body out of another.";
+              }
+            before[cell] = std::min(own[cell] + before[cell], 1.);
+          }
+        throw_on_all(message.str(), comm);
+      }
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  Simulation<dim>::body_at(const unsigned int cell,
+                           const unsigned int n_bodies) const
+  {
+    for (unsigned int b = 0; b < n_bodies; ++b)
+      if (all_bodies[b].points.n_points(cell) > 0)
+        return b;
+    return 0;
   }
 
 
@@ -351,6 +446,35 @@ namespace greville
 
 
   template <int dim>
+  std::string
+  Simulation<dim>::what_sets_the_step(const bool is_chosen) const
+  {
+    const TimeParameters &time = parameters.time;
+    std::ostringstream    text;
+    if (is_chosen && time.step.empty())
+      text << "The step is the smaller of 'Time/CFL number' (" << time.cfl
+           << ") times h / (c + |v|), with the largest c + |v| = "
+           << fastest_signal << " m / s, and 'Time/Safety' (" << time.safety
+           << ") times the critical step of " << critical_dt
+           << " s; with consistent mass points cross at most " << most_crossings
+           << " / p cells. ";
+    text << "Critical steps come from the materials:";
+    for (unsigned int b = 0; b < all_bodies.size(); ++b)
+      {
+        const Body<dim> &body   = all_bodies[b];
+        const Moduli     moduli = body.material->moduli();
+        text << (b > 0 ? "," : "") << " 'Material " << body.parameters->material
+             << "' in 'Body " << body.name << "' has the density "
+             << body.material->density << " kg / m^3, K = " << moduli.bulk
+             << " Pa, G = " << moduli.shear << " Pa, and the viscosity "
+             << moduli.viscosity << " Pa s";
+      }
+    return text.str() + ".";
+  }
+
+
+
+  template <int dim>
   void
   Simulation<dim>::choose_step(const bool estimate)
   {
@@ -373,7 +497,7 @@ namespace greville
         next = (*step_formula)(ArrayView<const double>(arguments, 2));
         AssertThrow(next > 0. && std::isfinite(next),
                     ExcMessage("The parameter 'Time/Step' is <" + time.step +
-                               ">, which gives " + std::to_string(next) +
+                               ">, which gives " + text_of(next) +
                                " s: it has to be positive."));
         if (has_estimate && next > critical_dt)
           {
@@ -384,7 +508,8 @@ namespace greville
                     << " s at t = " << t << " s";
             AssertThrow(time.too_large_step != "refuse",
                         ExcMessage(message.str() +
-                                   " ('Time/Too large step' = warn goes on)."));
+                                   " ('Time/Too large step' = warn goes on). " +
+                                   what_sets_the_step(true)));
             warnings.push_back(message.str() + ".");
           }
       }
@@ -396,11 +521,18 @@ namespace greville
           next =
             std::min(next, most_crossings / (run_case.degree * crossing_rate));
       }
-    AssertThrow(std::isfinite(next) && next > 0.,
-                ExcMessage("The automatic time step is " +
-                           std::to_string(next) +
-                           " s: give 'Time/Step', or a 'Time/CFL number' and "
-                           "a 'Time/Safety' above zero."));
+    if (!is_given)
+      AssertThrow(std::isfinite(next) && next > 0.,
+                  ExcMessage("The automatic time step is " + text_of(next) +
+                             " s. " + what_sets_the_step(true)));
+    const double n_left = (time.end - t) / next;
+    AssertThrow(n_left <= most_steps || time.max_steps > 0,
+                ExcMessage("To 'Time/End' it would take " + text_of(n_left) +
+                           " steps of " + text_of(next) + " s; at most " +
+                           text_of(most_steps) +
+                           " are allowed without 'Time/Maximum steps'. " +
+                           (is_given ? "'Time/Step' is <" + time.step + ">."
+                                     : what_sets_the_step(true))));
 
     // Equal steps to the end where a step is given; a last one that is not tiny
     // otherwise.
@@ -966,14 +1098,26 @@ namespace greville
   void
   Simulation<dim>::remember_state()
   {
-    remembered.t             = t;
-    remembered.velocity_time = velocity_time;
-    remembered.n_removed     = n_all_removed;
-    remembered.n_free        = n_free_points;
-    remembered.last_kinetic  = last_kinetic;
-    remembered.energy        = energy;
-    remembered.dt            = dt;
-    remembered.steps         = steps;
+    remembered.t              = t;
+    remembered.velocity_time  = velocity_time;
+    remembered.n_removed      = n_all_removed;
+    remembered.n_free         = n_free_points;
+    remembered.last_kinetic   = last_kinetic;
+    remembered.energy         = energy;
+    remembered.dt             = dt;
+    remembered.steps          = steps;
+    remembered.velocity_dt    = velocity_dt;
+    remembered.critical_dt    = critical_dt;
+    remembered.fastest_signal = fastest_signal;
+    remembered.crossing_rate  = crossing_rate;
+    remembered.fastest_wave   = fastest_wave;
+    remembered.estimated_wave = estimated_wave;
+    remembered.next_estimate  = next_estimate;
+    remembered.n_between      = n_between;
+    remembered.last_estimate  = last_estimate;
+    remembered.estimates      = estimates;
+    if (contact)
+      contact->remember();
     remembered.points.resize(all_bodies.size());
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
       remembered.points[b].copy(all_bodies[b].points);
@@ -983,13 +1127,15 @@ namespace greville
 
   template <int dim>
   void
-  Simulation<dim>::check(const std::string message)
+  Simulation<dim>::check(const std::string message, const bool with_materials)
   {
     if (Utilities::MPI::max<unsigned int>(!message.empty(), comm) == 0)
       return;
     std::ostringstream where;
     where << "Step " << steps + 1 << " at t = " << t << " s, dt = " << dt
-          << " s: ";
+          << " s: " << without_stop(message) << ". ";
+    if (with_materials)
+      where << what_sets_the_step(false) << " ";
     t                    = remembered.t;
     velocity_time        = remembered.velocity_time;
     n_all_removed        = remembered.n_removed;
@@ -998,11 +1144,24 @@ namespace greville
     energy               = remembered.energy;
     dt                   = remembered.dt;
     steps                = remembered.steps;
+    velocity_dt          = remembered.velocity_dt;
+    critical_dt          = remembered.critical_dt;
+    fastest_signal       = remembered.fastest_signal;
+    crossing_rate        = remembered.crossing_rate;
+    estimates            = remembered.estimates;
     n_last_accelerations = 0;
-    next_estimate        = 0;
+    fastest_wave         = remembered.fastest_wave;
+    estimated_wave       = remembered.estimated_wave;
+    next_estimate        = remembered.next_estimate;
+    n_between            = remembered.n_between;
+    last_estimate        = remembered.last_estimate;
+    for (auto &cells : left_cells)
+      cells.clear();
+    if (contact)
+      contact->go_back();
     for (unsigned int b = 0; b < all_bodies.size(); ++b)
       remembered.points[b].restore(all_bodies[b].points);
-    where << message << ". The state of step " << steps << ", t = " << t
+    where << "The state of step " << steps << ", t = " << t
           << " s, is the last good one that was kept.";
     problem.clear();
     throw_on_all(message.empty() ? "" : where.str(), comm);
@@ -1040,7 +1199,17 @@ namespace greville
     const std::string &order = parameters.scheme.stress_update;
     {
       const PartTimer timer(*this, "loads");
-      loads.set(all_bodies, t);
+      std::string     message;
+      try
+        {
+          loads.set(all_bodies, t);
+        }
+      catch (const std::exception &exception)
+        {
+          message = message_of(exception);
+        }
+      if (loads.act_on_points())
+        check(message, false);
     }
     const bool has_mass = sums_are_current;
     if (!has_mass || order != "USF")

@@ -71,14 +71,16 @@ namespace greville
                 row.run_case = {base, degree, mass, quadrature};
                 for (unsigned int &cells : row.run_case.cells)
                   {
-                    AssertThrow(cells == 1 || cells * n % most == 0,
+                    const std::uint64_t product = std::uint64_t(cells) * n;
+                    AssertThrow(cells == 1 || (product % most == 0 &&
+                                               product / most < (1ull << 31)),
                                 ExcMessage(
                                   "The parameter 'Sweep/Cells' has the entry " +
                                   std::to_string(n) +
                                   ", with which 'Grid/Cells' cannot keep "
-                                  "their ratio."));
+                                  "their ratio, or are too many."));
                     if (cells > 1)
-                      cells = cells * n / most;
+                      cells = product / most;
                   }
                 rows.push_back(row);
               }
@@ -154,7 +156,7 @@ namespace greville
           run_on_all(
             [&]() {
               if (is_first)
-                std::filesystem::create_directories(folder);
+                create_folder(folder, "Output/Directory");
             },
             comm);
           SimulationRun<dim> run(parameters, row.run_case, folder, out, comm);
@@ -188,7 +190,7 @@ namespace greville
                       std::to_string(row.run_case.degree) + ", " +
                       std::to_string(row.cells) + " cells: " + row.failure;
       AssertThrow(failures.empty(),
-                  ExcMessage("Runs of the sweep failed:" + failures));
+                  ExcMessage("Runs of 'Sweep' failed:" + failures));
     }
   } // namespace
 
@@ -202,56 +204,17 @@ namespace greville
     std::ostream  nowhere(nullptr);
     std::ostream &out = is_first ? std::cout : nowhere;
 
-    const std::string name      = parameters.general.name.empty()
-                                    ? std::filesystem::path(file).stem().string()
-                                    : parameters.general.name;
     const std::string directory = parameters.output.directory.empty()
-                                    ? "output/" + name
+                                    ? "output/" + parameters.general.name
                                     : parameters.output.directory;
     run_on_all(
       [&]() {
         if (!is_first)
           return;
-        std::filesystem::create_directories(directory);
-        // The copy lies elsewhere: it has absolute names of files, which the
-        // parameters of this run get back at the end.
-        ParameterHandler &prm = ParameterAcceptor::prm;
-        const auto        set = [&](const std::string &section,
-                             const std::string &entry,
-                             const std::string &value) {
-          prm.enter_subsection(section);
-          const std::string old = prm.get(entry);
-          prm.set(entry, value);
-          prm.leave_subsection();
-          return old;
-        };
-        std::vector<std::array<std::string, 3>> entries = {
-          {{"Simulation", "Name", name}},
-          {{"Reference",
-            "Surface file",
-            parameters.path_of(parameters.reference.surface_file)}},
-          {{"Reference",
-            "Series file",
-            parameters.path_of(parameters.reference.series_file)}}};
-        for (const auto &body : parameters.bodies)
-          entries.push_back(
-            {{"Body " + body.first, "Points file", body.second->points_file}});
-        for (auto &entry : entries)
-          {
-            const bool is_file = entry[0] != "Simulation";
-            prm.enter_subsection(entry[0]);
-            const bool is_given = !prm.get(entry[1]).empty();
-            prm.leave_subsection();
-            if (is_file)
-              entry[2] =
-                is_given ? std::filesystem::absolute(entry[2]).string() : "";
-            entry[2] = set(entry[0], entry[1], entry[2]);
-          }
-        std::ostringstream used;
-        ParameterAcceptor::prm.print_parameters(used, ParameterHandler::Text);
-        write_atomically(directory + "/parameters.prm", used.str());
-        for (const auto &entry : entries)
-          set(entry[0], entry[1], entry[2]);
+        create_folder(directory,
+                      parameters.output.directory.empty() ? "Simulation/Name"
+                                                          : "Output/Directory");
+        write_atomically(directory + "/parameters.prm", parameters.used());
       },
       comm);
 

@@ -28,7 +28,9 @@ main(int argc, char **argv)
       MassBenchmark benchmark;
       try
         {
-          parse_parameter_file(file.string());
+          parse_parameter_file(
+            file.string(),
+            read_parameter_lines(file.string(), "Benchmark", {}, ""));
           check(file.filename().string(), true);
         }
       catch (const std::exception &error)

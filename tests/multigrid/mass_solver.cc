@@ -157,7 +157,7 @@ main(int argc, char **argv)
   for (const std::string name : {"amg", "fmpm-", "fmpm-0", "fmpm-2x"})
     try
       {
-        MassSolver<2>::check_name(name);
+        MassSolver<2>::check_name(name, "Solvers");
         print() << "accepted" << std::endl;
       }
     catch (const std::exception &error)

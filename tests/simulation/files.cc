@@ -24,6 +24,7 @@ namespace
     run_simulations(file, MPI_COMM_WORLD);
     std::cout.rdbuf(buffer);
     std::cout.clear();
+    std::cout.width(0);
     MPI_Barrier(MPI_COMM_WORLD);
   }
 

@@ -75,7 +75,7 @@ main(int argc, char **argv)
         message = message_of(error);
       }
     check("Maximum iterations",
-          message.find("not within 2 iterations") != std::string::npos);
+          message.find("did not converge in 2 iterations") != std::string::npos);
   }
   const auto iterations = [&](const std::string &tolerance) {
     Simulated<2> run(full.with("Solver", {"Tolerance = " + tolerance}));
@@ -106,6 +106,18 @@ main(int argc, char **argv)
     std::filesystem::current_path("..");
     check("Name",
           std::filesystem::exists("elsewhere/output/renamed/summary.json"));
+  }
+
+  // Consistent mass has no use for Gauss weights.
+  {
+    const Text text = block_2d("box(0.25, 0.25, 0.75, 0.75)")
+                        .with("Walls", {"Top = moving", "Top velocity = 1; 0"})
+                        .with("Time", {"Maximum steps = 2"});
+    Simulated<2> consistent(text.with("Scheme", {"Mass = consistent"}));
+    Simulated<2> fmpm(text.with("Scheme", {"Mass = fmpm-2"}));
+    check("weights of products",
+          consistent.run()->mass().memory_of_product() == 0 &&
+            fmpm.run()->mass().memory_of_product() > 0);
   }
 
   // Stress at rest: largest error of any point below the published error of

@@ -44,7 +44,7 @@ main(int argc, char **argv)
       }
 
   ParameterAcceptor::clear();
-  const SimulationParameters all("");
+  const SimulationParameters all;
   std::ostringstream         generated;
   print_parameter_reference(generated, "greville");
   std::ifstream      page(root / "doc" / "simulation_parameters.md");

@@ -55,7 +55,6 @@ public:
     if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
       std::ofstream(file) << content;
     MPI_Barrier(MPI_COMM_WORLD);
-    ParameterAcceptor::clear();
     auto result = std::make_unique<SimulationParameters>(file);
     MPI_Barrier(MPI_COMM_WORLD);
     return result;

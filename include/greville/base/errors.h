@@ -6,6 +6,7 @@
 #include <exception>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace greville
 {
@@ -15,6 +16,13 @@ namespace greville
    */
   std::string
   message_of(const std::exception &exception);
+
+  /**
+   * " Did you mean <lumped>?" where a word of @p known is close to @p word,
+   * and nothing otherwise.
+   */
+  std::string
+  did_you_mean(const std::string &word, const std::vector<std::string> &known);
 
   /**
    * Collective. Throw dealii::ExcMessage on all processes with the message of

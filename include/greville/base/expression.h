@@ -10,8 +10,9 @@
 namespace greville
 {
   /**
-   * A formula of a parameter file, read by muParser: numbers, the given
-   * variables, pi, + - * / ^, comparisons, && and ||, a ? b : c, sin, sqrt, ...
+   * A formula of a parameter file, read by muParser: doc/formulas.md has the
+   * whole language. Assignments and commas outside of the arguments of a
+   * function, which muParser allows, are refused.
    */
   class Expression
   {
@@ -40,8 +41,9 @@ namespace greville
     ~Expression();
 
     /**
-     * The value for the @p values of the variables. Not for several threads at
-     * a time.
+     * The value for the @p values of the variables. Throws dealii::ExcMessage,
+     * with the parameter and the values of the variables, where it is not
+     * finite or above 1e100 in size. Not for several threads at a time.
      */
     double
     operator()(const dealii::ArrayView<const double> &values) const;

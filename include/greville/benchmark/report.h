@@ -18,12 +18,14 @@ namespace greville
    */
   struct SolveRecord
   {
-    std::string                  solver, smoother, cycle, restriction;
-    std::string                  prolongation, coarsening;
-    unsigned int                 dim = 0, cells = 0, p = 0, processes = 0;
-    unsigned long                unknowns = 0;
-    SolveResult                  result;
-    double                       error    = 0.;
+    std::string   solver, smoother, cycle, restriction;
+    std::string   prolongation, coarsening;
+    unsigned int  dim = 0, cells = 0, p = 0, processes = 0;
+    unsigned long unknowns = 0;
+    SolveResult   result;
+    double        error = 0.;
+    /// It did not converge, or could not be set up.
+    bool                         has_failed = false;
     double                       assembly = 0., setup = 0., solve = 0.;
     std::optional<unsigned long> peak_bytes;
 

@@ -119,13 +119,16 @@ namespace greville
     fmpm_order_of(const std::string &name);
 
     /**
-     * Throws dealii::ExcMessage for a name that is none of names().
+     * Throws dealii::ExcMessage, which names the @p parameter, for a name that
+     * is neither one of names() nor one of @p others, separated by "|".
      */
     static void
-    check_name(const std::string &name);
+    check_name(const std::string &name,
+               const std::string &parameter,
+               const std::string &others = "");
 
     /**
-     * Checks the name. All arguments are kept by reference.
+     * @p name is one of names(). The others are kept by reference.
      */
     MassSolver(const std::string          &name,
                MassHierarchy<dim>         &hierarchy,

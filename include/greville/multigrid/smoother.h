@@ -16,18 +16,29 @@ namespace greville
   class SmootherParameters : public dealii::ParameterAcceptor
   {
   public:
-    SmootherParameters(const std::string &section = "Smoother");
+    /**
+     * @p overlap is the default of the parameter of this name.
+     */
+    SmootherParameters(const std::string &section = "Smoother",
+                       const unsigned int overlap = 1);
+
+    /**
+     * Throw dealii::ExcMessage where patterns cannot tell that a parameter is
+     * wrong.
+     */
+    void
+    check() const;
 
     // Incomplete factorizations and Schwarz methods
     double       drop_tolerance = 1e-12;
     double       fill_factor    = 1.;
     double       shift          = 0.;
     unsigned int reuse          = 10;
-    unsigned int overlap        = 1;
-    std::string  ordering       = "lexicographic";
-    std::string  combination    = "automatic";
-    unsigned int box_size       = 8;
-    unsigned int box_overlap    = 2;
+    unsigned int overlap;
+    std::string  ordering    = "lexicographic";
+    std::string  combination = "automatic";
+    unsigned int box_size    = 8;
+    unsigned int box_overlap = 2;
 
     // Point smoothers
     double       damping          = 1.;

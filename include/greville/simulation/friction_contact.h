@@ -53,6 +53,21 @@ namespace greville
         const double      dt);
 
     /**
+     * Remember what steps hand to the next one, and go back to it.
+     */
+    void
+    remember()
+    {
+      remembered = contacts;
+    }
+
+    void
+    go_back()
+    {
+      contacts = remembered;
+    }
+
+    /**
      * Iterations of all solves of the last add(), and of the one that needed
      * most.
      */
@@ -112,7 +127,7 @@ namespace greville
 
     const Walls<dim>          &walls;
     GridMass<dim>             &mass;
-    std::vector<Contact>       contacts;
+    std::vector<Contact>       contacts, remembered;
     std::vector<unsigned char> normals; // bits of components that touch
     VectorField<dim>           change, load, reaction;
     unsigned int               iterations = 0, most = 0, rounds = 0;

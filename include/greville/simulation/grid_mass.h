@@ -5,6 +5,8 @@
 #include <greville/particles/point_transfer.h>
 #include <greville/simulation/walls.h>
 
+#include <optional>
+
 namespace greville
 {
   /**
@@ -157,6 +159,16 @@ namespace greville
     }
 
     /**
+     * Bytes of the Gauss weights of products with the consistent matrix: none
+     * where nobody has asked for them.
+     */
+    std::size_t
+    memory_of_product() const
+    {
+      return product ? product->memory_consumption() : 0;
+    }
+
+    /**
      * Most iterations of a component in the last solve().
      */
     unsigned int
@@ -280,7 +292,7 @@ namespace greville
     std::unique_ptr<ExtendedMassSolver<dim>> solver_of_all;
     std::unique_ptr<ExtendedMassSolver<dim>> solver_of_held; // solve_held()
     bool                                     held_solver_is_behind = true;
-    DensityWeights<dim>                      product_weights;
+    std::optional<DensityWeights<dim>>       product_weights;
     std::unique_ptr<CrossMassOperator<dim>>  product; // without constraints
     VectorType                               lumped_mass, inverse_lumped;
     double                                   total_mass = 0.;

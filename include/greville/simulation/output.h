@@ -75,7 +75,8 @@ namespace greville
   public:
     /**
      * Collective. Take the points of @p bodies that are nearest to the
-     * positions in @p text ("x, y; x, y; ..."). Throws where it is none.
+     * positions in @p text ("x, y; x, y; ..."). Throws where it is none, and
+     * where no point is nearer than a cell is long.
      */
     Probes(const std::string            &text,
            const std::vector<Body<dim>> &bodies,
@@ -96,6 +97,7 @@ namespace greville
     };
 
     MPI_Comm           comm;
+    const std::string  file;
     std::vector<Probe> probes;
     std::ofstream      out; // of the first process
   };

@@ -3,6 +3,7 @@
 
 #include <deal.II/base/parameter_acceptor.h>
 
+#include <greville/base/parameters.h>
 #include <greville/materials/material.h>
 #include <greville/multigrid/mass_solver.h>
 #include <greville/particles/body.h>
@@ -204,18 +205,36 @@ namespace greville
 
   /**
    * All parameters of a simulation. Bodies, materials and tractions have a
-   * section each, whose names the file itself gives: it is read twice.
+   * section each, whose names the file itself gives.
    */
   class SimulationParameters
   {
+    /**
+     * The sections are declared in the one ParameterHandler of
+     * dealii::ParameterAcceptor: without what others have declared there.
+     */
+    struct Registration
+    {
+      Registration();
+    };
+    const Registration registration;
+
   public:
     /**
-     * Read a file; throws where it is wrong, with the line. An empty name
-     * declares one body, one traction and all materials, for the reference of
-     * the parameters.
+     * Read a file; throws where it is wrong, with the line.
      */
-    SimulationParameters(const std::string &file);
+    explicit SimulationParameters(const std::string &file);
+
+    /**
+     * Declare one body, one traction and all materials, for
+     * print_parameter_reference().
+     */
+    SimulationParameters();
     ~SimulationParameters();
+
+    SimulationParameters(const SimulationParameters &) = delete;
+    SimulationParameters &
+    operator=(const SimulationParameters &) = delete;
 
     GeneralParameters    general;
     GridParameters       grid;
@@ -228,8 +247,9 @@ namespace greville
     ReferenceParameters  reference;
     OutputParameters     output;
     MassSolverParameters solver;
-    PMultigridParameters multigrid{"p-multigrid", "auto"};
-    SmootherParameters   smoother;
+    /// With consistent mass: a symmetric cycle for conjugate gradients.
+    PMultigridParameters multigrid{"p-multigrid", "auto", "transpose", "ic0"};
+    SmootherParameters   smoother{"Smoother", 2};
 
     // By name.
     std::map<std::string, std::unique_ptr<BodyParameters>>     bodies;
@@ -245,9 +265,21 @@ namespace greville
     std::string
     path_of(const std::string &name) const;
 
+    /**
+     * All parameters as a file that gives the same run from any folder.
+     */
+    const std::string &
+    used() const
+    {
+      return used_text;
+    }
+
   private:
     void
-    read_names(const std::string &file);
+    read_names();
+
+    void
+    print_used();
 
     /**
      * What "auto" stands for: lumped mass where bodies spread into thin layers,
@@ -262,7 +294,8 @@ namespace greville
     void
     check() const;
 
-    std::map<std::string, std::string> models;
+    std::vector<ParameterLine> lines;
+    std::string                used_text;
   };
 } // namespace greville
 

@@ -230,11 +230,31 @@ namespace greville
     make_bodies();
 
     /**
+     * Collective. Throw where two bodies fill the same cells: by half a cell or
+     * more.
+     */
+    void
+    check_overlap() const;
+
+    /**
+     * The first of some bodies that has points in a cell.
+     */
+    unsigned int
+    body_at(const unsigned int cell, const unsigned int n_bodies) const;
+
+    /**
      * The next step, after an estimate of the critical one if it is wanted and
      * asked for.
      */
     void
     choose_step(const bool estimate);
+
+    /**
+     * What time steps depend on, for messages: the materials, and where the
+     * step is being chosen, the numbers that it is made of.
+     */
+    std::string
+    what_sets_the_step(const bool is_chosen) const;
 
     /**
      * Points to grid, and the solves for velocity and acceleration.
@@ -400,10 +420,10 @@ namespace greville
 
     /**
      * Collective. Go back to the remembered state and throw where any process
-     * has a message.
+     * has a message, with what time steps depend on if that can be the cause.
      */
     void
-    check(const std::string message);
+    check(const std::string message, const bool with_materials = true);
 
     const SimulationParameters           &parameters;
     const SimulationCase                  run_case;
@@ -470,7 +490,13 @@ namespace greville
     struct Remembered
     {
       double                       t = 0., dt = 0., velocity_time = 0.;
-      double                       last_kinetic = 0.;
+      double                       last_kinetic = 0., velocity_dt = 0.;
+      double                       critical_dt    = 0.;
+      double                       fastest_signal = 0., crossing_rate = 0.;
+      double                       fastest_wave = 0., estimated_wave = 0.;
+      unsigned int                 next_estimate = 0, n_between = 0;
+      double                       last_estimate = 0.;
+      std::vector<double>          estimates;
       EnergyBalance                energy;
       std::uint64_t                n_removed = 0, n_free = 0;
       unsigned int                 steps = 0;

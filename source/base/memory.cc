@@ -1,0 +1,91 @@
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/base/memory.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <sys/resource.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // What mesh, spline space and fields take at the least, measured with order
+    // 1, lumped mass and a body of few points.
+    constexpr double bytes_per_cell_2d = 900., bytes_per_cell_3d = 1400.;
+
+    // deal.II counts cells of a process with 32 bits.
+    constexpr double most_cells = 4e9;
+
+
+
+    /**
+     * Bytes that programs of this machine can still take, and this one may.
+     */
+    double
+    free_memory()
+    {
+      double        result = std::numeric_limits<double>::max();
+      std::ifstream file("/proc/meminfo");
+      std::string   line;
+      while (std::getline(file, line))
+        {
+          std::istringstream words(line);
+          std::string        name;
+          double             kilobytes;
+          if (words >> name >> kilobytes && name == "MemAvailable:")
+            result = 1024. * kilobytes;
+        }
+      rlimit limit;
+      if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+        {
+          Utilities::System::MemoryStats used;
+          Utilities::System::get_memory_stats(used);
+          result =
+            std::min(result, double(limit.rlim_cur) - 1024. * used.VmSize);
+        }
+      return result;
+    }
+
+
+
+    std::string
+    gigabytes(const double bytes)
+    {
+      std::ostringstream text;
+      text.precision(3);
+      text << bytes * 1e-9 << " GB";
+      return text.str();
+    }
+  } // namespace
+
+
+
+  void
+  check_memory_of_cells(const double       n_cells,
+                        const unsigned int dim,
+                        const std::string &parameter,
+                        const MPI_Comm     comm)
+  {
+    MPI_Comm machine;
+    MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+    const double part = double(Utilities::MPI::n_mpi_processes(machine)) /
+                        Utilities::MPI::n_mpi_processes(comm);
+    MPI_Comm_free(&machine);
+    const double bytes =
+      n_cells * (dim == 2 ? bytes_per_cell_2d : bytes_per_cell_3d);
+    const double       available = free_memory();
+    std::ostringstream message;
+    if (part * bytes > available || n_cells > most_cells)
+      message << parameter << ": " << n_cells << " cells would take at least "
+              << gigabytes(bytes) << " of memory, and " << gigabytes(available)
+              << " are free on a machine for " << 100. * part
+              << " % of them. Take fewer cells.";
+    throw_on_all(message.str(), comm);
+  }
+} // namespace greville

@@ -1,0 +1,121 @@
+#ifndef greville_tests_shipped_files_h
+#define greville_tests_shipped_files_h
+
+// The shipped parameter files, made small enough to run in a fraction of a
+// second: coarse grids, three steps, no sweeps.
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+struct ShippedFile
+{
+  std::string name;
+  /// Whether it is one of mass_benchmark.
+  bool is_benchmark = false;
+  /// The whole file, and what makes it small: later lines win.
+  std::string content, small;
+};
+
+
+
+inline std::string
+section_text(const std::string &section, const std::vector<std::string> &lines)
+{
+  std::string result = "subsection " + section + "\n";
+  for (const std::string &line : lines)
+    result += "  set " + line + "\n";
+  return result + "end\n";
+}
+
+
+
+/**
+ * @p source is the folder of the tests of a part; results go to @p results.
+ * Files beside the parameter files keep their names: write the text into
+ * @p folder, which is made with links to them.
+ */
+inline std::vector<ShippedFile>
+shipped_files(const std::string &source,
+              const std::string &folder,
+              const std::string &results)
+{
+  const std::map<std::string, std::string> cells = {
+    {"axis_aligned_mms_2d", "4, 4"},
+    {"axis_aligned_mms_3d", "3, 3, 3"},
+    {"bouncing_ball_3d", "8, 8, 8"},
+    {"breaking_bar", "20, 5"},
+    {"colliding_disks", "10, 10"},
+    {"dam_break", "20, 10"},
+    {"elastic_block_2d", "10, 10"},
+    {"elastic_block_3d", "6, 6, 6"},
+    {"granular_collapse", "24, 6"},
+    {"granular_column_3d", "7, 3, 7"},
+    {"hydrostatic_column", "1, 6"},
+    {"mms_1d", "10, 1"},
+    {"soil_column", "1, 8"},
+    {"step_traction", "16, 1"},
+    {"vibrating_bar", "8, 1"},
+    {"vibrating_bar_free", "8, 8"},
+    {"vibrating_bar_large", "8, 1"}};
+  const std::filesystem::path prm =
+    std::filesystem::path(source).parent_path().parent_path() / "prm";
+  std::vector<ShippedFile> result;
+  std::filesystem::create_directories(folder);
+  for (const std::string part : {"simulation", "mass"})
+    {
+      const auto link = std::filesystem::path(folder) / "reference";
+      std::filesystem::create_directories(link);
+      for (const auto &entry :
+           std::filesystem::directory_iterator(prm / part / "reference"))
+        std::filesystem::copy(entry.path(),
+                              link / entry.path().filename(),
+                              std::filesystem::copy_options::update_existing);
+      for (const auto &entry : std::filesystem::directory_iterator(prm / part))
+        if (entry.path().extension() == ".prm")
+          {
+            ShippedFile file;
+            file.name         = entry.path().stem().string();
+            file.is_benchmark = part == "mass";
+            std::ostringstream content;
+            content << std::ifstream(entry.path()).rdbuf();
+            file.content = content.str();
+            if (file.is_benchmark)
+              file.small = section_text("Benchmark",
+                                        {"Cells = 4",
+                                         "Orders = 2",
+                                         "Repetitions = 1",
+                                         "Print times = false",
+                                         "Output directory = " + results});
+            else
+              {
+                const auto found = cells.find(file.name);
+                file.small =
+                  section_text("Time", {"Maximum steps = 3"}) +
+                  section_text(
+                    "Sweep",
+                    {"Cells =", "Orders =", "Masses =", "Quadratures ="}) +
+                  section_text("Output",
+                               {"Print times = false",
+                                "Statistics every = 0",
+                                "Directory = " + results});
+                if (found != cells.end())
+                  file.small +=
+                    section_text("Grid", {"Cells = " + found->second});
+              }
+            result.push_back(file);
+          }
+    }
+  std::sort(result.begin(),
+            result.end(),
+            [](const ShippedFile &a, const ShippedFile &b) {
+              return a.name < b.name;
+            });
+  return result;
+}
+
+#endif
