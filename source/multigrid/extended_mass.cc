@@ -630,6 +630,11 @@ namespace greville
     initialize_vector(x, width);
     initialize_vector(taken, width);
     read_fields(x, {&field}, width);
+    std::vector<std::array<double, dim>> old(extended.size());
+    for (unsigned int k = 0; k < extended.size(); ++k)
+      for (unsigned int c = 0; c < dim; ++c)
+        if (extended_functions[k] < n_owned_functions())
+          old[k][c] = field[c].local_element(extended_functions[k]);
     write_fields({&field}, x, width);
     for (unsigned int k = 0; k < extended.size(); ++k)
       {
@@ -639,8 +644,8 @@ namespace greville
         const std::size_t n = extended_begin[k + 1] - extended_begin[k];
         for (unsigned int c = 0; c < dim; ++c)
           {
-            const double part =
-              weights.local_element(f) * field[c].local_element(f) / n;
+            const double part = weights.local_element(f) *
+                                (field[c].local_element(f) - old[k][c]) / n;
             for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
                  ++e)
               taken.local_element(extended_entries[e].unknown * width + c) +=

@@ -142,7 +142,8 @@ namespace greville
                   "Consistent mass: strength of the high-order filter of the "
                   "velocity, which damps what points that cross cells excite: "
                   "the fraction of the highest mode that is removed per cell "
-                  "that is crossed. 0: none; steps then gain energy. Unit: "
+                  "that is crossed, five times as much for order 1. 0: none; "
+                  "steps then gain energy. Unit: "
                   "none.",
                   prm,
                   Patterns::Double(0., 100.));

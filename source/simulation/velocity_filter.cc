@@ -10,6 +10,11 @@ namespace greville
 
   namespace
   {
+    // Linear functions have kinks that cross points, which excites them more.
+    constexpr double more_if_linear = 5.;
+
+
+
     /**
      * For each run of p + 2 coefficients the jump of the p-th derivative across
      * the knot that all of their functions share, scaled; entry by entry.
@@ -232,7 +237,8 @@ namespace greville
     for (unsigned int c = 0; c < dim; ++c)
       {
         to_places(velocities[c], velocity[c]);
-        const double factor = strength * dt / space->lattice().cell_size(c);
+        const double factor = (p == 1 ? more_if_linear : 1.) * strength * dt /
+                              space->lattice().cell_size(c);
         for (const Line &line : lines)
           for (int i = line.place + line.begin; i < line.place + line.end; ++i)
             {

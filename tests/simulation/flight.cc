@@ -70,7 +70,7 @@ main(int argc, char **argv)
   check("3D, strain energy", end_3d.strain / start_3d.kinetic, 1e-14);
 
   // Without the filter.
-  const Text free = block<2>(8, 3, 2., 10).with("Scheme", {"Filter = 0"});
+  const Text free = block<2>(8, 1, 0.5, 10).with("Scheme", {"Filter = 0"});
   const auto end  = fly(free, start);
   check("without the filter, strain energy grows",
         end.strain / start.kinetic > 1e-11);

@@ -201,9 +201,8 @@ namespace greville
     /**
      * Collective. Give extended functions the coefficients that E makes of
      * those of the others. The sum of the coefficients times @p weights, the
-     * lumped mass, stays as it would be with extended coefficients of zero:
-     * what an extended function gets is taken from the functions that it
-     * depends on.
+     * lumped mass, stays as it is: what an extended function gets is taken from
+     * the functions that it depends on.
      */
     void
     extend(VectorField<dim> &field, const VectorType &weights) const;

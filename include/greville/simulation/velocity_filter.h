@@ -30,9 +30,9 @@ namespace greville
    * g_s have absolute values with a sum of 2^(p+1), and w_s is the smallest
    * mass of the functions of a run, so that the eigenvalues of c -> z lie
    * between -1 and 0. theta_s is the number of cells that a point crosses in
-   * the step, times the strength kappa: what is at rest is not filtered. On
-   * uniform knots a wave of angle k_d per coefficient is multiplied in each
-   * step by
+   * the step, times the strength kappa (five times it for p = 1): what is at
+   * rest is not filtered. On uniform knots a wave of angle k_d per coefficient
+   * is multiplied in each step by
    * @f[ 1 - \theta \sum_d \sin(k_d / 2)^{2 (p + 1)}. @f]
    *
    * The jumps of splines of order p + 1 and of smooth fields are of order
