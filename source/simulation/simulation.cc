@@ -1297,8 +1297,8 @@ namespace greville
       }
     filter_velocity();
     add_contact();
-    add_work();
     take_held_residual();
+    add_work();
 
     if (order == "USL")
       update_points(&acceleration, &new_velocity, &new_velocity, true);
