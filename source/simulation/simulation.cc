@@ -800,7 +800,7 @@ namespace greville
         });
       }
     // Speeds of 1e-8 times that of waves are round-off.
-    energy.reinit(free_energy<dim>(all_bodies, comm),
+    energy.reinit(free_energy<dim>(all_bodies, transfer, comm),
                   1e-16 * Utilities::MPI::sum(mass, comm) * first_signal *
                     first_signal);
   }
@@ -854,7 +854,8 @@ namespace greville
         (steps % check_energy_every != 0 && !is_finished()))
       return;
     const PartTimer timer(*this, "energy");
-    const double gain = energy.gain(free_energy<dim>(all_bodies, comm), comm);
+    const double    gain =
+      energy.gain(free_energy<dim>(all_bodies, transfer, comm), comm);
     if (!(gain > std::max(scheme.energy_tolerance, 2. * warned_gain)))
       return;
     warned_gain = gain;

@@ -237,6 +237,31 @@ namespace greville
 
 
 
+  template <int dim>
+  double
+  free_energy(const std::vector<Body<dim>> &bodies,
+              const PointTransfer<dim>     &transfer,
+              const MPI_Comm                comm)
+  {
+    double sum = 0.;
+    for (const Body<dim> &body : bodies)
+      if (body.imposed_velocity.empty())
+        {
+          const auto            &layout = body.points.layout();
+          constexpr unsigned int s      = MaterialPoints<dim>::stride();
+          body.points.for_each([&](const unsigned int cell, const double *p) {
+            const MaterialPoint point = material_point<dim>(p, s, layout);
+            sum += kinetic_energy_of<dim>(p, cell, layout, transfer) +
+                   p[PointLayout<dim>::volume0 * s] *
+                     (body.material->strain_energy(point) +
+                      body.material->dissipation(point));
+          });
+        }
+    return Utilities::MPI::sum(sum, comm);
+  }
+
+
+
   template struct Statistics<2>;
   template struct Statistics<3>;
   template Statistics<2>
@@ -249,6 +274,14 @@ namespace greville
                         const PointTransfer<3> &,
                         const Tensor<1, 3> &,
                         const MPI_Comm);
+  template double
+  free_energy<2>(const std::vector<Body<2>> &,
+                 const PointTransfer<2> &,
+                 const MPI_Comm);
+  template double
+  free_energy<3>(const std::vector<Body<3>> &,
+                 const PointTransfer<3> &,
+                 const MPI_Comm);
   template double
   kinetic_energy<2>(const std::vector<Body<2>> &,
                     const PointTransfer<2> &,

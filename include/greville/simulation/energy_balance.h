@@ -1,7 +1,7 @@
 #ifndef greville_simulation_energy_balance_h
 #define greville_simulation_energy_balance_h
 
-#include <greville/particles/body.h>
+#include <deal.II/base/mpi.h>
 
 namespace greville
 {
@@ -42,14 +42,6 @@ namespace greville
     double start = 0., largest = 0., own_work = 0.;
   };
 
-
-
-  /**
-   * The energy E of EnergyBalance, J (2D: J / m). Collective.
-   */
-  template <int dim>
-  double
-  free_energy(const std::vector<Body<dim>> &bodies, const MPI_Comm comm);
 } // namespace greville
 
 #endif

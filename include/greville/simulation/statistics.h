@@ -73,6 +73,16 @@ namespace greville
                  const MPI_Comm                comm);
 
   /**
+   * Collective. Kinetic and strain energy and dissipation of the bodies whose
+   * velocity is not imposed: what EnergyBalance watches.
+   */
+  template <int dim>
+  double
+  free_energy(const std::vector<Body<dim>> &bodies,
+              const PointTransfer<dim>     &transfer,
+              const MPI_Comm                comm);
+
+  /**
    * The numbers of a point as its material sees them.
    */
   template <int dim>
