@@ -144,7 +144,9 @@ main(int argc, char **argv)
                   {"End = 1e3",
                    "Maximum steps = 150",
                    "Step = " + step.str(),
-                   "Too large step = ignore"}));
+                   "Too large step = ignore"})
+            // Near the limit, energies of different times differ much.
+            .with("Scheme", {"Energy gain = ignore"}));
         try
           {
             run.run();
@@ -299,7 +301,7 @@ main(int argc, char **argv)
       .add("Grid", {"Cells = 16, 16"})
       .add("Scheme", {"Mass = lumped"})
       .add("Walls", {"Left = sliding", "Bottom = sliding", "Top = sliding"})
-      .add("Time", {"End = 0.02", "CFL number = 1e9", "Estimate every = 0"})
+      .add("Time", {"End = 0.02", "Estimate every = 0"})
       .add("Body water",
            {"Material = water",
             "Shape = box(0, 0, 0.5, 1)",
