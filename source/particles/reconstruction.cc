@@ -136,7 +136,7 @@ namespace greville
         // Sums over the layers of cells at each edge of the grid.
         std::array<double, dim>       sums{};
         std::array<unsigned int, dim> counts{};
-        for (unsigned int k = 0; k < Utilities::pow(3, dim); ++k)
+        for (int k = 0; k < Utilities::pow(3, dim); ++k)
           {
             const auto      offset = multi_index<dim>(k, three);
             MultiIndex<dim> neighbor;
