@@ -14,7 +14,7 @@ namespace greville
     // The part of a layer of cells at the edge of the grid, next to a cell,
     // from which on it counts as filled. It is the mean of several cells, since
     // points move along the edge from one to the other.
-    constexpr double filled_layer = 0.75;
+    constexpr double filled_layer = 0.6;
 
 
 

@@ -1216,7 +1216,8 @@ namespace greville
     if (!has_mass || order != "USF")
       {
         const PartTimer timer(*this, "points to grid");
-        transfer.points_to_grid(has_mass ? summed_points : quadrature_points(),
+        // Reconstructions hold loads as well, which are those of now.
+        transfer.points_to_grid(quadrature_points(),
                                 has_mass ? nullptr : &lumped_mass,
                                 has_mass ? nullptr : &momentum,
                                 order == "USF" ? nullptr : &force);

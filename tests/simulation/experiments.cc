@@ -54,9 +54,9 @@ main(int argc, char **argv)
     Text()
       .add("Simulation", {"Bodies = water", "Materials = water"})
       .add("Grid", {"Upper corner = 0.28575, 0.142875", "Cells = 32, 16"})
-      .add("Time", {"End = 2", "CFL number = 0.4"})
+      .add("Time", {"End = 3", "CFL number = 0.4"})
       .add("Scheme",
-           {"Mass = lumped", "Stress update = MUSL", "FLIP share = 0.99"})
+           {"Mass = lumped", "Stress update = MUSL", "FLIP share = 0.975"})
       .add("Body water",
            {"Material = water",
             "Shape = box(0, 0, 0.05715, 0.1143)",

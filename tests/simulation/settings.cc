@@ -28,7 +28,8 @@ main(int argc, char **argv)
     return values.size();
   };
   check("Estimate every = 0", critical_steps("0") == 1);
-  check("Estimate every = 5", critical_steps("5") == 4);
+  // Estimates that hardly change are made less often: steps 0, 5, and 15.
+  check("Estimate every = 5", critical_steps("5") == 3);
 
   // With a part that no cell reaches, a reconstruction keeps all points.
   const auto kinetic = [](const std::vector<std::string> &scheme) {
@@ -75,7 +76,8 @@ main(int argc, char **argv)
         message = message_of(error);
       }
     check("Maximum iterations",
-          message.find("did not converge in 2 iterations") != std::string::npos);
+          message.find("did not converge in 2 iterations") !=
+            std::string::npos);
   }
   const auto iterations = [&](const std::string &tolerance) {
     Simulated<2> run(full.with("Solver", {"Tolerance = " + tolerance}));
