@@ -25,7 +25,9 @@ namespace greville
     // Estimates of the critical step of which the smallest counts.
     constexpr unsigned int n_estimates = 3;
 
-    // Steps between two looks at the balance of energy.
+    // Steps between two looks at the balance of energy, and before the first:
+    // a load that begins at once excites modes whose kinetic energy, half a
+    // step behind the strain energy, is not yet that of a mean.
     constexpr unsigned int check_energy_every = 100;
 
     // Accelerations that change velocities by this fraction of the norm of all
@@ -851,6 +853,7 @@ namespace greville
   {
     const SchemeParameters &scheme = parameters.scheme;
     if (scheme.energy_gain == "ignore" ||
+        steps < check_energy_every ||
         (steps % check_energy_every != 0 && !is_finished()))
       return;
     const PartTimer timer(*this, "energy");
