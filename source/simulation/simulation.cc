@@ -852,8 +852,7 @@ namespace greville
   Simulation<dim>::check_energy()
   {
     const SchemeParameters &scheme = parameters.scheme;
-    if (scheme.energy_gain == "ignore" ||
-        steps < check_energy_every ||
+    if (scheme.energy_gain == "ignore" || steps < check_energy_every ||
         (steps % check_energy_every != 0 && !is_finished()))
       return;
     const PartTimer timer(*this, "energy");
