@@ -73,7 +73,7 @@ next_check()
 
 
 
-// Nothing is printed unless the bound is missed (or the value is no number).
+// Nothing is printed unless the bound is missed (or the value is NaN).
 inline void
 check(const std::string &what, const double value, const double bound)
 {
