@@ -1,0 +1,157 @@
+// Time of the steps of a simulation: of some steps after a warm-up, without
+// start and output, on each process. scripts/benchmark runs it in turns for
+// several masses and numbers of processes, and prints medians.
+//
+//   ninja -C build step_benchmark
+//   build/step_benchmark FILE.prm MASS [FIRST_STEP LAST_STEP]
+//
+// prints one line of JSON. A fixed loop of square roots before and after the
+// steps tells how busy the machine is.
+
+#include <deal.II/base/mpi.h>
+
+#include <greville/base/json.h>
+#include <greville/base/parameters.h>
+#include <greville/simulation/simulation.h>
+
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <iostream>
+
+using namespace dealii;
+using namespace greville;
+
+namespace
+{
+  double
+  cpu_seconds()
+  {
+    timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return now.tv_sec + 1e-9 * now.tv_nsec;
+  }
+
+
+
+  double
+  wall_seconds()
+  {
+    return std::chrono::duration<double>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+  }
+
+
+
+  // CPU seconds of 10^7 square roots, each of which waits for the one before.
+  double
+  reference_loop()
+  {
+    const double    start = cpu_seconds();
+    volatile double last  = 2.;
+    double          x     = last;
+    for (unsigned int i = 0; i < 10000000; ++i)
+      x = std::sqrt(x + 1.);
+    last = x;
+    return cpu_seconds() - start;
+  }
+
+
+
+  template <int dim>
+  void
+  measure(const SimulationParameters &parameters,
+          const std::string          &mass,
+          const unsigned int          first,
+          const unsigned int          last)
+  {
+    const MPI_Comm  comm = MPI_COMM_WORLD;
+    Simulation<dim> simulation(parameters,
+                               {parameters.grid.cells,
+                                parameters.grid.degree,
+                                mass,
+                                parameters.scheme.quadrature},
+                               comm);
+    const auto      advance = [&](const unsigned int until) {
+      while (simulation.n_steps() < until)
+        {
+          AssertThrow(!simulation.is_finished(),
+                      ExcMessage("The simulation ends before step " +
+                                 std::to_string(until) + "."));
+          simulation.step();
+        }
+    };
+
+    advance(first);
+    const auto   parts_before      = simulation.part_times();
+    const auto   iterations_before = simulation.n_all_iterations();
+    const double reference_before  = reference_loop();
+    MPI_Barrier(comm);
+    const double cpu_before = cpu_seconds(), wall_before = wall_seconds();
+    advance(last);
+    const double cpu = cpu_seconds() - cpu_before;
+    MPI_Barrier(comm);
+    const double wall      = wall_seconds() - wall_before;
+    const double reference = 0.5 * (reference_before + reference_loop());
+
+    JsonWriter json;
+    json.add("mass", mass)
+      .add("processes", Utilities::MPI::n_mpi_processes(comm))
+      .add("steps", last - first)
+      .add("cpu", Utilities::MPI::max(cpu, comm))
+      .add("wall", wall)
+      .add("reference", Utilities::MPI::max(reference, comm))
+      .add("iterations",
+           double(simulation.n_all_iterations() - iterations_before) /
+             (last - first))
+      .add("factorizations",
+           simulation.mass().is_consistent()
+             ? simulation.mass().n_factorizations()
+             : 0)
+      .begin("parts");
+    for (const auto &part : simulation.part_times())
+      {
+        const auto   before = parts_before.find(part.first);
+        const double seconds =
+          part.second - (before == parts_before.end() ? 0. : before->second);
+        const double slowest = Utilities::MPI::max(seconds, comm);
+        json.add(part.first, slowest);
+      }
+    json.end();
+    if (Utilities::MPI::this_mpi_process(comm) == 0)
+      std::cout << json.text() << std::endl;
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  if (argc != 3 && argc != 5)
+    {
+      std::cerr
+        << "usage: step_benchmark FILE.prm MASS [FIRST_STEP LAST_STEP]\n";
+      return 2;
+    }
+  try
+    {
+      const SimulationParameters parameters(argv[1]);
+      const unsigned int         first =
+        argc == 5 ? Utilities::string_to_int(argv[3]) : 10;
+      const unsigned int last =
+        argc == 5 ? Utilities::string_to_int(argv[4]) : 110;
+      if (parameters.general.dimension == 2)
+        measure<2>(parameters, argv[2], first, last);
+      else
+        measure<3>(parameters, argv[2], first, last);
+    }
+  catch (const std::exception &exception)
+    {
+      std::cerr << exception.what() << std::endl;
+      MPI_Abort(MPI_COMM_WORLD, 1);
+    }
+  return 0;
+}
