@@ -75,8 +75,8 @@ namespace greville
     lumped.clear();
     extended.clear();
     extended_functions = extension->extended_functions();
-    ghost_unknowns.clear();
-    partitioners.fill(nullptr);
+    std::vector<types::global_dof_index> ghost_unknowns;
+    types::global_dof_index              first_unknown = 0;
 
     for (unsigned int f = 0; f < n_functions; ++f)
       if ((*extension)[f] == Kind::stable || (*extension)[f] == Kind::lumped)
@@ -115,7 +115,6 @@ namespace greville
         AssertThrowMPI(ierr);
         first_unknown =
           Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : offset;
-        n_unknowns = Utilities::MPI::sum(mine, comm);
 
         const auto &owned = space.owned_functions();
         for (unsigned int f = n_functions; f < n_all; ++f)
@@ -158,6 +157,10 @@ namespace greville
             ghost_unknowns.push_back(entry.first);
           }
       }
+    layout = std::make_shared<const InterleavedLayout>(first_unknown,
+                                                       n_owned,
+                                                       ghost_unknowns,
+                                                       comm);
     for (unsigned int u = 0; u < unknowns.size(); ++u)
       if (unknowns[u] != numbers::invalid_unsigned_int)
         roles[unknowns[u]] = 1 + int(u);
@@ -210,93 +213,88 @@ namespace greville
       if (held[f] != 0 && (*extension)[f] != Extension<dim>::inactive)
         held_places.emplace_back(points_mass.place(f), held[f]);
 
-    // Pairs of components that differ.
-    unsigned int differ[dim * dim] = {};
+    // Components that hold something, and pairs of them that differ in E.
+    unsigned int found[dim * dim] = {};
     for (const auto &entry : held_places)
-      for (unsigned int c = 0; c < dim; ++c)
-        for (unsigned int d = 0; d < c; ++d)
-          differ[c * dim + d] |=
-            ((entry.second >> c) ^ (entry.second >> d)) & 1;
-    Utilities::MPI::max(ArrayView<const unsigned int>(differ, dim * dim),
-                        communicator(),
-                        ArrayView<unsigned int>(differ, dim * dim));
-    for (unsigned int c = 0; c < dim; ++c)
       {
-        first_alike[c] = 0;
-        while (first_alike[c] < c && differ[c * dim + first_alike[c]] != 0)
-          ++first_alike[c];
-      }
-  }
-
-
-
-  template <int dim>
-  std::array<bool, dim>
-  ExtendedMass<dim>::has_held() const
-  {
-    unsigned int bits[dim] = {};
-    for (const auto &entry : held_places)
-      for (unsigned int c = 0; c < dim; ++c)
-        bits[c] |= (entry.second >> c) & 1;
-    Utilities::MPI::max(ArrayView<const unsigned int>(bits, dim),
-                        communicator(),
-                        ArrayView<unsigned int>(bits, dim));
-    std::array<bool, dim> result;
-    for (unsigned int c = 0; c < dim; ++c)
-      result[c] = bits[c] != 0;
-    return result;
-  }
-
-
-
-  template <int dim>
-  std::vector<std::uint64_t>
-  ExtendedMass<dim>::unknown_positions() const
-  {
-    std::vector<std::uint64_t> result;
-    for (const unsigned int f : owned_unknown_functions)
-      result.push_back(points_mass.space().owned_functions()[f]);
-    return result;
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMass<dim>::initialize_vector(VectorType        &vector,
-                                       const unsigned int width) const
-  {
-    auto &partitioner = partitioners[width];
-    if (!partitioner)
-      {
-        constexpr std::uint64_t most = types::global_dof_index(-1);
-        AssertThrow(std::uint64_t(n_unknowns) * width < most,
-                    ExcMessage(
-                      std::to_string(n_unknowns) + " functions with " +
-                      std::to_string(width) +
-                      " values each are more than this deal.II can number, "
-                      "which is " +
-                      std::to_string(most) +
-                      ": use a coarser grid, a 'Scheme/Mass' other than exact "
-                      "mass, or a deal.II with 64-bit indices."));
-        const MPI_Comm comm = communicator();
-        if (Utilities::MPI::n_mpi_processes(comm) == 1)
-          partitioner = std::make_shared<const Utilities::MPI::Partitioner>(
-            n_owned * width);
-        else
+        const unsigned int changes =
+          changes_extension(entry.first, entry.second);
+        for (unsigned int c = 0; c < dim; ++c)
           {
-            IndexSet owned(n_unknowns * width), ghosts(n_unknowns * width);
-            owned.add_range(first_unknown * width,
-                            (first_unknown + n_owned) * width);
-            for (const auto ghost : ghost_unknowns)
-              ghosts.add_range(ghost * width, (ghost + 1) * width);
-            partitioner =
-              std::make_shared<const Utilities::MPI::Partitioner>(owned,
-                                                                  ghosts,
-                                                                  comm);
+            found[c * dim + c] |= (entry.second >> c) & 1;
+            for (unsigned int d = 0; d < c; ++d)
+              found[c * dim + d] |= ((changes >> c) ^ (changes >> d)) & 1;
           }
       }
-    vector.reinit(partitioner);
+    Utilities::MPI::max(ArrayView<const unsigned int>(found, dim * dim),
+                        communicator(),
+                        ArrayView<unsigned int>(found, dim * dim));
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        component_has_held[c] = found[c * dim + c] != 0;
+        first_alike[c]        = 0;
+        while (first_alike[c] < c && found[c * dim + first_alike[c]] != 0)
+          ++first_alike[c];
+      }
+    ++hold_counter;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  ExtendedMass<dim>::changes_extension(const unsigned int  place,
+                                       const unsigned char components) const
+  {
+    // Weights below this are round-off.
+    constexpr double negligible = 1e-10;
+    const int        role       = roles[place];
+    if (role >= 0)
+      return 0;
+    unsigned int result = 0;
+    for (std::size_t e = extended_begin[-role - 1]; e < extended_begin[-role];
+         ++e)
+      if (std::abs(extended_entries[e].weight) > negligible)
+        {
+          const unsigned int u = extended_entries[e].unknown;
+          result |= u < n_owned
+                      ? components & ~held_functions[owned_unknown_functions[u]]
+                      : components;
+        }
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<unsigned char>
+  ExtendedMass<dim>::held_unknowns() const
+  {
+    std::vector<unsigned char> result;
+    result.reserve(n_owned);
+    for (const unsigned int f : owned_unknown_functions)
+      result.push_back(held_functions[f]);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::array<unsigned int, 3>>
+  ExtendedMass<dim>::unknown_positions() const
+  {
+    const SplineSpace<dim>                  &space = points_mass.space();
+    std::vector<std::array<unsigned int, 3>> result(n_owned);
+    for (unsigned int u = 0; u < n_owned; ++u)
+      {
+        const auto i =
+          multi_index<dim>(space.owned_functions()[owned_unknown_functions[u]],
+                           space.n_functions());
+        result[u] = {};
+        for (unsigned int d = 0; d < dim; ++d)
+          result[u][d] = i[d];
+      }
+    return result;
   }
 
 
@@ -536,15 +534,33 @@ namespace greville
     const std::vector<VectorField<dim> *> &fields,
     const unsigned int                     width) const
   {
+    bool        any       = false;
+    const auto &mask      = held_functions;
+    const auto  for_owned = [&](const auto &visit) {
+      for (unsigned int k = 0; k < fields.size(); ++k)
+        for (unsigned int c = 0; c < dim; ++c)
+          if (component_has_held[c])
+            for (unsigned int f = 0; f < n_owned_functions(); ++f)
+              if (((mask[f] >> c) & 1) &&
+                  (*extension)[f] != Extension<dim>::inactive)
+                visit(k, c, f);
+    };
+    for_owned([&](const unsigned int k, const unsigned int c, unsigned int f) {
+      any = any || (*fields[k])[c].local_element(f) != 0.;
+    });
+    // Walls at rest contribute nothing.
+    if (Utilities::MPI::max<unsigned int>(any, communicator()) == 0)
+      return;
+
     VectorType x, y;
     initialize_vector(x, width);
     initialize_vector(y, width);
-    for (unsigned int k = 0; k < fields.size(); ++k)
-      for (unsigned int c = 0; c < dim; ++c)
-        for (unsigned int u = 0; u < n_owned; ++u)
-          if ((held_functions[owned_unknown_functions[u]] >> c) & 1)
-            x.local_element(u * width + k * dim + c) =
-              (*fields[k])[c].local_element(owned_unknown_functions[u]);
+    for_owned([&](const unsigned int k, const unsigned int c, unsigned int f) {
+      const int role = roles[points_mass.place(f)];
+      if (role > 0)
+        x.local_element((role - 1) * width + k * dim + c) =
+          (*fields[k])[c].local_element(f);
+    });
     x.update_ghost_values();
     expand(x.begin(), width);
     for (unsigned int k = 0; k < fields.size(); ++k)
@@ -553,7 +569,7 @@ namespace greville
           VectorType &field = (*fields[k])[c];
           field.update_ghost_values();
           for (unsigned int f = 0; f < held_functions.size(); ++f)
-            if (((held_functions[f] >> c) & 1) &&
+            if (((mask[f] >> c) & 1) &&
                 (*extension)[f] != Extension<dim>::inactive)
               place_x[std::size_t(points_mass.place(f)) * width + k * dim + c] =
                 field.local_element(f);
@@ -572,6 +588,19 @@ namespace greville
 
   template <int dim>
   void
+  ExtendedMass<dim>::to_places(const VectorType &component) const
+  {
+    component.update_ghost_values();
+    for (unsigned int f = 0; f < held_functions.size(); ++f)
+      if ((*extension)[f] != Extension<dim>::inactive)
+        place_x[points_mass.place(f)] = component.local_element(f);
+    component.zero_out_ghost_values();
+  }
+
+
+
+  template <int dim>
+  void
   ExtendedMass<dim>::multiply_field(VectorField<dim>       &rows,
                                     const VectorField<dim> &field) const
   {
@@ -579,11 +608,7 @@ namespace greville
     initialize_vector(y, 1);
     for (unsigned int c = 0; c < dim; ++c)
       {
-        field[c].update_ghost_values();
-        for (unsigned int f = 0; f < held_functions.size(); ++f)
-          if ((*extension)[f] != Extension<dim>::inactive)
-            place_x[points_mass.place(f)] = field[c].local_element(f);
-        field[c].zero_out_ghost_values();
+        to_places(field[c]);
         points_mass.vmult(place_y.data(), place_x.data(), 1);
         collect(y.begin(), 1);
         y.compress(VectorOperation::add);
@@ -603,19 +628,37 @@ namespace greville
   {
     for (unsigned int c = 0; c < dim; ++c)
       {
-        field[c].update_ghost_values();
-        for (unsigned int f = 0; f < held_functions.size(); ++f)
-          if ((*extension)[f] != Extension<dim>::inactive)
-            place_x[points_mass.place(f)] = field[c].local_element(f);
-        field[c].zero_out_ghost_values();
-        points_mass.vmult(place_y.data(), place_x.data(), 1);
         rows[c] = 0.;
+        if (!component_has_held[c])
+          continue;
+        to_places(field[c]);
         for (unsigned int f = 0; f < held_functions.size(); ++f)
           if (((held_functions[f] >> c) & 1) &&
               (*extension)[f] != Extension<dim>::inactive)
-            rows[c].local_element(f) = place_y[points_mass.place(f)];
+            {
+              double sum = 0.;
+              points_mass.for_each_entry(points_mass.place(f),
+                                         [&](const unsigned int j,
+                                             const double       value) {
+                                           sum += value * place_x[j];
+                                         });
+              rows[c].local_element(f) = sum;
+            }
         rows[c].compress(VectorOperation::add);
       }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::approximate_diagonal(VectorType &diagonal) const
+  {
+    initialize_vector(diagonal, 1);
+    for (unsigned int u = 0; u < unknowns.size(); ++u)
+      if (unknowns[u] != numbers::invalid_unsigned_int)
+        diagonal.local_element(u) = points_mass.diagonal(unknowns[u]);
+    diagonal.compress(VectorOperation::add);
   }
 
 
@@ -685,16 +728,16 @@ namespace greville
 
   template <int dim>
   LowerTriangle
-  ExtendedMass<dim>::local_entries(const unsigned int component)
+  ExtendedMass<dim>::local_entries(const unsigned int components)
   {
     const unsigned int n = unknowns.size();
     LowerTriangle      result;
 
-    // What is held has no role here.
+    // What all of them hold has no role here.
     std::vector<bool>                         is_held(n, false);
     std::vector<std::pair<unsigned int, int>> held_roles;
     for (const auto &entry : held_places)
-      if ((entry.second >> component) & 1)
+      if ((entry.second & components) == components)
         {
           int &role = roles[entry.first];
           held_roles.emplace_back(entry.first, role);
@@ -703,7 +746,7 @@ namespace greville
           role = 0;
         }
 
-    // A row that is summed up.
+    // A row that is summed up, up to a column.
     std::vector<double>       sums(n, 0.);
     std::vector<bool>         is_touched(n, false);
     std::vector<unsigned int> touched;
@@ -717,18 +760,23 @@ namespace greville
         }
       sums[unknown] += value;
     };
-    const auto add_row_times_E = [&](const unsigned int place) {
+    const auto add_row_times_E = [&](const unsigned int place,
+                                     const unsigned int last) {
       points_mass.for_each_entry(
         place, [&](const unsigned int j, const double value) {
           const int role = roles[j];
           if (role > 0)
-            add_entry(role - 1, value);
+            {
+              if (unsigned(role - 1) <= last)
+                add_entry(role - 1, value);
+            }
           else if (role < 0)
             for (std::size_t e = extended_begin[-role - 1];
                  e < extended_begin[-role];
                  ++e)
-              add_entry(extended_entries[e].unknown,
-                        extended_entries[e].weight * value);
+              if (extended_entries[e].unknown <= last)
+                add_entry(extended_entries[e].unknown,
+                          extended_entries[e].weight * value);
         });
     };
 
@@ -738,7 +786,7 @@ namespace greville
     for (const unsigned int place : extended)
       {
         if (roles[place] != 0)
-          add_row_times_E(place);
+          add_row_times_E(place, n);
         for (const unsigned int j : touched)
           {
             B.push_back({j, sums[j]});
@@ -803,7 +851,7 @@ namespace greville
             continue;
           }
         if (unknowns[i] != numbers::invalid_unsigned_int)
-          add_row_times_E(unknowns[i]);
+          add_row_times_E(unknowns[i], i);
         for (std::size_t t = transpose_begin[i]; t < transpose_begin[i + 1];
              ++t)
           for (std::size_t b = B_begin[transpose[t].unknown];
@@ -816,11 +864,8 @@ namespace greville
           std::sort(touched.begin(), touched.end());
         for (const unsigned int j : touched)
           {
-            if (j <= i)
-              {
-                result.columns.push_back(j);
-                result.values.push_back(sums[j]);
-              }
+            result.columns.push_back(j);
+            result.values.push_back(sums[j]);
             sums[j]       = 0.;
             is_touched[j] = false;
           }

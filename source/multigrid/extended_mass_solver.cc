@@ -1,10 +1,6 @@
-#include <greville/base/errors.h>
 #include <greville/multigrid/extended_mass_solver.h>
 
-#include <petscmat.h>
-
 #include <cmath>
-#include <numeric>
 #include <sstream>
 
 namespace greville
@@ -43,95 +39,16 @@ namespace greville
                                   const double new_total_mass)
   {
     total_mass = new_total_mass;
-    const bool is_parallel =
-      Utilities::MPI::n_mpi_processes(mass.communicator()) > 1;
     if (is_due || smoother_parameters.reuse == 0 ||
-        mass.alike() != factor_alike || (unknowns_changed && is_parallel))
+        mass.alike() != factor_alike)
       factorize();
-    else if (unknowns_changed && match_unknowns() > smoother_parameters.reuse)
-      factorize();
+    else if (unknowns_changed)
+      {
+        match_unknowns();
+        if (is_due)
+          factorize();
+      }
   }
-
-
-
-  namespace
-  {
-    /**
-     * The matrix that processes contribute to, as an MPIAIJ matrix. Numbers of
-     * unknowns are those of @p layout.
-     */
-    PetscMatrix
-    assemble(const LowerTriangle               &lower,
-             const Utilities::MPI::Partitioner &layout,
-             const MPI_Comm                     comm)
-    {
-      const unsigned int n = lower.size();
-
-      // Both triangles.
-      std::vector<PetscInt> begin(n + 1, 0);
-      for (unsigned int i = 0; i < n; ++i)
-        for (std::size_t e = lower.row_begin[i]; e < lower.row_begin[i + 1];
-             ++e)
-          {
-            ++begin[i + 1];
-            if (lower.columns[e] != i)
-              ++begin[lower.columns[e] + 1];
-          }
-      std::partial_sum(begin.begin(), begin.end(), begin.begin());
-      std::vector<PetscInt> columns(begin.back() + 1);
-      std::vector<double>   values(begin.back() + 1);
-      auto                  next = begin;
-      const auto            enter =
-        [&](const unsigned int i, const unsigned int j, const double value) {
-          columns[next[i]]  = j;
-          values[next[i]++] = value;
-        };
-      // Row by row, so that columns ascend.
-      for (unsigned int i = 0; i < n; ++i)
-        for (std::size_t e = lower.row_begin[i]; e < lower.row_begin[i + 1];
-             ++e)
-          {
-            enter(i, lower.columns[e], lower.values[e]);
-            if (lower.columns[e] != i)
-              enter(lower.columns[e], i, lower.values[e]);
-          }
-
-      Mat local;
-      check_petsc(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF,
-                                            n,
-                                            n,
-                                            begin.data(),
-                                            columns.data(),
-                                            values.data(),
-                                            &local));
-      const PetscMatrix     local_owner(local);
-      std::vector<PetscInt> numbers(n + 1);
-      for (unsigned int i = 0; i < n; ++i)
-        numbers[i] = layout.local_to_global(i);
-      ISLocalToGlobalMapping map;
-      check_petsc(ISLocalToGlobalMappingCreate(
-        comm, 1, n, numbers.data(), PETSC_COPY_VALUES, &map));
-      Mat            sum;
-      const PetscInt n_owned = layout.locally_owned_size();
-      check_petsc(MatCreateIS(comm,
-                              1,
-                              n_owned,
-                              n_owned,
-                              PETSC_DETERMINE,
-                              PETSC_DETERMINE,
-                              map,
-                              map,
-                              &sum));
-      const PetscMatrix sum_owner(sum);
-      check_petsc(ISLocalToGlobalMappingDestroy(&map));
-      check_petsc(MatISSetLocalMat(sum, local));
-      check_petsc(MatAssemblyBegin(sum, MAT_FINAL_ASSEMBLY));
-      check_petsc(MatAssemblyEnd(sum, MAT_FINAL_ASSEMBLY));
-      Mat result;
-      check_petsc(MatConvert(sum, MATMPIAIJ, MAT_INITIAL_MATRIX, &result));
-      return PetscMatrix(result);
-    }
-  } // namespace
 
 
 
@@ -139,42 +56,38 @@ namespace greville
   void
   ExtendedMassSolver<dim>::factorize()
   {
-    const MPI_Comm comm = mass.communicator();
-    factor_alike        = mass.alike();
-    factor_places       = mass.unknown_places();
+    factor_places.assign(mass.unknown_places().begin(),
+                         mass.unknown_places().begin() +
+                           mass.n_owned_unknowns());
     factor_rows.clear();
+    factor_alike = mass.alike();
     factors.clear();
+    const auto held      = mass.held_unknowns();
+    const auto positions = mass.unknown_positions();
     for (unsigned int c = 0; c < dim; ++c)
       {
         if (factor_alike[c] < c)
           continue;
-        Factors part;
+        factors.emplace_back();
+        Factors     &part       = factors.back();
+        unsigned int components = 0;
         for (unsigned int d = c; d < dim; ++d)
           if (factor_alike[d] == c)
-            part.alike.push_back(d);
-        LowerTriangle lower = mass.local_entries(c);
-        PetscMatrix   matrix;
-        if (Utilities::MPI::n_mpi_processes(comm) > 1)
-          {
-            VectorType layout;
-            mass.initialize_vector(layout, 1);
-            matrix      = assemble(lower, *layout.get_partitioner(), comm);
-            part.domain = std::make_unique<OverlappingDomain<dim>>(
-              matrix.get(),
-              comm,
-              mass.unknown_positions(),
-              smoother_parameters.overlap,
-              SchwarzCombination::symmetric,
-              "lexicographic");
-            lower = lower_triangle(part.domain->matrix());
-          }
-        run_on_all(
-          [&]() { part.cholesky.factorize(lower, smoother_parameters.shift); },
-          comm);
-        if (part.domain)
-          part.domain->release_matrix();
-        factors.push_back(std::move(part));
+            {
+              part.alike.push_back(d);
+              components |= 1 << d;
+            }
+        std::vector<bool> is_held_in_some(held.size());
+        for (unsigned int u = 0; u < held.size(); ++u)
+          is_held_in_some[u] =
+            (held[u] & components) != 0 && (held[u] & components) != components;
+        part.cholesky.factorize(mass.local_entries(components),
+                                mass.unknown_layout(),
+                                positions,
+                                is_held_in_some,
+                                smoother_parameters.shift);
       }
+    hold();
     ++factorizations;
     is_due   = false;
     is_fresh = true;
@@ -183,14 +96,15 @@ namespace greville
 
 
   template <int dim>
-  unsigned int
+  void
   ExtendedMassSolver<dim>::match_unknowns()
   {
-    const auto &now = mass.unknown_places();
-    factor_rows.assign(now.size(), -1);
-    inverse_diagonal.assign(now.size(), 0.);
+    const auto        &now = mass.unknown_places();
+    const unsigned int n   = mass.n_owned_unknowns();
+    mass.approximate_diagonal(diagonal);
+    factor_rows.assign(n, -1);
     unsigned int k = 0, n_matches = 0;
-    for (unsigned int u = 0; u < now.size(); ++u)
+    for (unsigned int u = 0; u < n; ++u)
       {
         while (k < factor_places.size() && factor_places[k] < now[u])
           ++k;
@@ -199,43 +113,32 @@ namespace greville
             factor_rows[u] = k;
             ++n_matches;
           }
-        else
-          inverse_diagonal[u] = 1. / mass.matrix().diagonal(now[u]);
       }
-    return now.size() + factor_places.size() - 2 * n_matches;
+    const unsigned int n_changes = n + factor_places.size() - 2 * n_matches;
+    is_due = Utilities::MPI::sum(n_changes, mass.communicator()) >
+             smoother_parameters.reuse;
+    n_holds = 0;
   }
 
 
 
   template <int dim>
   void
-  ExtendedMassSolver<dim>::apply(const Factors     &part,
-                                 VectorType        &r,
-                                 const unsigned int width) const
+  ExtendedMassSolver<dim>::hold()
   {
-    if (part.domain)
+    n_holds         = mass.n_holds();
+    const auto held = mass.held_unknowns();
+    for (Factors &part : factors)
       {
-        part.domain->restrict_to(work, r, false, width);
-        part.cholesky.solve(work.data(), width);
-        part.domain->prolongate_from(work, r, false, width);
-      }
-    else if (factor_rows.empty())
-      part.cholesky.solve(r.begin(), width);
-    else
-      {
-        work.assign(std::size_t(part.cholesky.size()) * width, 0.);
-        for (unsigned int u = 0; u < factor_rows.size(); ++u)
-          for (unsigned int c = 0; c < width; ++c)
-            if (factor_rows[u] >= 0)
-              work[std::size_t(factor_rows[u]) * width + c] =
-                r.local_element(u * width + c);
-        part.cholesky.solve(work.data(), width);
-        for (unsigned int u = 0; u < factor_rows.size(); ++u)
-          for (unsigned int c = 0; c < width; ++c)
-            r.local_element(u * width + c) =
-              factor_rows[u] >= 0
-                ? work[std::size_t(factor_rows[u]) * width + c]
-                : inverse_diagonal[u] * r.local_element(u * width + c);
+        const unsigned int         n = part.alike.size();
+        std::vector<unsigned char> of_factors(factor_places.size(), 0);
+        for (unsigned int u = 0; u < held.size(); ++u)
+          {
+            const int row = factor_rows.empty() ? int(u) : factor_rows[u];
+            for (unsigned int k = 0; k < n && row >= 0; ++k)
+              of_factors[row] |= ((held[u] >> part.alike[k]) & 1) << k;
+          }
+        part.cholesky.hold(of_factors, n);
       }
   }
 
@@ -248,33 +151,57 @@ namespace greville
                                         const unsigned int width,
                                         const unsigned int n_columns) const
   {
-    if (factors.size() == 1)
+    if (factors.size() == 1 && factor_rows.empty())
       {
         std::copy_n(r.begin(), r.locally_owned_size(), z.begin());
-        apply(factors[0], z, width);
+        factors[0].cholesky.solve(z.begin(), width);
+        return;
       }
-    else
-      for (const Factors &part : factors)
-        {
-          std::vector<unsigned int> columns;
-          for (unsigned int first = 0; first < n_columns; first += dim)
-            for (const unsigned int c : part.alike)
-              columns.push_back(first + c);
-          const unsigned int part_width = width_for(columns.size());
-          VectorType        &x          = part_vectors[part_width];
-          mass.initialize_vector(x, part_width);
-          const unsigned int n = mass.n_owned_unknowns();
-          for (unsigned int u = 0; u < n; ++u)
-            for (unsigned int k = 0; k < columns.size(); ++k)
-              x.local_element(u * part_width + k) =
-                r.local_element(u * width + columns[k]);
-          apply(part, x, part_width);
-          for (unsigned int u = 0; u < n; ++u)
-            for (unsigned int k = 0; k < columns.size(); ++k)
-              z.local_element(u * width + columns[k]) =
-                x.local_element(u * part_width + k);
-        }
+    for (const Factors &part : factors)
+      {
+        std::vector<unsigned int> columns;
+        for (unsigned int first = 0; first < n_columns; first += dim)
+          for (const unsigned int c : part.alike)
+            columns.push_back(first + c);
+        precondition(part, z, r, width, columns);
+      }
+    for (unsigned int u = 0; u < factor_rows.size(); ++u)
+      if (factor_rows[u] < 0)
+        for (unsigned int c = 0; c < width; ++c)
+          z.local_element(u * width + c) =
+            r.local_element(u * width + c) / diagonal.local_element(u);
     mass.zero_held_unknowns(z, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMassSolver<dim>::precondition(
+    const Factors                   &part,
+    VectorType                      &z,
+    const VectorType                &r,
+    const unsigned int               width,
+    const std::vector<unsigned int> &columns) const
+  {
+    const unsigned int n = columns.size(), part_width = width_for(n);
+    work.assign(factor_places.size() * part_width, 0.);
+    const auto for_each = [&](const auto &visit) {
+      for (unsigned int u = 0; u < mass.n_owned_unknowns(); ++u)
+        {
+          const int row = factor_rows.empty() ? int(u) : factor_rows[u];
+          if (row >= 0)
+            for (unsigned int k = 0; k < n; ++k)
+              visit(std::size_t(row) * part_width + k, u * width + columns[k]);
+        }
+    };
+    for_each([&](const std::size_t to, const unsigned int from) {
+      work[to] = r.local_element(from);
+    });
+    part.cholesky.solve(work.data(), part_width);
+    for_each([&](const std::size_t from, const unsigned int to) {
+      z.local_element(to) = work[from];
+    });
   }
 
 
@@ -353,6 +280,8 @@ namespace greville
     mass.read_fields(unknowns,
                      std::vector<const VectorField<dim> *>(x.begin(), x.end()),
                      width);
+    if (n_holds != mass.n_holds())
+      hold();
     const bool  was_fresh = is_fresh;
     SolveResult result =
       run(was_fresh
@@ -367,6 +296,8 @@ namespace greville
         result = run(parameters.max_iterations);
         *result.iterations += n;
       }
+    else
+      judge_factorization(*result.iterations);
     mass.write_fields(x, unknowns, width);
     return result;
   }
@@ -478,7 +409,7 @@ namespace greville
       }
 
     // What is left of the residual pushes no column as a whole.
-    const auto     is_held = mass.has_held();
+    const auto    &is_held = mass.has_held();
     Columns<width> sums{};
     for (unsigned int i = 0; i < r.locally_owned_size(); i += width)
       for (int c = 0; c < width; ++c)
@@ -491,17 +422,24 @@ namespace greville
         for (unsigned int i = 0; i < x.locally_owned_size(); i += width)
           x.local_element(i + c) += sums[c] / total_mass;
 
-    // Does the factorization still serve?
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMassSolver<dim>::judge_factorization(const unsigned int n_iterations)
+  {
     if (is_fresh)
       {
-        fresh_iterations  = k;
+        fresh_iterations  = n_iterations;
         excess_iterations = 0;
       }
-    else if (k > fresh_iterations)
-      excess_iterations += k - fresh_iterations;
+    else if (n_iterations > fresh_iterations)
+      excess_iterations += n_iterations - fresh_iterations;
     is_fresh = false;
     is_due   = excess_iterations > smoother_parameters.reuse;
-    return result;
   }
 
 
@@ -510,10 +448,11 @@ namespace greville
   std::size_t
   ExtendedMassSolver<dim>::memory_consumption() const
   {
-    std::size_t n = 0;
+    std::size_t n = factor_places.size() * sizeof(unsigned int) +
+                    factor_rows.size() * sizeof(int) +
+                    work.size() * sizeof(double);
     for (const Factors &part : factors)
-      n += part.cholesky.memory_consumption() +
-           (part.domain ? part.domain->memory_consumption() : 0);
+      n += part.cholesky.memory_consumption();
     return n;
   }
 

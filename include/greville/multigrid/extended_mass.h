@@ -2,6 +2,7 @@
 #define greville_multigrid_extended_mass_h
 
 #include <greville/multigrid/incomplete_cholesky.h>
+#include <greville/multigrid/interleaved_layout.h>
 #include <greville/multigrid/stencil_matrix.h>
 #include <greville/spline/extension.h>
 
@@ -81,14 +82,8 @@ namespace greville
     hold(const std::vector<unsigned char> &held);
 
     /**
-     * Whether any function that meets mass is held in component @p c, on any
-     * process. Collective.
-     */
-    std::array<bool, dim>
-    has_held() const;
-
-    /**
-     * For each component the first one with the same held functions, on all
+     * For each component the first one with the same E: held functions that
+     * depend on others which are not held make a difference. The same on all
      * processes.
      */
     const std::array<unsigned int, dim> &
@@ -96,6 +91,38 @@ namespace greville
     {
       return first_alike;
     }
+
+    /**
+     * Number of calls of hold() so far.
+     */
+    unsigned int
+    n_holds() const
+    {
+      return hold_counter;
+    }
+
+    /**
+     * Whether any function that meets mass is held in a component, on any
+     * process.
+     */
+    const std::array<bool, dim> &
+    has_held() const
+    {
+      return component_has_held;
+    }
+
+    /**
+     * The components (bits) in which the owned unknowns are held.
+     */
+    std::vector<unsigned char>
+    held_unknowns() const;
+
+    /**
+     * The positions of the owned unknowns in the lattice of functions, with
+     * zeros for directions beyond @p dim.
+     */
+    std::vector<std::array<unsigned int, 3>>
+    unknown_positions() const;
 
     unsigned int
     n_owned_unknowns() const
@@ -129,17 +156,20 @@ namespace greville
     }
 
     /**
-     * Lexicographic positions of the owned unknowns.
-     */
-    std::vector<std::uint64_t>
-    unknown_positions() const;
-
-    /**
      * The layout of vectors of @p width columns. Ghost entries are those that
      * vmult() needs.
      */
     void
-    initialize_vector(VectorType &vector, const unsigned int width) const;
+    initialize_vector(VectorType &vector, const unsigned int width) const
+    {
+      vector.reinit(layout->partitioner(width));
+    }
+
+    const std::shared_ptr<const InterleavedLayout> &
+    unknown_layout() const
+    {
+      return layout;
+    }
 
     /**
      * y = A x, of @p width columns; held entries give and get zero. Ghost
@@ -214,12 +244,19 @@ namespace greville
     zero_held_unknowns(VectorType &x, const unsigned int width) const;
 
     /**
-     * The entries that this process contributes to A for @p component, between
-     * its unknowns, with the diagonal alone for held ones. On one process it is
-     * A.
+     * The entries that this process contributes to A between its unknowns, with
+     * the diagonal alone for those that are held in all @p components (bits),
+     * and nothing held elsewhere. On one process it is A.
      */
     LowerTriangle
-    local_entries(const unsigned int component);
+    local_entries(const unsigned int components);
+
+    /**
+     * Collective. The diagonal of E^T M~ E where E has the columns of unknowns
+     * that no extended function depends on, and part of it where one does.
+     */
+    void
+    approximate_diagonal(VectorType &diagonal) const;
 
     std::size_t
     memory_consumption() const;
@@ -228,11 +265,25 @@ namespace greville
     void
     number_unknowns();
 
+    /**
+     * Whether a held function is an extended one that depends on some that are
+     * not held, in which components (bits).
+     */
+    unsigned int
+    changes_extension(const unsigned int  place,
+                      const unsigned char components) const;
+
     void
     expand(const double *x, const unsigned int width) const;
 
     void
     collect(double *y, const unsigned int width) const;
+
+    /**
+     * Copy a component of a field to the places, with the ghosts of others.
+     */
+    void
+    to_places(const VectorType &component) const;
 
     void
     zero_held(double *values, const unsigned int width) const;
@@ -269,14 +320,11 @@ namespace greville
 
     std::vector<unsigned char>                          held_functions;
     std::vector<std::pair<unsigned int, unsigned char>> held_places;
+    std::array<bool, dim>                               component_has_held{};
     std::array<unsigned int, dim>                       first_alike{};
+    unsigned int                                        hold_counter = 0;
 
-    // The layout of vectors on several processes, by width.
-    dealii::types::global_dof_index first_unknown = 0, n_unknowns = 0;
-    std::vector<dealii::types::global_dof_index> ghost_unknowns;
-    mutable std::
-      array<std::shared_ptr<const dealii::Utilities::MPI::Partitioner>, 9>
-        partitioners;
+    std::shared_ptr<const InterleavedLayout> layout;
 
     mutable ZeroedArray<double> place_x, place_y;
   };

@@ -3,23 +3,23 @@
 
 #include <greville/multigrid/extended_mass.h>
 #include <greville/multigrid/mass_solver.h>
-#include <greville/multigrid/schwarz.h>
+#include <greville/multigrid/partitioned_cholesky.h>
+#include <greville/multigrid/smoother.h>
 
 namespace greville
 {
   /**
    * Conjugate gradients for A x = b with an ExtendedMass, for all components of
    * one or two vector fields together: one pass over matrix and factors serves
-   * all of them. The preconditioner is IncompleteCholesky in lexicographic
-   * order, one factorization per process with an overlap (additive Schwarz),
-   * and one for each set of components with the same held functions.
+   * all of them. The preconditioner is PartitionedCholesky in lexicographic
+   * order, one factorization for all components that have the same E.
    * It has no coarse level: doc/mass_of_points.md shows what one would bring.
    *
    * A factorization serves the matrices of following steps, too, until the
    * iterations that their solves need more than the first one add up to
-   * SmootherParameters::reuse: until it has cost what a new one costs. On one
-   * process it outlives changes of as many unknowns; new ones are divided by
-   * their diagonal entry.
+   * SmootherParameters::reuse: until it has cost what a new one costs. It
+   * outlives changes of as many unknowns; new ones are divided by their
+   * diagonal entry.
    *
    * The residual of the solution is orthogonal to constants in columns without
    * held functions, so that momentum does not depend on the tolerance.
@@ -71,16 +71,52 @@ namespace greville
     factorize();
 
     /**
-     * Number of unknowns that have come and gone since the factorization.
+     * The unknowns have changed: find those that have been factorized. Too many
+     * changes make a new factorization due.
      */
-    unsigned int
+    void
     match_unknowns();
 
+    /**
+     * Tell the factors what is held now.
+     */
+    void
+    hold();
+
+    /**
+     * For the components @p alike.
+     */
+    struct Factors
+    {
+      std::vector<unsigned int> alike;
+      PartitionedCholesky       cholesky;
+    };
+
+    /**
+     * z = the preconditioner times r, of @p width columns in blocks of dim.
+     */
     void
     precondition(VectorType        &z,
                  const VectorType  &r,
                  const unsigned int width,
                  const unsigned int n_columns) const;
+
+    /**
+     * The same for some columns, from and to interleaved vectors of the width
+     * of the work vectors.
+     */
+    void
+    precondition(const Factors                   &part,
+                 VectorType                      &z,
+                 const VectorType                &r,
+                 const unsigned int               width,
+                 const std::vector<unsigned int> &columns) const;
+
+    /**
+     * Is it time for a new factorization?
+     */
+    void
+    judge_factorization(const unsigned int n_iterations);
 
     template <int width>
     SolveResult
@@ -90,24 +126,6 @@ namespace greville
             const std::vector<double> &shares,
             const unsigned int         max_iterations);
 
-    /**
-     * For the components @p alike.
-     */
-    struct Factors
-    {
-      std::vector<unsigned int>               alike;
-      IncompleteCholesky                      cholesky;
-      std::unique_ptr<OverlappingDomain<dim>> domain; // several processes
-    };
-
-    /**
-     * r = the preconditioner times r, of @p width columns.
-     */
-    void
-    apply(const Factors     &factors,
-          VectorType        &r,
-          const unsigned int width) const;
-
     ExtendedMass<dim>          &mass;
     const MassSolverParameters &parameters;
     const SmootherParameters   &smoother_parameters;
@@ -115,12 +133,13 @@ namespace greville
     double                        total_mass = 0.;
     std::vector<Factors>          factors;
     std::array<unsigned int, dim> factor_alike{};
-    std::vector<unsigned int> factor_places; // unknowns that were factorized
-    std::vector<int>    factor_rows; // of unknowns, -1: none; empty: the same
-    std::vector<double> inverse_diagonal; // of those with none
-    mutable std::vector<double>       work;
-    mutable std::array<VectorType, 9> part_vectors; // by width
+    std::vector<unsigned int>     factor_places; // owned, that were factorized
+    std::vector<int>
+               factor_rows; // of owned unknowns, -1: none; empty: the same
+    VectorType diagonal;    // of A, for those with none
+    mutable std::vector<double> work;
 
+    unsigned int n_holds           = 0; // of the mass, that the factors know
     unsigned int factorizations    = 0;
     bool         is_due            = true;  // to factorize
     bool         is_fresh          = false; // factorized and not yet used

@@ -1,6 +1,7 @@
 #ifndef greville_multigrid_incomplete_cholesky_h
 #define greville_multigrid_incomplete_cholesky_h
 
+#include <utility>
 #include <vector>
 
 namespace greville
@@ -25,6 +26,21 @@ namespace greville
 
 
   /**
+   * Rows of a solve for several vectors that are left out of some of them: the
+   * solve is then one with the factors of the other rows. That of the matrix
+   * of the other rows it is where the rows left out are the last ones.
+   */
+  struct HeldRows
+  {
+    // Rows, ascending, and bits: bit c % n_components leaves the row out of
+    // vector c.
+    std::vector<std::pair<unsigned int, unsigned char>> rows;
+    unsigned int                                        n_components = 1;
+  };
+
+
+
+  /**
    * The incomplete Cholesky factorization IC(0),
    *   M ~ (1 + L) D (1 + L)^T,
    * where L has entries only where M has (J. Meijerink and H. van der Vorst,
@@ -38,10 +54,16 @@ namespace greville
    * fill, as for a Kronecker product in lexicographic order, the factorization
    * is exact.
    *
+   * Optionally only the first rows are eliminated, which leaves an incomplete
+   * Schur complement of the others.
+   *
    * The factors are kept, and solves are done, in single precision: half the
    * memory traffic, at an error (1e-7) that a preconditioner does not notice.
    * They are those of the matrix divided by its largest diagonal entry, so that
    * the unit of mass does not matter.
+   *
+   * Vectors are interleaved, @p width (1, 2, 4 or 8) of them: entry c of row i
+   * is x[i * width + c].
    */
   class IncompleteCholesky
   {
@@ -52,6 +74,17 @@ namespace greville
      */
     void
     factorize(const LowerTriangle &matrix, const double shift = 0.);
+
+    /**
+     * Eliminate the first @p n_eliminated rows. The Schur complement of the
+     * others, with the entries that the matrix has between them, goes to
+     * @p schur, whose rows are counted from zero. Their diagonal may be zero.
+     */
+    void
+    factorize(const LowerTriangle &matrix,
+              const double         shift,
+              const unsigned int   n_eliminated,
+              LowerTriangle       &schur);
 
     /**
      * The shift that was taken.
@@ -74,15 +107,43 @@ namespace greville
     unsigned int
     size() const
     {
-      return inverse_pivots.size();
+      return row_begin.size() - 1;
     }
 
     /**
-     * Solve in place for @p width (1, 2, 4 or 8) interleaved vectors: entry c
-     * of unknown i is x[i * width + c].
+     * What the matrix was divided by.
+     */
+    double
+    unit() const
+    {
+      return largest_diagonal;
+    }
+
+    /**
+     * Solve in place.
      */
     void
-    solve(double *x, const unsigned int width) const;
+    solve(double            *x,
+          const unsigned int width,
+          const HeldRows    &held = HeldRows()) const;
+
+    /**
+     * x <- (1 + L)^-1 x. Rows that are not eliminated get their right-hand side
+     * of the Schur complement.
+     */
+    void
+    forward(float             *x,
+            const unsigned int width,
+            const HeldRows    &held = HeldRows()) const;
+
+    /**
+     * x <- (1 + L)^-T (D / unit())^-1 x, with the solution in rows that are not
+     * eliminated.
+     */
+    void
+    backward(float             *x,
+             const unsigned int width,
+             const HeldRows    &held = HeldRows()) const;
 
     std::size_t
     memory_consumption() const;
@@ -91,19 +152,24 @@ namespace greville
     bool
     try_shift(const LowerTriangle       &matrix,
               const std::vector<double> &scaling,
-              const double               shift);
+              const double               shift,
+              LowerTriangle             &schur);
 
     template <int width>
     void
-    solve_interleaved(double *x) const;
+    forward_interleaved(float *x, const HeldRows &held) const;
 
-    double                     used_shift      = 0.;
-    double                     unit            = 1.; // largest diagonal entry
-    unsigned int               n_raised_pivots = 0;
-    std::vector<std::size_t>   row_begin;
+    template <int width>
+    void
+    backward_interleaved(float *x, const HeldRows &held) const;
+
+    double                     used_shift       = 0.;
+    double                     largest_diagonal = 1.;
+    unsigned int               n_raised_pivots  = 0;
+    std::vector<std::size_t>   row_begin        = {0};
     std::vector<unsigned int>  columns;
     std::vector<float>         entries;
-    std::vector<float>         inverse_pivots;
+    std::vector<float>         inverse_pivots; // of eliminated rows
     std::vector<double>        work;
     mutable std::vector<float> single;
   };
