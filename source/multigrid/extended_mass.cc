@@ -280,11 +280,11 @@ namespace greville
 
 
   template <int dim>
-  std::vector<std::array<unsigned int, 3>>
+  std::vector<std::array<int, 3>>
   ExtendedMass<dim>::unknown_positions() const
   {
-    const SplineSpace<dim>                  &space = points_mass.space();
-    std::vector<std::array<unsigned int, 3>> result(n_owned);
+    const SplineSpace<dim>         &space = points_mass.space();
+    std::vector<std::array<int, 3>> result(n_owned);
     for (unsigned int u = 0; u < n_owned; ++u)
       {
         const auto i =

@@ -85,6 +85,7 @@ namespace greville
                                 mass.unknown_layout(),
                                 positions,
                                 is_held_in_some,
+                                mass.matrix().space().degree(),
                                 smoother_parameters.shift);
       }
     hold();

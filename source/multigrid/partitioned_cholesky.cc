@@ -74,6 +74,139 @@ namespace greville
 
 
     /**
+     * The matrix with zeros where the elimination of one of the first
+     * @p n_eliminated rows couples two others: its IC(0) is IC(1).
+     */
+    LowerTriangle
+    with_fill(const LowerTriangle &matrix, const unsigned int n_eliminated)
+    {
+      // Rows below the diagonal of each column.
+      const unsigned int       n = matrix.size();
+      std::vector<std::size_t> column_begin(n + 1, 0);
+      for (const unsigned int column : matrix.columns)
+        ++column_begin[column + 1];
+      std::partial_sum(column_begin.begin(),
+                       column_begin.end(),
+                       column_begin.begin());
+      std::vector<unsigned int> rows(matrix.columns.size());
+      auto                      next = column_begin;
+      for (unsigned int i = 0; i < n; ++i)
+        for (std::size_t e = matrix.row_begin[i]; e < matrix.row_begin[i + 1];
+             ++e)
+          rows[next[matrix.columns[e]]++] = i;
+
+      LowerTriangle             result;
+      std::vector<double>       values(n, 0.);
+      std::vector<unsigned int> seen_by(n, numbers::invalid_unsigned_int);
+      std::vector<unsigned int> row;
+      for (unsigned int i = 0; i < n; ++i)
+        {
+          row.clear();
+          const auto see = [&](const unsigned int j) {
+            if (seen_by[j] != i)
+              {
+                seen_by[j] = i;
+                row.push_back(j);
+              }
+          };
+          for (std::size_t e = matrix.row_begin[i]; e < matrix.row_begin[i + 1];
+               ++e)
+            {
+              const unsigned int k = matrix.columns[e];
+              see(k);
+              values[k] = matrix.values[e];
+              if (k < n_eliminated)
+                for (std::size_t f = column_begin[k];
+                     f < column_begin[k + 1] && rows[f] < i;
+                     ++f)
+                  see(rows[f]);
+            }
+          std::sort(row.begin(), row.end());
+          for (const unsigned int j : row)
+            {
+              result.columns.push_back(j);
+              result.values.push_back(values[j]);
+              values[j] = 0.;
+            }
+          result.row_begin.push_back(result.columns.size());
+        }
+      return result;
+    }
+
+
+
+    /**
+     * Numbers of unknowns at positions of the lattice, in a box around them.
+     */
+    class Lattice
+    {
+    public:
+      using Position = std::array<int, 3>;
+
+      Lattice(const std::vector<Position>     &positions,
+              const std::vector<unsigned int> &unknowns)
+      {
+        if (unknowns.empty())
+          return;
+        low = high = positions[unknowns[0]];
+        for (const unsigned int u : unknowns)
+          for (unsigned int d = 0; d < 3; ++d)
+            {
+              low[d]  = std::min(low[d], positions[u][d]);
+              high[d] = std::max(high[d], positions[u][d]);
+            }
+        numbers.assign(index(high) + 1, -1);
+        for (unsigned int k = 0; k < unknowns.size(); ++k)
+          numbers[index(positions[unknowns[k]])] = k;
+      }
+
+      /**
+       * The place of an unknown in the list of them, or -1.
+       */
+      int
+      operator()(const Position &x) const
+      {
+        for (unsigned int d = 0; d < 3; ++d)
+          if (x[d] < low[d] || x[d] > high[d])
+            return -1;
+        return numbers[index(x)];
+      }
+
+      /**
+       * Whether any of the next @p n positions in a direction has one.
+       */
+      bool
+      follows(Position           x,
+              const unsigned int direction,
+              const int          step,
+              const unsigned int n) const
+      {
+        for (unsigned int k = 0; k < n; ++k)
+          {
+            x[direction] += step;
+            if ((*this)(x) >= 0)
+              return true;
+          }
+        return false;
+      }
+
+    private:
+      std::size_t
+      index(const Position &x) const
+      {
+        std::size_t result = 0;
+        for (unsigned int d = 3; d-- > 0;)
+          result = result * (high[d] - low[d] + 1) + (x[d] - low[d]);
+        return result;
+      }
+
+      Position         low{{0, 0, 0}}, high{{-1, -1, -1}};
+      std::vector<int> numbers;
+    };
+
+
+
+    /**
      * An entry of the Schur complement, by global numbers.
      */
     struct Entry
@@ -96,33 +229,69 @@ namespace greville
   PartitionedCholesky::factorize(
     const LowerTriangle                            &matrix,
     const std::shared_ptr<const InterleavedLayout> &new_layout,
-    const std::vector<std::array<unsigned int, 3>> &positions,
-    const std::vector<bool>                        &may_leave_out,
+    std::vector<std::array<int, 3>>                 positions,
+    std::vector<bool>                               may_leave_out,
+    const unsigned int                              reach,
     const double                                    shift)
   {
     layout = new_layout;
     for (Vector &vector : at_interface)
       vector.reinit(0);
     AssertDimension(matrix.size(), layout->n_local());
+    AssertDimension(positions.size(), layout->n_owned());
+    AssertDimension(may_leave_out.size(), layout->n_owned());
+    add_ghosts(positions, may_leave_out);
     find_interface();
-    find_order(positions, may_leave_out);
+    find_order(positions, may_leave_out, reach);
     held_interior.rows.clear();
-    held_interface.rows.clear();
 
-    LowerTriangle rest;
+    const bool has_interface =
+      Utilities::MPI::max<unsigned int>(interface_unknowns.size(),
+                                        layout->communicator()) > 0;
+    LowerTriangle ordered, rest;
+    const bool    is_ordered = std::is_sorted(order.begin(), order.end());
+    if (!is_ordered)
+      ordered = reorder(matrix, order);
+    if (has_fill)
+      ordered = with_fill(is_ordered ? matrix : ordered, n_interior);
     run_on_all(
       [&]() {
-        if (std::is_sorted(order.begin(), order.end()))
-          interior.factorize(matrix, shift, n_interior, rest);
-        else
-          interior.factorize(reorder(matrix, order), shift, n_interior, rest);
+        interior.factorize(has_fill || !is_ordered ? ordered : matrix,
+                           shift,
+                           n_interior,
+                           rest);
       },
       layout->communicator());
+    next.reset();
+    if (has_interface)
+      make_next_level(rest, positions, may_leave_out, reach, shift);
+  }
+
+
+
+  void
+  PartitionedCholesky::add_ghosts(std::vector<std::array<int, 3>> &positions,
+                                  std::vector<bool> &may_leave_out) const
+  {
     if (!is_parallel())
       return;
-    const LowerTriangle sum = sum_of_complements(rest);
-    run_on_all([&]() { interface.factorize(sum, shift); },
-               layout->communicator());
+    constexpr unsigned int width = 4;
+    Vector                 all(layout->partitioner(width));
+    for (unsigned int u = 0; u < positions.size(); ++u)
+      {
+        for (unsigned int d = 0; d < 3; ++d)
+          all.local_element(u * width + d) = positions[u][d];
+        all.local_element(u * width + 3) = may_leave_out[u];
+      }
+    all.update_ghost_values();
+    for (unsigned int u = positions.size(); u < layout->n_local(); ++u)
+      {
+        std::array<int, 3> x;
+        for (unsigned int d = 0; d < 3; ++d)
+          x[d] = static_cast<int>(all.local_element(u * width + d));
+        positions.push_back(x);
+        may_leave_out.push_back(all.local_element(u * width + 3) != 0.);
+      }
   }
 
 
@@ -193,39 +362,36 @@ namespace greville
 
   void
   PartitionedCholesky::find_order(
-    const std::vector<std::array<unsigned int, 3>> &positions,
-    const std::vector<bool>                        &may_leave_out)
+    const std::vector<std::array<int, 3>> &positions,
+    const std::vector<bool>               &may_leave_out,
+    const unsigned int                     reach)
   {
-    const unsigned int n_owned = layout->n_owned(), n = layout->n_local();
-    AssertDimension(positions.size(), n_owned);
-    AssertDimension(may_leave_out.size(), n_owned);
-    std::vector<bool> is_interior(n, true);
+    const unsigned int n = layout->n_local();
+    std::vector<bool>  is_interior(n, true);
     for (const unsigned int u : interface_unknowns)
       is_interior[u] = false;
     n_interior = n - interface_unknowns.size();
 
-    // Where on the average are those that come last?
-    std::array<double, 3>       mean{}, mean_last{};
-    std::array<unsigned int, 3> largest{};
-    unsigned int                n_last = 0;
-    for (unsigned int u = 0; u < n_owned; ++u)
-      {
-        const bool is_last = !is_interior[u] || may_leave_out[u];
-        n_last += is_last;
-        for (unsigned int d = 0; d < 3; ++d)
-          {
-            mean[d] += double(positions[u][d]) / n_owned;
-            largest[d] = std::max(largest[d], positions[u][d]);
-            if (is_last)
-              mean_last[d] += positions[u][d];
-          }
-      }
-    std::array<bool, 3> descends;
+    // On which sides of the interior are those that come last?
+    std::vector<unsigned int> first;
+    for (unsigned int u = 0; u < n; ++u)
+      if (is_interior[u] && !may_leave_out[u])
+        first.push_back(u);
+    const Lattice      lattice(positions, first);
+    std::array<int, 3> balance{}, largest{};
+    for (unsigned int u = 0; u < n; ++u)
+      for (unsigned int d = 0; d < 3; ++d)
+        {
+          largest[d] = std::max(largest[d], positions[u][d]);
+          if (!is_interior[u] || may_leave_out[u])
+            balance[d] += lattice.follows(positions[u], d, -1, reach) -
+                          lattice.follows(positions[u], d, 1, reach);
+        }
     for (unsigned int d = 0; d < 3; ++d)
-      descends[d] = n_last > 0 && mean_last[d] < (mean[d] - 0.5) * n_last;
+      descends[d] = balance[d] < 0;
 
     std::vector<std::pair<std::uint64_t, unsigned int>> sequence;
-    for (unsigned int u = 0; u < n_owned; ++u)
+    for (unsigned int u = 0; u < n; ++u)
       if (is_interior[u])
         {
           std::uint64_t key = 0;
@@ -247,42 +413,78 @@ namespace greville
 
 
 
-  LowerTriangle
-  PartitionedCholesky::sum_of_complements(const LowerTriangle &own) const
+  void
+  PartitionedCholesky::make_next_level(
+    const LowerTriangle                   &complement,
+    const std::vector<std::array<int, 3>> &positions,
+    const std::vector<bool>               &may_leave_out,
+    const unsigned int                     reach,
+    const double                           shift)
   {
+    const MPI_Comm     comm      = layout->communicator();
+    const unsigned int me        = Utilities::MPI::this_mpi_process(comm);
     const unsigned int n_managed = interface_layout->n_owned();
-    std::vector<std::vector<std::pair<unsigned int, double>>> rows(n_managed);
-    const auto                                                add =
-      [&](const unsigned int i, const unsigned int j, const double value) {
-        rows[std::max(i, j)].emplace_back(std::min(i, j), value);
-      };
 
-    // Managers of what others manage.
-    std::vector<unsigned int> manager(n_managed, numbers::invalid_unsigned_int);
+    std::vector<std::array<int, 3>> next_positions;
+    std::vector<bool>               next_may_leave_out;
+    for (unsigned int k = 0; k < n_managed; ++k)
+      {
+        next_positions.push_back(positions[interface_unknowns[k]]);
+        next_may_leave_out.push_back(may_leave_out[interface_unknowns[k]]);
+      }
+
+    // Entries go to the first of their managers.
+    std::vector<unsigned int> manager(n_managed, me);
     for (const auto &target : interface_layout->partitioner(1)->ghost_targets())
       manager.insert(manager.end(), target.second, target.first);
-    std::map<unsigned int, std::vector<Entry>> to_send;
-    for (unsigned int i = 0; i < own.size(); ++i)
-      for (std::size_t e = own.row_begin[i]; e < own.row_begin[i + 1]; ++e)
+    std::map<unsigned int, std::vector<Entry>> sent;
+    for (unsigned int i = 0; i < complement.size(); ++i)
+      for (std::size_t e = complement.row_begin[i];
+           e < complement.row_begin[i + 1];
+           ++e)
         {
-          const unsigned int j = own.columns[e];
-          if (manager[i] != manager[j])
-            continue;
-          if (i < n_managed)
-            add(i, j, own.values[e]);
-          else
-            to_send[manager[i]].push_back({interface_layout->global_number(i),
-                                           interface_layout->global_number(j),
-                                           own.values[e]});
+          const unsigned int j = complement.columns[e];
+          sent[std::min(manager[i], manager[j])].push_back(
+            {interface_layout->global_number(i),
+             interface_layout->global_number(j),
+             complement.values[e]});
         }
-    const auto received =
-      Utilities::MPI::some_to_some(layout->communicator(), to_send);
-    const auto first = interface_layout->global_number(0);
+    auto       received = Utilities::MPI::some_to_some(comm, sent);
+    const auto own      = sent.find(me);
+    if (own != sent.end())
+      received[me] = std::move(own->second);
+
+    const auto first =
+      interface_layout->n_owned() > 0 ? interface_layout->global_number(0) : 0;
+    const auto is_own = [&](const types::global_dof_index i) {
+      return i >= first && i < first + n_managed;
+    };
+    std::vector<types::global_dof_index> ghosts;
     for (const auto &message : received)
       for (const Entry &entry : message.second)
-        add(entry.row - first, entry.column - first, entry.value);
+        for (const auto i : {entry.row, entry.column})
+          if (!is_own(i))
+            ghosts.push_back(i);
+    std::sort(ghosts.begin(), ghosts.end());
+    ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
+    const auto local = [&](const types::global_dof_index i) -> unsigned int {
+      return is_own(i) ? i - first
+                       : n_managed +
+                           (std::lower_bound(ghosts.begin(), ghosts.end(), i) -
+                            ghosts.begin());
+    };
 
-    LowerTriangle result;
+    std::vector<std::vector<std::pair<unsigned int, double>>> rows(
+      n_managed + ghosts.size());
+    for (unsigned int i = 0; i < rows.size(); ++i)
+      rows[i].emplace_back(i, 0.);
+    for (const auto &message : received)
+      for (const Entry &entry : message.second)
+        {
+          const unsigned int i = local(entry.row), j = local(entry.column);
+          rows[std::max(i, j)].emplace_back(std::min(i, j), entry.value);
+        }
+    LowerTriangle sum;
     for (auto &row : rows)
       {
         std::sort(row.begin(), row.end(), [](const auto &a, const auto &b) {
@@ -290,15 +492,23 @@ namespace greville
         });
         for (std::size_t k = 0; k < row.size(); ++k)
           if (k > 0 && row[k].first == row[k - 1].first)
-            result.values.back() += row[k].second;
+            sum.values.back() += row[k].second;
           else
             {
-              result.columns.push_back(row[k].first);
-              result.values.push_back(row[k].second);
+              sum.columns.push_back(row[k].first);
+              sum.values.push_back(row[k].second);
             }
-        result.row_begin.push_back(result.columns.size());
+        sum.row_begin.push_back(sum.columns.size());
       }
-    return result;
+    next           = std::make_unique<PartitionedCholesky>();
+    next->has_fill = true;
+    next->factorize(
+      sum,
+      std::make_shared<InterleavedLayout>(first, n_managed, ghosts, comm),
+      next_positions,
+      next_may_leave_out,
+      reach,
+      shift);
   }
 
 
@@ -308,14 +518,12 @@ namespace greville
                             const unsigned int                n_components)
   {
     AssertDimension(held.size(), layout->n_owned());
-    held_interior.n_components  = n_components;
-    held_interface.n_components = n_components;
+    held_interior.n_components = n_components;
     held_interior.rows.clear();
-    held_interface.rows.clear();
     for (unsigned int k = 0; k < n_interior; ++k)
       if (held[order[k]] != 0)
         held_interior.rows.emplace_back(k, held[order[k]]);
-    if (!is_parallel())
+    if (!next)
       return;
     // Managers need not own what they manage.
     Vector &bits = vector_at_interface(1);
@@ -323,10 +531,10 @@ namespace greville
       bits.local_element(k) =
         interface_unknowns[k] < held.size() ? held[interface_unknowns[k]] : 0.;
     bits.compress(VectorOperation::add);
+    std::vector<unsigned char> next_held;
     for (unsigned int k = 0; k < interface_layout->n_owned(); ++k)
-      if (bits.local_element(k) != 0.)
-        held_interface.rows.emplace_back(
-          k, static_cast<unsigned char>(bits.local_element(k)));
+      next_held.push_back(static_cast<unsigned char>(bits.local_element(k)));
+    next->hold(next_held, n_components);
   }
 
 
@@ -353,7 +561,7 @@ namespace greville
     double largest = 0.;
     for (std::size_t k = 0; k < std::size_t(n_owned) * width; ++k)
       largest = std::max(largest, std::abs(x[k]));
-    if (!is_parallel() && !(largest > 0.))
+    if (!next && !(largest > 0.))
       return;
     const double scale = largest > 0. ? 1. / largest : 0.;
     for (unsigned int k = 0; k < n_interior; ++k)
@@ -364,7 +572,7 @@ namespace greville
               values.end(),
               0.f);
     interior.forward(values.data(), width, held_interior);
-    if (is_parallel())
+    if (next)
       solve_interface(x, width, largest);
     interior.backward(values.data(), width, held_interior);
     const double back = (largest > 0. ? largest : 1.) / interior.unit();
@@ -395,7 +603,7 @@ namespace greville
               x[std::size_t(interface_unknowns[k]) * width + c];
         }
     y.compress(VectorOperation::add);
-    interface.solve(y.begin(), width, held_interface);
+    next->solve(y.begin(), width);
     y.update_ghost_values();
     const double scale = interior.unit() / (largest > 0. ? largest : 1.);
     for (unsigned int k = 0; k < interface_unknowns.size(); ++k)
@@ -416,7 +624,7 @@ namespace greville
   PartitionedCholesky::memory_consumption() const
   {
     std::size_t n =
-      interior.memory_consumption() + interface.memory_consumption() +
+      interior.memory_consumption() + (next ? next->memory_consumption() : 0) +
       (order.size() + interface_unknowns.size()) * sizeof(unsigned int) +
       values.size() * sizeof(float);
     for (const Vector &vector : at_interface)

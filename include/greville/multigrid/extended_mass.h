@@ -121,7 +121,7 @@ namespace greville
      * The positions of the owned unknowns in the lattice of functions, with
      * zeros for directions beyond @p dim.
      */
-    std::vector<std::array<unsigned int, 3>>
+    std::vector<std::array<int, 3>>
     unknown_positions() const;
 
     unsigned int

@@ -25,16 +25,22 @@ namespace greville
    *   S_s = A_{BB} - A_{BI} A_{II}^{-1} A_{IB},
    * @f]
    * with the fill that IC(0) drops. An unknown of the interface is *managed* by
-   * the first process that knows it. The Schur complements S_s are summed up by
-   * managers, each of which factorizes what couples its own unknowns. A solve
-   * needs two exchanges with neighbours: of what the interiors leave to the
-   * interface, and of the solution there.
+   * the first process that knows it. The sum of the S_s is the matrix of the
+   * next level, with the interface as its unknowns, which each process owns
+   * where it manages them; entries between two managers go to the first of
+   * them. Levels follow each other until there is no interface. A level needs
+   * two exchanges with neighbours in a solve: of what the interiors leave to
+   * the interface, and of the solution there. On one process there is one
+   * level, IncompleteCholesky.
    *
    * The fill that IC(0) drops is that of elimination away from what comes last:
    * a Kronecker product of banded matrices has none in lexicographic order,
    * that is, from one corner of the body to the opposite one. So each process
    * eliminates its interior in lexicographic order with the directions that
-   * lead towards its interface, and towards walls that hold unknowns.
+   * lead towards its interface, and towards walls that hold unknowns. Further
+   * levels are small, and irregular where parts of processes meet like stairs:
+   * they keep the fill that two entries of the matrix make, IC(1), without
+   * which iterations grow with the number of processes.
    *
    * (G. Karypis, V. Kumar, Parallel threshold-based ILU factorization, 1997;
    * Y. Saad, Iterative methods for sparse linear systems, 2003, section 12.)
@@ -48,14 +54,17 @@ namespace greville
     /**
      * Collective. @p matrix has the entries of this process between the
      * unknowns of @p layout. The owned unknowns have @p positions in a lattice,
-     * and some of them columns @p may_leave_out. Throws dealii::ExcMessage on
-     * all processes where IncompleteCholesky::factorize() does on one.
+     * in which the matrix couples those whose positions differ by @p reach at
+     * most, apart from few others. Some of them columns @p may_leave_out.
+     * Throws dealii::ExcMessage on all processes where
+     * IncompleteCholesky::factorize() does on one.
      */
     void
     factorize(const LowerTriangle                            &matrix,
               const std::shared_ptr<const InterleavedLayout> &layout,
-              const std::vector<std::array<unsigned int, 3>> &positions,
-              const std::vector<bool>                        &may_leave_out,
+              std::vector<std::array<int, 3>>                 positions,
+              std::vector<bool>                               may_leave_out,
+              const unsigned int                              reach,
               const double                                    shift);
 
     /**
@@ -80,6 +89,13 @@ namespace greville
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
 
     /**
+     * What is known of owned unknowns, of ghosts as well.
+     */
+    void
+    add_ghosts(std::vector<std::array<int, 3>> &positions,
+               std::vector<bool>               &may_leave_out) const;
+
+    /**
      * Find interior and interface, and who manages what.
      */
     void
@@ -89,14 +105,19 @@ namespace greville
      * Find the order of elimination.
      */
     void
-    find_order(const std::vector<std::array<unsigned int, 3>> &positions,
-               const std::vector<bool>                        &may_leave_out);
+    find_order(const std::vector<std::array<int, 3>> &positions,
+               const std::vector<bool>               &may_leave_out,
+               const unsigned int                     reach);
 
     /**
-     * Managers collect the entries that couple their unknowns.
+     * Sum up the Schur complements, and make the next level of them.
      */
-    LowerTriangle
-    sum_of_complements(const LowerTriangle &own) const;
+    void
+    make_next_level(const LowerTriangle                   &complement,
+                    const std::vector<std::array<int, 3>> &positions,
+                    const std::vector<bool>               &may_leave_out,
+                    const unsigned int                     reach,
+                    const double                           shift);
 
     /**
      * The part of solve() between the sweeps over the interior: @p x has the
@@ -121,6 +142,7 @@ namespace greville
     }
 
     std::shared_ptr<const InterleavedLayout> layout;
+    bool                                     has_fill = false; // IC(1)
 
     // Unknowns of the interface that this process knows, those that it manages
     // first, by local unknown.
@@ -130,10 +152,11 @@ namespace greville
     // Local unknowns in the order of elimination: interior, then interface.
     std::vector<unsigned int> order;
     unsigned int              n_interior = 0;
+    std::array<bool, 3>       descends{}; // in the directions of the lattice
 
-    IncompleteCholesky interior, interface;
-
-    HeldRows held_interior, held_interface;
+    IncompleteCholesky                   interior;
+    HeldRows                             held_interior;
+    std::unique_ptr<PartitionedCholesky> next; // level; none: no interface
 
     mutable std::vector<float>    values;       // of all local rows
     mutable std::array<Vector, 9> at_interface; // by width
