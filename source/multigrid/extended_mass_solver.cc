@@ -209,10 +209,6 @@ namespace greville
 
   namespace
   {
-    // With an old factorization no solve is worth more iterations, unless the
-    // first one needed half as many.
-    constexpr unsigned int most_iterations_if_old = 25;
-
     template <int width>
     using Columns = std::array<double, width>;
 
@@ -285,20 +281,19 @@ namespace greville
       hold();
     const bool  was_fresh = is_fresh;
     SolveResult result =
-      run(was_fresh
-            ? parameters.max_iterations
-            : std::min(parameters.max_iterations,
-                       std::max(most_iterations_if_old, 2 * fresh_iterations)));
+      run(was_fresh ? parameters.max_iterations
+                    : std::min(parameters.max_iterations,
+                               most_iterations_with_old_factors()));
+    unsigned int n_wasted = 0;
     if (!result.converged && !was_fresh)
       {
         // The factorization is too old: go on with a new one.
-        const unsigned int n = *result.iterations;
+        n_wasted = *result.iterations;
         factorize();
         result = run(parameters.max_iterations);
-        *result.iterations += n;
       }
-    else
-      judge_factorization(*result.iterations);
+    judge_factorization(*result.iterations);
+    *result.iterations += n_wasted;
     mass.write_fields(x, unknowns, width);
     return result;
   }
@@ -424,6 +419,17 @@ namespace greville
           x.local_element(i + c) += sums[c] / total_mass;
 
     return result;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  ExtendedMassSolver<dim>::most_iterations_with_old_factors() const
+  {
+    // One solve that needs so many more makes a new factorization due.
+    return fresh_iterations + 1 +
+           static_cast<unsigned int>(smoother_parameters.reuse);
   }
 
 

@@ -113,6 +113,12 @@ namespace greville
                  const std::vector<unsigned int> &columns) const;
 
     /**
+     * Iterations after which a solve had better begin again with new factors.
+     */
+    unsigned int
+    most_iterations_with_old_factors() const;
+
+    /**
      * Is it time for a new factorization?
      */
     void
