@@ -127,20 +127,22 @@ namespace greville
 
   template <int dim>
   void
-  StencilMatrix<dim>::add_cell(const unsigned int cell, const double *sums)
+  StencilMatrix<dim>::add_cell(const unsigned int cell,
+                               const double      *sums,
+                               const unsigned int stride)
   {
     switch (spline_space->degree())
       {
         case 1:
-          return add_cell_of_order<2>(cell, sums);
+          return add_cell_of_order<2>(cell, sums, stride);
         case 2:
-          return add_cell_of_order<3>(cell, sums);
+          return add_cell_of_order<3>(cell, sums, stride);
         case 3:
-          return add_cell_of_order<4>(cell, sums);
+          return add_cell_of_order<4>(cell, sums, stride);
         case 4:
-          return add_cell_of_order<5>(cell, sums);
+          return add_cell_of_order<5>(cell, sums, stride);
         case 5:
-          return add_cell_of_order<6>(cell, sums);
+          return add_cell_of_order<6>(cell, sums, stride);
         default:
           Assert(false, ExcInternalError());
       }
@@ -167,7 +169,8 @@ namespace greville
   template <int n>
   void
   StencilMatrix<dim>::add_cell_of_order(const unsigned int cell,
-                                        const double      *sums)
+                                        const double      *sums,
+                                        const unsigned int stride)
   {
     constexpr int p       = n - 1;
     constexpr int length  = 2 * p + 1;
@@ -185,10 +188,10 @@ namespace greville
             for (int b_y = b_z == a_z ? a_y : 0; b_y < n; ++b_y)
               {
                 const double *from =
-                  sums + (dim == 3 ? (pair_number<n>(a_z, b_z) * n_pairs +
-                                      pair_number<n>(a_y, b_y)) *
-                                       n_pairs
-                                   : pair_number<n>(a_y, b_y) * n_pairs);
+                  sums +
+                  stride *
+                    (pair_number<n>(a_y, b_y) +
+                     (dim == 3 ? pair_number<n>(a_z, b_z) * n_pairs : 0));
                 const bool same = b_z == a_z && b_y == a_y;
                 const int entry = ((b_z - a_z) * length + (b_y - a_y)) * length;
 #pragma GCC unroll 6

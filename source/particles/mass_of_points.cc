@@ -9,8 +9,47 @@ namespace greville
   namespace
   {
     /**
+     * sum[k] += sum_p factors[k][p] x[p] for vectors sum[k] and x[p] that are
+     * @p stride numbers apart.
+     */
+    template <int n, int stride>
+    inline void
+    add_products(double *sum,
+                 const double (&factors)[n][simd_width],
+                 const double *x)
+    {
+      // As many sums at a time as there are registers for.
+      constexpr int n_sums = n % 7 == 0   ? 7
+                             : n % 6 == 0 ? 6
+                             : n % 5 == 0 ? 5
+                                          : n;
+#pragma GCC unroll 4
+      for (int first = 0; first < n; first += n_sums)
+        {
+          Simd part[n_sums];
+#pragma GCC unroll 7
+          for (int k = 0; k < n_sums; ++k)
+            part[k] = load(sum + (first + k) * stride);
+#pragma GCC unroll 8
+          for (unsigned int p = 0; p < simd_width; ++p)
+            {
+              const Simd x_p = load(x + p * stride);
+#pragma GCC unroll 7
+              for (int k = 0; k < n_sums; ++k)
+                part[k] += factors[first + k][p] * x_p;
+            }
+#pragma GCC unroll 7
+          for (int k = 0; k < n_sums; ++k)
+            store(part[k], sum + (first + k) * stride);
+        }
+    }
+
+
+
+    /**
      * Add the mass matrices of the cells: for all pairs of functions in each
-     * direction sum_p m_p N_a N_b, with points in the lanes.
+     * direction sum_p m_p N_a N_b. Shape functions have points in the lanes,
+     * the sums have pairs in x, so that they need not be added up over lanes.
      */
     template <int dim, int n>
     void
@@ -19,18 +58,20 @@ namespace greville
               const std::array<SplinePolynomials, dim> &tables,
               StencilMatrix<dim>                       &matrix)
     {
-      using Layout              = PointLayout<dim>;
-      constexpr int n_pairs     = n * (n + 1) / 2;
-      constexpr int n_outer     = dim == 3 ? n_pairs : 1;
-      constexpr int n_all_pairs = n_outer * n_pairs * n_pairs;
+      using Layout           = PointLayout<dim>;
+      constexpr int n_pairs  = n * (n + 1) / 2;
+      constexpr int n_outer  = dim == 3 ? n_pairs : 1;
+      constexpr int width    = simd_width;
+      constexpr int n_blocks = (n_pairs + width - 1) / width;
+      constexpr int stride   = n_blocks * width;
 
-      std::vector<Simd>   sums(n_all_pairs);
-      std::vector<double> reduced(n_all_pairs);
+      std::vector<double> sums(n_outer * n_pairs * stride);
+      double              factors[n_pairs][width];       // m N_y N_y N_z N_z
+      double              pairs_x[width][stride] = {{}}; // N_x N_x of a point
       for (const unsigned int cell : points.cells())
         {
           const CellGeometry<dim, n> geometry(space, tables, cell);
-          for (Simd &sum : sums)
-            sum = 0.;
+          std::fill(sums.begin(), sums.end(), 0.);
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points.next_group(g))
@@ -53,22 +94,25 @@ namespace greville
                     for (int b = a; b < n; ++b)
                       pairs[d][k++] = shape.N[d][a] * shape.N[d][b];
                 }
-              Simd *sum = sums.data();
+              for (int k = 0; k < n_pairs; ++k)
+                for (int point = 0; point < width; ++point)
+                  pairs_x[point][k] = pairs[0][k][point];
               for (int z = 0; z < n_outer; ++z)
                 {
                   const Simd m_z = dim == 3 ? m * pairs[dim - 1][z] : m;
-                  for (int y = 0; y < n_pairs; ++y, sum += n_pairs)
+                  for (int y = 0; y < n_pairs; ++y)
+                    store(m_z * pairs[1][y], factors[y]);
+                  for (int block = 0; block < n_blocks; ++block)
                     {
-                      const Simd m_zy = m_z * pairs[1][y];
-#pragma GCC unroll 21
-                      for (int k = 0; k < n_pairs; ++k)
-                        sum[k] += m_zy * pairs[0][k];
+                      double *sum = sums.data() + z * n_pairs * stride +
+                                    std::size_t(block) * width;
+                      add_products<n_pairs, stride>(sum,
+                                                    factors,
+                                                    pairs_x[0] + block * width);
                     }
                 }
             }
-          for (int k = 0; k < n_all_pairs; ++k)
-            reduced[k] = reduce(sums[k]);
-          matrix.add_cell(cell, reduced.data());
+          matrix.add_cell(cell, sums.data(), stride);
         }
     }
   } // namespace

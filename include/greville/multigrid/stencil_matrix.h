@@ -83,10 +83,12 @@ namespace greville
      * its functions in one direction, numbered (0, 0), (0, 1), ..., (1, 1),
      * ...,
      * @p sums has sum_p m_p N_a(x_p) N_b(x_p) for all combinations of pairs of
-     * the directions, x fastest.
+     * the directions, x fastest, with @p stride numbers for the pairs in x.
      */
     void
-    add_cell(const unsigned int cell, const double *sums);
+    add_cell(const unsigned int cell,
+             const double      *sums,
+             const unsigned int stride);
 
     /**
      * Remove the entries that couple the function at @p place with others and
@@ -150,7 +152,9 @@ namespace greville
 
     template <int n>
     void
-    add_cell_of_order(const unsigned int cell, const double *sums);
+    add_cell_of_order(const unsigned int cell,
+                      const double      *sums,
+                      const unsigned int stride);
 
     template <int n, int width>
     void
