@@ -734,7 +734,7 @@ namespace greville
     LowerTriangle      result;
 
     // What all of them hold has no role here.
-    std::vector<bool>                         is_held(n, false);
+    std::vector<unsigned char>                is_held(n, 0);
     std::vector<std::pair<unsigned int, int>> held_roles;
     for (const auto &entry : held_places)
       if ((entry.second & components) == components)
@@ -742,23 +742,37 @@ namespace greville
           int &role = roles[entry.first];
           held_roles.emplace_back(entry.first, role);
           if (role > 0)
-            is_held[role - 1] = true;
+            is_held[role - 1] = 1;
           role = 0;
         }
 
-    // A row that is summed up, up to a column.
-    std::vector<double>       sums(n, 0.);
-    std::vector<bool>         is_touched(n, false);
-    std::vector<unsigned int> touched;
+    // A row that is summed up, up to a column, and bits of its entries.
+    constexpr unsigned int     n_bits = 64;
+    std::vector<double>        sums(n, 0.);
+    std::vector<std::uint64_t> touched(n / n_bits + 1, 0);
+    unsigned int               lowest = n, highest = 0;
     const auto add_entry = [&](const unsigned int unknown, const double value) {
       if (is_held[unknown])
         return;
-      if (!is_touched[unknown])
-        {
-          is_touched[unknown] = true;
-          touched.push_back(unknown);
-        }
+      touched[unknown / n_bits] |= std::uint64_t(1) << (unknown % n_bits);
+      lowest  = std::min(lowest, unknown);
+      highest = std::max(highest, unknown);
       sums[unknown] += value;
+    };
+    // Visit the entries, ascending, and clear the row.
+    const auto take_row = [&](const auto &visit) {
+      for (unsigned int word = lowest / n_bits;
+           lowest <= highest && word <= highest / n_bits;
+           ++word)
+        for (; touched[word] != 0; touched[word] &= touched[word] - 1)
+          {
+            const unsigned int j =
+              word * n_bits + __builtin_ctzll(touched[word]);
+            visit(j, sums[j]);
+            sums[j] = 0.;
+          }
+      lowest  = n;
+      highest = 0;
     };
     const auto add_row_times_E = [&](const unsigned int place,
                                      const unsigned int last) {
@@ -787,13 +801,9 @@ namespace greville
       {
         if (roles[place] != 0)
           add_row_times_E(place, n);
-        for (const unsigned int j : touched)
-          {
-            B.push_back({j, sums[j]});
-            sums[j]       = 0.;
-            is_touched[j] = false;
-          }
-        touched.clear();
+        take_row([&](const unsigned int j, const double value) {
+          B.push_back({j, value});
+        });
         B_begin.push_back(B.size());
       }
 
@@ -826,7 +836,13 @@ namespace greville
     const bool is_ascending = n == n_owned; // in the order of places
 
     // A = (E^T B) with the rows of B = M E, lower part.
+    const unsigned int length =
+      2 * points_mass.space().degree() + 1; // of a stencil
+    const std::size_t n_entries =
+      std::size_t(n) * (Utilities::fixed_power<dim>(length) / 2 + 1);
     result.row_begin.reserve(n + 1);
+    result.columns.reserve(n_entries);
+    result.values.reserve(n_entries);
     for (unsigned int i = 0; i < n; ++i)
       {
         if (is_held[i])
@@ -860,16 +876,10 @@ namespace greville
             if (B[b].unknown <= i)
               add_entry(B[b].unknown, transpose[t].weight * B[b].weight);
         add_entry(i, 0.);
-        if (!std::is_sorted(touched.begin(), touched.end()))
-          std::sort(touched.begin(), touched.end());
-        for (const unsigned int j : touched)
-          {
-            result.columns.push_back(j);
-            result.values.push_back(sums[j]);
-            sums[j]       = 0.;
-            is_touched[j] = false;
-          }
-        touched.clear();
+        take_row([&](const unsigned int j, const double value) {
+          result.columns.push_back(j);
+          result.values.push_back(value);
+        });
         result.row_begin.push_back(result.columns.size());
       }
     for (const auto &entry : held_roles)
