@@ -833,7 +833,6 @@ namespace greville
                                    if (roles[j] > 0)
                                      is_plain[roles[j] - 1] = false;
                                  });
-    const bool is_ascending = n == n_owned; // in the order of places
 
     // A = (E^T B) with the rows of B = M E, lower part.
     const unsigned int length =
@@ -854,11 +853,12 @@ namespace greville
             result.row_begin.push_back(result.columns.size());
             continue;
           }
-        if (is_plain[i] && is_ascending)
+        if (is_plain[i])
           {
             points_mass.for_each_lower_entry(
               unknowns[i], [&](const unsigned int j, const double value) {
-                if (roles[j] <= 0)
+                // Ghosts, which come last, have the entry in their row.
+                if (roles[j] <= 0 || unsigned(roles[j] - 1) > i)
                   return;
                 result.columns.push_back(roles[j] - 1);
                 result.values.push_back(value);
