@@ -863,6 +863,13 @@ namespace greville
                 result.columns.push_back(roles[j] - 1);
                 result.values.push_back(value);
               });
+            // Where all its points are those of other processes.
+            if (result.columns.size() == result.row_begin.back() ||
+                result.columns.back() != i)
+              {
+                result.columns.push_back(i);
+                result.values.push_back(0.);
+              }
             result.row_begin.push_back(result.columns.size());
             continue;
           }

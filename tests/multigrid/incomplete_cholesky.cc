@@ -131,6 +131,91 @@ test_fails(const std::string &name, const LowerTriangle &matrix)
 
 
 
+// A full matrix, whose IC(0) is exact: positive definite, of this size.
+std::vector<std::vector<double>>
+full_matrix(const unsigned int n)
+{
+  std::vector<std::vector<double>> rows(n, std::vector<double>(n));
+  for (unsigned int i = 0; i < n; ++i)
+    for (unsigned int j = 0; j < n; ++j)
+      rows[i][j] = std::pow(0.6, std::abs(int(i) - int(j))) + (i == j);
+  return rows;
+}
+
+
+
+// Solve by elimination of the first rows, then of their Schur complement.
+void
+test_schur_complement()
+{
+  constexpr unsigned int n = 7, n_first = 4, width = 2;
+  const LowerTriangle    matrix = lower_part(full_matrix(n));
+  IncompleteCholesky     whole, first, second;
+  LowerTriangle          schur;
+  whole.factorize(matrix);
+  first.factorize(matrix, 0., n_first, schur);
+  second.factorize(schur);
+  check("size of the Schur complement", schur.size() == n - n_first);
+
+  std::vector<double> x(n * width), rest((n - n_first) * width);
+  std::vector<float>  y(n * width);
+  for (unsigned int i = 0; i < n * width; ++i)
+    y[i] = x[i] = pseudo_random(i);
+  whole.solve(x.data(), width);
+  first.forward(y.data(), width);
+  std::copy(y.begin() + n_first * width, y.end(), rest.begin());
+  second.solve(rest.data(), width);
+  for (unsigned int i = 0; i < rest.size(); ++i)
+    y[n_first * width + i] = first.unit() * rest[i];
+  first.backward(y.data(), width);
+  double error = 0.;
+  for (unsigned int i = 0; i < n * width; ++i)
+    error = std::max(error, std::abs(y[i] / first.unit() - x[i]));
+  check("solve with the Schur complement", error, 1e-5);
+}
+
+
+
+// The last rows held in one of two components: the factors without them.
+void
+test_held_rows()
+{
+  constexpr unsigned int n = 6, n_free = 4, width = 4;
+  auto                   rows = full_matrix(n);
+  IncompleteCholesky     whole, part;
+  whole.factorize(lower_part(rows));
+  rows.resize(n_free);
+  for (auto &row : rows)
+    row.resize(n_free);
+  part.factorize(lower_part(rows));
+  HeldRows held;
+  held.n_components = 2;
+  for (unsigned int i = n_free; i < n; ++i)
+    held.rows.emplace_back(i, 2);
+
+  std::vector<double> x(n * width), with_all(n * width),
+    with_some(n_free * width);
+  for (unsigned int i = 0; i < x.size(); ++i)
+    x[i] = pseudo_random(i);
+  with_all = x;
+  std::copy_n(x.begin(), with_some.size(), with_some.begin());
+  whole.solve(x.data(), width, held);
+  whole.solve(with_all.data(), width);
+  part.solve(with_some.data(), width);
+  double error = 0.;
+  for (unsigned int i = 0; i < n; ++i)
+    for (unsigned int c = 0; c < width; ++c)
+      {
+        const double wanted = c % 2 == 0   ? with_all[i * width + c]
+                              : i < n_free ? with_some[i * width + c]
+                                           : 0.;
+        error = std::max(error, std::abs(x[i * width + c] - wanted));
+      }
+  check("held rows", error, 1e-5);
+}
+
+
+
 int
 main(int argc, char **argv)
 {
@@ -212,6 +297,8 @@ main(int argc, char **argv)
       }
     check("the unit of mass does not matter", error, 1e-5);
   }
+  test_schur_complement();
+  test_held_rows();
   test_fails("Not definite", lower_part({{1., 100.}, {100., 1.}}));
   test_fails("Negative diagonal", lower_part({{1., 0.}, {0., -1.}}));
   test_fails("Zero diagonal", lower_part({{0.}}));

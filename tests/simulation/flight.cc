@@ -59,7 +59,7 @@ main(int argc, char **argv)
         const std::string name =
           "p = " + std::to_string(p) + ", speed " + std::to_string(r);
         const auto end = fly(block<2>(8, p, r, 10), start);
-        check(name + ", strain energy", end.strain / start.kinetic, 1e-14);
+        check(name + ", strain energy", end.strain / start.kinetic, 1e-13);
         check(name + ", momentum",
               (end.momentum - start.momentum).norm() / start.momentum.norm(),
               1e-9);
@@ -67,11 +67,11 @@ main(int argc, char **argv)
 
   Statistics<3> start_3d;
   const auto    end_3d = fly(block<3>(4, 2, 1., 3), start_3d);
-  check("3D, strain energy", end_3d.strain / start_3d.kinetic, 1e-14);
+  check("3D, strain energy", end_3d.strain / start_3d.kinetic, 1e-13);
 
-  // Without the filter.
+  // Without the filter: how far it gets depends on the round-off that grows.
   const Text free = block<2>(8, 1, 0.5, 10).with("Scheme", {"Filter = 0"});
-  const auto end  = fly(free, start);
+  const auto end  = fly(free.with("Scheme", {"Energy gain = ignore"}), start);
   check("without the filter, strain energy grows",
         end.strain / start.kinetic > 1e-11);
   bool is_seen = false;
