@@ -95,6 +95,12 @@ namespace
     const double wall      = wall_seconds() - wall_before;
     const double reference = 0.5 * (reference_before + reference_loop());
 
+    // Points of the process that has most of them, relative to the mean.
+    double n_points = 0.;
+    for (const Body<dim> &body : simulation.bodies())
+      n_points += body.points.n_points();
+    const auto all_points = Utilities::MPI::min_max_avg(n_points, comm);
+
     JsonWriter json;
     json.add("mass", mass)
       .add("processes", Utilities::MPI::n_mpi_processes(comm))
@@ -109,6 +115,7 @@ namespace
            simulation.mass().is_consistent()
              ? simulation.mass().n_factorizations()
              : 0)
+      .add("balance", all_points.max / all_points.avg)
       .begin("parts");
     for (const auto &part : simulation.part_times())
       {

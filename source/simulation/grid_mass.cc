@@ -275,6 +275,26 @@ namespace greville
 
 
   template <int dim>
+  std::array<bool, dim>
+  GridMass<dim>::held_meet_mass() const
+  {
+    unsigned int found[dim] = {};
+    for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
+      if (held[i] != 0 && lumped_mass.local_element(i) > 0.)
+        for (unsigned int c = 0; c < dim; ++c)
+          found[c] |= (held[i] >> c) & 1;
+    Utilities::MPI::max(ArrayView<const unsigned int>(found, dim),
+                        space().communicator(),
+                        ArrayView<unsigned int>(found, dim));
+    std::array<bool, dim> result;
+    for (unsigned int c = 0; c < dim; ++c)
+      result[c] = found[c] != 0;
+    return result;
+  }
+
+
+
+  template <int dim>
   void
   GridMass<dim>::held_residual(VectorField<dim>       &residual,
                                const VectorField<dim> &b,
@@ -282,8 +302,14 @@ namespace greville
   {
     if (is_consistent())
       extended_mass.multiply_at_held(residual, x);
+    const auto meets_mass = held_meet_mass();
     for (unsigned int c = 0; c < dim; ++c)
       {
+        if (!meets_mass[c])
+          {
+            residual[c] = 0.;
+            continue;
+          }
         if (fmpm_order > 1)
           product->vmult(residual[c], x[c]);
         for (unsigned int i = 0; i < b[c].locally_owned_size(); ++i)

@@ -241,6 +241,12 @@ namespace greville
                     const PointTransfer<dim>                       &transfer);
 
     /**
+     * Collective. The components in which functions with mass are held.
+     */
+    std::array<bool, dim>
+    held_meet_mass() const;
+
+    /**
      * Collective. Bits of owned functions, for all local ones.
      */
     std::vector<unsigned char>
