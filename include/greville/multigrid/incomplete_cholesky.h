@@ -1,30 +1,13 @@
 #ifndef greville_multigrid_incomplete_cholesky_h
 #define greville_multigrid_incomplete_cholesky_h
 
+#include <greville/multigrid/lower_triangle.h>
+
 #include <utility>
 #include <vector>
 
 namespace greville
 {
-  /**
-   * The lower triangle of a symmetric matrix, by rows: the columns of each row
-   * ascend and end with the diagonal.
-   */
-  struct LowerTriangle
-  {
-    std::vector<std::size_t>  row_begin = {0};
-    std::vector<unsigned int> columns;
-    std::vector<double>       values;
-
-    unsigned int
-    size() const
-    {
-      return row_begin.size() - 1;
-    }
-  };
-
-
-
   /**
    * Rows of a solve for several vectors that are left out of some of them: the
    * solve is then one with the factors of the other rows. That of the matrix
