@@ -95,6 +95,9 @@ main(int argc, char **argv)
   test("front wall in 2D", good.with("Walls", {"Front = fixed"}));
   test("surface without K0", good.with("Body body", {"Surface = 1"}));
   test("unknown mass", good.with("Scheme", {"Mass = lumpd"}));
+  for (const std::string mass : {"consistent", "fmpm-2"})
+    test("APIC with the mass " + mass,
+         good.with("Scheme", {"Transfer = APIC", "Mass = " + mass}));
   test("APIC with a reconstruction",
        good.with("Scheme", {"Transfer = APIC", "Quadrature = least-squares"}));
   test("moving wall without velocity", good.with("Walls", {"Top = moving"}));

@@ -55,4 +55,19 @@ main(int argc, char **argv)
   each.run();
   check("each step factorizes where it is asked for",
         each->mass().n_factorizations() >= each->n_steps());
+
+  // A strip of a fifth of a cell: the run says that it is too thin.
+  for (const bool is_thin : {false, true})
+    {
+      Simulated<2> body(block_2d(is_thin ? "box(0.2, 0.51, 0.8, 0.53)"
+                                         : "box(0.2, 0.2, 0.8, 0.8)",
+                                 10)
+                          .with("Scheme", {"Mass = consistent"}));
+      body->step();
+      const auto warnings = body->take_warnings();
+      check(is_thin ? "thin bodies are warned of" : "others are not",
+            is_thin ? warnings.size() == 1 &&
+                        warnings[0].find("too thin") != std::string::npos
+                    : warnings.empty());
+    }
 }
