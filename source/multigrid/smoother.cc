@@ -19,12 +19,13 @@ namespace greville
     : ParameterAcceptor(section)
     , overlap(overlap)
   {
-    add_parameter("Drop tolerance",
-                  drop_tolerance,
-                  "ilut: entries below this part of the norm of their row are "
-                  "dropped. Unit: none.",
-                  prm,
-                  Patterns::Double(0., 1.));
+    add_parameter(
+      "Drop tolerance",
+      drop_tolerance,
+      "ilut: entries below this fraction of the norm of their row are "
+      "dropped. Unit: none.",
+      prm,
+      Patterns::Double(0., 1.));
     add_parameter("Fill factor",
                   fill_factor,
                   "ilut: entries kept in a row of L and of U, as a multiple of "

@@ -60,23 +60,24 @@ namespace greville
                   "Of the random numbers of the jitter. Unit: none.",
                   prm,
                   Patterns::Integer(0));
-    add_parameter("Displacement",
-                  displacement,
-                  "In the beginning, from the positions of the shape: formulas "
-                  "of x, y (, z) separated by semicolons, which also give the "
-                  "deformation gradient and the stress; empty: none. Unit: m.");
+    add_parameter(
+      "Displacement",
+      displacement,
+      "Initial displacement from the positions of the shape: formulas "
+      "of x, y (, z) separated by semicolons, which also give the "
+      "deformation gradient and the stress; empty: none. Unit: m.");
     add_parameter("Velocity",
                   velocity,
-                  "In the beginning: formulas of the positions of the shape x, "
+                  "Initial velocity: formulas of the positions of the shape x, "
                   "y (, z) separated by semicolons; empty: at rest. Unit: m / "
                   "s.");
     add_parameter("Stress",
                   stress,
-                  "Cauchy stress in the beginning: formulas of x, y (, z) for "
+                  "Initial Cauchy stress: formulas of x, y (, z) for "
                   "xx; yy; zz; xy (; xz; yz); empty: none. Unit: Pa.");
     add_parameter("K0",
                   K0,
-                  "Not negative: the stress in the beginning is the weight of "
+                  "Not negative: the initial stress is the weight of "
                   "what lies above, -rho g depth, along gravity, and K0 times "
                   "that across. Unit: none.");
     add_parameter("Surface",
@@ -311,7 +312,7 @@ namespace greville
 
 
     /**
-     * Stress of the beginning at a point.
+     * Initial stress at a point.
      */
     template <int dim>
     class InitialStress
@@ -421,7 +422,7 @@ namespace greville
 
 
     /**
-     * Displacement of the beginning: it moves a point, deforms it, and lets the
+     * Initial displacement: it moves a point, deforms it, and lets the
      * material find the stress.
      */
     template <int dim>

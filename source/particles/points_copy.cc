@@ -18,7 +18,7 @@ namespace greville
 
     /**
      * What is subtracted from the numbers of a point before they are rounded,
-     * besides the position itself from the one in the beginning.
+     * besides the position itself from the initial one.
      */
     template <int dim>
     std::vector<double>

@@ -81,7 +81,7 @@ namespace greville
                   Patterns::Double(0.));
     add_parameter("Safety",
                   safety,
-                  "An automatic step is at most this part of the critical "
+                  "An automatic step is at most this fraction of the critical "
                   "step. Unit: none.",
                   prm,
                   Patterns::Double(0., 1.));
@@ -90,17 +90,18 @@ namespace greville
                   "What to do about a given step above the critical one.",
                   prm,
                   Patterns::Selection("refuse|warn|ignore"));
-    add_parameter("Estimate every",
-                  estimate_every,
-                  "The critical step is estimated again after this number of "
-                  "steps, and after up to eight times as many while it changes "
-                  "by less than 2 %; 0: in the beginning only. It is estimated "
-                  "again, too, where the largest wave speed has grown by 10 %, "
-                  "and, for automatic steps with consistent mass (not with "
-                  "USF), where accelerations show them to be too long. Unit: "
-                  "steps.",
-                  prm,
-                  Patterns::Integer(0));
+    add_parameter(
+      "Estimate every",
+      estimate_every,
+      "The critical step is estimated again after this number of "
+      "steps, and after up to eight times as many while it changes "
+      "by less than 2 %; 0: in the first step only. It is estimated "
+      "again, too, where the largest wave speed has grown by 10 %, "
+      "and, for automatic steps with consistent mass (not with "
+      "USF), where accelerations show them to be too long. Unit: "
+      "steps.",
+      prm,
+      Patterns::Integer(0));
     add_parameter("Velocities at",
                   velocities,
                   "Velocities belong to the middle of a step (central "
@@ -259,12 +260,12 @@ namespace greville
                   "/ s^2.");
     add_parameter("Body force",
                   body_force,
-                  "Force per mass: formulas of x, y (, z), the positions in "
-                  "the beginning X, Y (, Z) and t, separated by semicolons; "
+                  "Force per mass: formulas of x, y (, z), the initial "
+                  "positions X, Y (, Z) and t, separated by semicolons; "
                   "empty: none. Unit: m / s^2.");
     add_parameter("Cundall damping",
                   cundall,
-                  "Forces on the grid are reduced by this part where they "
+                  "Forces on the grid are reduced by this fraction where they "
                   "speed it up and raised where they slow it down. Unit: none.",
                   prm,
                   Patterns::Double(0., 1.));
@@ -284,12 +285,12 @@ namespace greville
   {
     add_parameter("Shape",
                   shape,
-                  "The points that carry the traction: inside this shape in "
-                  "the beginning (see Body/Shape; X is called x). Unit: m.");
+                  "The points that carry the traction: inside this shape "
+                  "initially (see Body/Shape; X is called x). Unit: m.");
     add_parameter("Traction",
                   traction,
-                  "Force per area: formulas of x, y (, z), the positions in "
-                  "the beginning X, Y (, Z) and t, separated by semicolons. "
+                  "Force per area: formulas of x, y (, z), the initial "
+                  "positions X, Y (, Z) and t, separated by semicolons. "
                   "Unit: Pa.");
     add_parameter("Area",
                   area,
@@ -304,11 +305,10 @@ namespace greville
   ExactParameters::ExactParameters()
     : ParameterAcceptor("Exact solution")
   {
-    add_parameter(
-      "Displacement",
-      displacement,
-      "Formulas of the positions in the beginning X, Y (, Z) and t, "
-      "separated by semicolons; empty: unknown. Unit: m.");
+    add_parameter("Displacement",
+                  displacement,
+                  "Formulas of the initial positions X, Y (, Z) and t, "
+                  "separated by semicolons; empty: unknown. Unit: m.");
     add_parameter("Velocity", velocity, "Likewise. Unit: m / s.");
     add_parameter("Stress",
                   stress,
@@ -384,12 +384,13 @@ namespace greville
     add_parameter("Directory",
                   directory,
                   "Where results go. Empty: output/NAME.");
-    add_parameter("Fields every",
-                  fields_every,
-                  "Time between two .pvtu files; 0: beginning and end only. "
-                  "Unit: s.",
-                  prm,
-                  Patterns::Double(0.));
+    add_parameter(
+      "Fields every",
+      fields_every,
+      "Time between two .pvtu files; 0: initial and last state only. "
+      "Unit: s.",
+      prm,
+      Patterns::Double(0.));
     add_parameter("Statistics every",
                   statistics_every,
                   "Time between two lines of statistics.csv; 0: each step. "
@@ -397,11 +398,10 @@ namespace greville
                   prm,
                   Patterns::Double(0.));
     add_parameter("Grid fields", grid_fields, "Write the grid as well.");
-    add_parameter(
-      "Probes",
-      probes,
-      "Positions in the beginning, 'x, y; x, y; ...' (m): the point "
-      "nearest to each is followed in probes.csv.");
+    add_parameter("Probes",
+                  probes,
+                  "Initial positions, 'x, y; x, y; ...' (m): the point "
+                  "nearest to each is followed in probes.csv.");
     add_parameter("Print times",
                   print_times,
                   "Print what differs from run to run: progress and times.");

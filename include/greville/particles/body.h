@@ -55,8 +55,8 @@ namespace greville
 
 
   /**
-   * Parameters of a body: where its points are in the beginning, their velocity
-   * and stress.
+   * Parameters of a body: where its points are initially, their velocity and
+   * stress.
    */
   class BodyParameters : public dealii::ParameterAcceptor, public PointPlacement
   {
@@ -100,7 +100,7 @@ namespace greville
    * of the grid, for wrong formulas, files and stresses.
    *
    * The points, and their ids, do not depend on the number of processes. Where
-   * they have a displacement in the beginning, they still lie in the cells of
+   * they have an initial displacement, they still lie in the cells of
    * their positions before: returns the cells that points have to leave.
    */
   template <int dim>

@@ -39,7 +39,7 @@ namespace greville
     static constexpr unsigned int wave_modulus = stress + n_stress;
     /// Deformation gradient from the stress-free state.
     static constexpr unsigned int F = wave_modulus + 1;
-    /// The position in the beginning, m.
+    /// The initial position, m.
     static constexpr unsigned int reference = F + n_F;
     /// A number that no other point of the body has.
     static constexpr unsigned int id = reference + dim;

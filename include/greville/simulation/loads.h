@@ -23,8 +23,8 @@ namespace greville
     Loads(const SimulationParameters &parameters);
 
     /**
-     * Collective. Find the points of tractions at their positions in the
-     * beginning; throws dealii::ExcMessage where there are none.
+     * Collective. Find the points of tractions at their initial
+     * positions; throws dealii::ExcMessage where there are none.
      */
     void
     find_surfaces(const std::vector<Body<dim>> &bodies, const MPI_Comm comm);
