@@ -102,15 +102,16 @@ namespace greville
         const double      *row   = matrix.values.data() + matrix.row_begin[i];
         const unsigned int first = begin < end ? columns[begin] : 0;
         const auto reduced = [&](const double value, const unsigned int k) {
-          double u = value * scaling[i] * scaling[k];
-          for (std::size_t f = row_begin[k + 1]; f > row_begin[k];)
-            {
-              --f;
-              if (columns[f] < first)
-                break;
-              u -= work[columns[f]] * entries[f];
-            }
-          return u;
+          double u[4] = {value * scaling[i] * scaling[k], 0., 0., 0.};
+          const std::size_t begin_k = row_begin[k];
+          std::size_t       f       = row_begin[k + 1];
+          // Four sums, which need not wait for each other.
+          for (; f >= begin_k + 4 && columns[f - 4] >= first; f -= 4)
+            for (unsigned int lane = 0; lane < 4; ++lane)
+              u[lane] -= work[columns[f - 1 - lane]] * entries[f - 1 - lane];
+          for (; f > begin_k && columns[f - 1] >= first; --f)
+            u[0] -= work[columns[f - 1]] * entries[f - 1];
+          return (u[0] + u[1]) + (u[2] + u[3]);
         };
         double sum = 0.;
         for (std::size_t e = begin; e < end; ++e)
