@@ -1,5 +1,6 @@
 #include <deal.II/base/exceptions.h>
 
+#include <greville/base/with_width.h>
 #include <greville/multigrid/incomplete_cholesky.h>
 
 #include <algorithm>
@@ -223,27 +224,6 @@ namespace greville
       return Lanes<width>([&](const unsigned int c) {
         return (bits >> (c % n_components)) & 1 ? 0.f : 1.f;
       });
-    }
-
-
-
-    template <typename Action>
-    void
-    with_width(const unsigned int width, const Action &action)
-    {
-      switch (width)
-        {
-          case 1:
-            return action(std::integral_constant<int, 1>());
-          case 2:
-            return action(std::integral_constant<int, 2>());
-          case 4:
-            return action(std::integral_constant<int, 4>());
-          case 8:
-            return action(std::integral_constant<int, 8>());
-          default:
-            Assert(false, ExcInternalError());
-        }
     }
   } // namespace
 

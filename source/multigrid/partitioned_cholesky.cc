@@ -11,74 +11,27 @@ namespace greville
 
   namespace
   {
+    using Position = std::array<int, 3>;
+
     /**
-     * Numbers of unknowns at positions of the lattice, in a box around them.
+     * Whether any of the next @p n positions in a direction is one of those
+     * that are given, sorted.
      */
-    class Lattice
+    bool
+    is_followed(Position                     x,
+                const unsigned int           direction,
+                const int                    step,
+                const unsigned int           n,
+                const std::vector<Position> &sorted)
     {
-    public:
-      using Position = std::array<int, 3>;
-
-      Lattice(const std::vector<Position>     &positions,
-              const std::vector<unsigned int> &unknowns)
-      {
-        if (unknowns.empty())
-          return;
-        low = high = positions[unknowns[0]];
-        for (const unsigned int u : unknowns)
-          for (unsigned int d = 0; d < 3; ++d)
-            {
-              low[d]  = std::min(low[d], positions[u][d]);
-              high[d] = std::max(high[d], positions[u][d]);
-            }
-        numbers.assign(index(high) + 1, -1);
-        for (unsigned int k = 0; k < unknowns.size(); ++k)
-          numbers[index(positions[unknowns[k]])] = k;
-      }
-
-      /**
-       * The place of an unknown in the list of them, or -1.
-       */
-      int
-      operator()(const Position &x) const
-      {
-        for (unsigned int d = 0; d < 3; ++d)
-          if (x[d] < low[d] || x[d] > high[d])
-            return -1;
-        return numbers[index(x)];
-      }
-
-      /**
-       * Whether any of the next @p n positions in a direction has one.
-       */
-      bool
-      follows(Position           x,
-              const unsigned int direction,
-              const int          step,
-              const unsigned int n) const
-      {
-        for (unsigned int k = 0; k < n; ++k)
-          {
-            x[direction] += step;
-            if ((*this)(x) >= 0)
-              return true;
-          }
-        return false;
-      }
-
-    private:
-      std::size_t
-      index(const Position &x) const
-      {
-        std::size_t result = 0;
-        for (unsigned int d = 3; d-- > 0;)
-          result = result * (high[d] - low[d] + 1) + (x[d] - low[d]);
-        return result;
-      }
-
-      Position         low{{0, 0, 0}}, high{{-1, -1, -1}};
-      std::vector<int> numbers;
-    };
+      for (unsigned int k = 0; k < n; ++k)
+        {
+          x[direction] += step;
+          if (std::binary_search(sorted.begin(), sorted.end(), x))
+            return true;
+        }
+      return false;
+    }
 
 
 
@@ -248,20 +201,20 @@ namespace greville
       is_interior[u] = false;
     n_interior = n - interface_unknowns.size();
 
-    // On which sides of the interior are those that come last?
-    std::vector<unsigned int> first;
+    // On which sides of the others are those that come last?
+    std::vector<Position> first;
     for (unsigned int u = 0; u < n; ++u)
       if (is_interior[u] && !may_leave_out[u])
-        first.push_back(u);
-    const Lattice      lattice(positions, first);
+        first.push_back(positions[u]);
+    std::sort(first.begin(), first.end());
     std::array<int, 3> balance{}, largest{};
     for (unsigned int u = 0; u < n; ++u)
       for (unsigned int d = 0; d < 3; ++d)
         {
           largest[d] = std::max(largest[d], positions[u][d]);
           if (!is_interior[u] || may_leave_out[u])
-            balance[d] += lattice.follows(positions[u], d, -1, reach) -
-                          lattice.follows(positions[u], d, 1, reach);
+            balance[d] += is_followed(positions[u], d, -1, reach, first) -
+                          is_followed(positions[u], d, 1, reach, first);
         }
     for (unsigned int d = 0; d < 3; ++d)
       descends[d] = balance[d] < 0;

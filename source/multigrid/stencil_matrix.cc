@@ -1,3 +1,4 @@
+#include <greville/base/with_width.h>
 #include <greville/multigrid/stencil_matrix.h>
 
 #include <algorithm>
@@ -253,34 +254,23 @@ namespace greville
                             const double      *x,
                             const unsigned int width) const
   {
-    const auto with_width = [&](const auto n) {
-      constexpr int order = decltype(n)::value;
-      switch (width)
-        {
-          case 1:
-            return multiply<order, 1>(y, x);
-          case 2:
-            return multiply<order, 2>(y, x);
-          case 4:
-            return multiply<order, 4>(y, x);
-          case 8:
-            return multiply<order, 8>(y, x);
-          default:
-            Assert(false, ExcInternalError());
-        }
+    const auto with_order = [&](const auto n) {
+      with_width(width, [&](const auto w) {
+        multiply<decltype(n)::value, decltype(w)::value>(y, x);
+      });
     };
     switch (spline_space->degree())
       {
         case 1:
-          return with_width(std::integral_constant<int, 2>());
+          return with_order(std::integral_constant<int, 2>());
         case 2:
-          return with_width(std::integral_constant<int, 3>());
+          return with_order(std::integral_constant<int, 3>());
         case 3:
-          return with_width(std::integral_constant<int, 4>());
+          return with_order(std::integral_constant<int, 4>());
         case 4:
-          return with_width(std::integral_constant<int, 5>());
+          return with_order(std::integral_constant<int, 5>());
         case 5:
-          return with_width(std::integral_constant<int, 6>());
+          return with_order(std::integral_constant<int, 6>());
         default:
           Assert(false, ExcInternalError());
       }

@@ -102,8 +102,8 @@ namespace greville
                  const unsigned int n_columns) const;
 
     /**
-     * The same for some columns, from and to interleaved vectors of the width
-     * of the work vectors.
+     * The columns of z that have these factors, those numbers of the @p width
+     * columns that are listed.
      */
     void
     precondition(const Factors                   &part,

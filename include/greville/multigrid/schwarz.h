@@ -64,16 +64,6 @@ namespace greville
       return local_matrix;
     }
 
-    /**
-     * Free the local matrix.
-     */
-    void
-    release_matrix()
-    {
-      local_copy.reset();
-      local_matrix = nullptr;
-    }
-
     unsigned int
     size() const
     {
