@@ -1,5 +1,5 @@
 #include <greville/base/errors.h>
-#include <greville/multigrid/ilut.h>
+#include <greville/linear_algebra/ilut.h>
 #include <greville/multigrid/schwarz.h>
 
 #include <petscpc.h>

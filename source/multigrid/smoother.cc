@@ -1,7 +1,7 @@
 #include <deal.II/lac/diagonal_matrix.h>
 #include <deal.II/lac/precondition.h>
 
-#include <greville/multigrid/petsc_preconditioner.h>
+#include <greville/linear_algebra/petsc_preconditioner.h>
 #include <greville/multigrid/schwarz.h>
 #include <greville/multigrid/smoother.h>
 #include <greville/multigrid/tensor_product_solver.h>

@@ -1,4 +1,4 @@
-#include <greville/multigrid/stencil_matrix.h>
+#include <greville/mass/stencil_matrix.h>
 #include <greville/particles/point_kernels.h>
 
 namespace greville

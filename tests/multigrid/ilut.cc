@@ -1,8 +1,8 @@
 // ILUT is exact without dropping, its transpose is the transpose, and both
 // thresholds bound its memory.
 
-#include <greville/multigrid/ilut.h>
-#include <greville/multigrid/mass_matrix.h>
+#include <greville/linear_algebra/ilut.h>
+#include <greville/mass/mass_matrix.h>
 
 #include "density.h"
 

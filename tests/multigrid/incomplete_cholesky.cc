@@ -1,8 +1,8 @@
 // IC(0): exact for a Kronecker product in lexicographic order, raised pivots,
 // shifts, errors, and all widths give the same.
 
-#include <greville/multigrid/incomplete_cholesky.h>
-#include <greville/multigrid/mass_matrix.h>
+#include <greville/linear_algebra/incomplete_cholesky.h>
+#include <greville/mass/mass_matrix.h>
 #include <greville/multigrid/schwarz.h>
 
 #include <tests.h>

@@ -3,8 +3,8 @@
 // the mass, and the entries of the smallest case are those of a finer
 // quadrature.
 
-#include <greville/multigrid/mass_matrix.h>
-#include <greville/multigrid/mass_operator.h>
+#include <greville/mass/mass_matrix.h>
+#include <greville/mass/mass_operator.h>
 
 #include "density.h"
 

@@ -2,8 +2,8 @@
 // preconditioner is symmetric, leaves out what is held, and conjugate gradients
 // need about as many iterations on several processes as on one.
 
-#include <greville/multigrid/extended_mass.h>
-#include <greville/multigrid/partitioned_cholesky.h>
+#include <greville/linear_algebra/partitioned_cholesky.h>
+#include <greville/mass/extended_mass.h>
 #include <greville/particles/point_transfer.h>
 
 #include "points.h"

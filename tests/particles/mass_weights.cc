@@ -1,7 +1,7 @@
 // With weights of material points at 2 p + 1 Gauss points per direction, the
 // mass operator is the sum over the points.
 
-#include <greville/multigrid/mass_matrix.h>
+#include <greville/mass/mass_matrix.h>
 #include <greville/particles/point_transfer.h>
 
 #include "points.h"

@@ -1,9 +1,9 @@
 #ifndef greville_multigrid_extended_mass_solver_h
 #define greville_multigrid_extended_mass_solver_h
 
-#include <greville/multigrid/extended_mass.h>
+#include <greville/linear_algebra/partitioned_cholesky.h>
+#include <greville/mass/extended_mass.h>
 #include <greville/multigrid/mass_solver.h>
-#include <greville/multigrid/partitioned_cholesky.h>
 #include <greville/multigrid/smoother.h>
 
 namespace greville

@@ -3,7 +3,7 @@
 
 #include <deal.II/multigrid/mg_base.h>
 
-#include <greville/multigrid/mass_level.h>
+#include <greville/mass/mass_level.h>
 #include <greville/multigrid/tensor_product_solver.h>
 
 #include <string>

@@ -1,9 +1,9 @@
 #ifndef greville_multigrid_schwarz_h
 #define greville_multigrid_schwarz_h
 
-#include <greville/multigrid/incomplete_cholesky.h>
-#include <greville/multigrid/mass_matrix.h>
-#include <greville/multigrid/preconditioner.h>
+#include <greville/linear_algebra/incomplete_cholesky.h>
+#include <greville/linear_algebra/preconditioner.h>
+#include <greville/mass/mass_matrix.h>
 
 #include <map>
 #include <string>

@@ -3,8 +3,8 @@
 
 #include <deal.II/base/parameter_acceptor.h>
 
-#include <greville/multigrid/mass_level.h>
-#include <greville/multigrid/preconditioner.h>
+#include <greville/linear_algebra/preconditioner.h>
+#include <greville/mass/mass_level.h>
 
 #include <string>
 

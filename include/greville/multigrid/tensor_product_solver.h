@@ -1,8 +1,8 @@
 #ifndef greville_multigrid_tensor_product_solver_h
 #define greville_multigrid_tensor_product_solver_h
 
-#include <greville/multigrid/mass_operator.h>
-#include <greville/multigrid/preconditioner.h>
+#include <greville/linear_algebra/preconditioner.h>
+#include <greville/mass/mass_operator.h>
 
 namespace greville
 {

@@ -1,9 +1,9 @@
 #ifndef greville_particles_point_transfer_h
 #define greville_particles_point_transfer_h
 
+#include <greville/mass/density_weights.h>
+#include <greville/mass/extended_mass.h>
 #include <greville/materials/material.h>
-#include <greville/multigrid/density_weights.h>
-#include <greville/multigrid/extended_mass.h>
 #include <greville/particles/material_points.h>
 
 #include <cstdint>

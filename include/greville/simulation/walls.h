@@ -2,7 +2,7 @@
 #define greville_simulation_walls_h
 
 #include <greville/base/expression.h>
-#include <greville/multigrid/mass_operator.h>
+#include <greville/mass/mass_operator.h>
 #include <greville/particles/point_transfer.h>
 #include <greville/simulation/parameters.h>
 

@@ -1,0 +1,74 @@
+#ifndef greville_linear_algebra_interleaved_layout_h
+#define greville_linear_algebra_interleaved_layout_h
+
+#include <deal.II/base/partitioner.h>
+
+#include <array>
+#include <memory>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Which unknowns a process owns, and which of others it knows (ghosts).
+   * Vectors have several values per unknown, their *width*: value c of local
+   * unknown u is entry u * width + c, owned unknowns come first, then ghosts in
+   * the order of their global numbers.
+   */
+  class InterleavedLayout
+  {
+  public:
+    InterleavedLayout() = default;
+
+    /**
+     * Collective. Owned unknowns have the global numbers from @p first to
+     * @p first + @p n_owned; @p ghosts ascend.
+     */
+    InterleavedLayout(
+      const dealii::types::global_dof_index               first,
+      const dealii::types::global_dof_index               n_owned,
+      const std::vector<dealii::types::global_dof_index> &ghosts,
+      const MPI_Comm                                      communicator);
+
+    unsigned int
+    n_owned() const
+    {
+      return n_own;
+    }
+
+    unsigned int
+    n_local() const
+    {
+      return n_own + ghosts.size();
+    }
+
+    dealii::types::global_dof_index
+    global_number(const unsigned int unknown) const
+    {
+      return unknown < n_own ? first + unknown : ghosts[unknown - n_own];
+    }
+
+    MPI_Comm
+    communicator() const
+    {
+      return comm;
+    }
+
+    /**
+     * Collective at the first call for a width.
+     */
+    const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
+    partitioner(const unsigned int width) const;
+
+  private:
+    dealii::types::global_dof_index              first = 0, n_all = 0;
+    unsigned int                                 n_own = 0;
+    std::vector<dealii::types::global_dof_index> ghosts;
+    MPI_Comm                                     comm = MPI_COMM_SELF;
+    mutable std::
+      array<std::shared_ptr<const dealii::Utilities::MPI::Partitioner>, 9>
+        partitioners;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,51 @@
+#ifndef greville_linear_algebra_lower_triangle_h
+#define greville_linear_algebra_lower_triangle_h
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The lower triangle of a symmetric matrix, by rows: the columns of each row
+   * ascend and end with the diagonal.
+   */
+  struct LowerTriangle
+  {
+    std::vector<std::size_t>  row_begin = {0};
+    std::vector<unsigned int> columns;
+    std::vector<double>       values;
+
+    unsigned int
+    size() const
+    {
+      return row_begin.size() - 1;
+    }
+  };
+
+
+
+  /**
+   * The matrix with the sums of the entries (column, value) of each row, which
+   * come in any order. Each row has one at least on the diagonal.
+   */
+  LowerTriangle
+  sum_entries(std::vector<std::vector<std::pair<unsigned int, double>>> &rows);
+
+  /**
+   * The rows and columns of a matrix in another order: row k of the result is
+   * row order[k].
+   */
+  LowerTriangle
+  reorder(const LowerTriangle &matrix, const std::vector<unsigned int> &order);
+
+  /**
+   * The matrix with zeros where the elimination of one of the first
+   * @p n_eliminated rows couples two others: its IC(0) is IC(1).
+   */
+  LowerTriangle
+  with_fill(const LowerTriangle &matrix, const unsigned int n_eliminated);
+} // namespace greville
+
+#endif

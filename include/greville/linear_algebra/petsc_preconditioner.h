@@ -1,0 +1,47 @@
+#ifndef greville_linear_algebra_petsc_preconditioner_h
+#define greville_linear_algebra_petsc_preconditioner_h
+
+#include <greville/base/petsc.h>
+#include <greville/linear_algebra/preconditioner.h>
+
+#include <petscpc.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * Any preconditioner of PETSc, described by PETSc's options without prefix,
+   * as in "-pc_type asm -pc_asm_overlap 1 -sub_pc_type ilu".
+   */
+  class PetscPreconditioner : public Preconditioner
+  {
+  public:
+    /**
+     * Collective. Throws dealii::ExcMessage where PETSc does not use one of
+     * the options, or cannot make the preconditioner.
+     */
+    PetscPreconditioner(const Mat matrix, const std::string &options);
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
+
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const override;
+
+    /**
+     * Zero: PETSc does not tell.
+     */
+    std::size_t
+    memory_consumption() const override
+    {
+      return 0;
+    }
+
+  private:
+    PetscHandle<PC, PCDestroy> pc;
+    PetscVectorView            view_dst, view_src;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,74 @@
+#ifndef greville_linear_algebra_preconditioner_h
+#define greville_linear_algebra_preconditioner_h
+
+#include <greville/base/compatibility.h>
+
+namespace greville
+{
+  /**
+   * An approximate inverse S of a mass matrix M, to be used as the smoother
+   * x += S (b - M x) or inside a Krylov method.
+   */
+  class Preconditioner
+  {
+  public:
+    virtual ~Preconditioner() = default;
+
+    /**
+     * dst = S src.
+     */
+    virtual void
+    vmult(VectorType &dst, const VectorType &src) const = 0;
+
+    /**
+     * dst = S^T src. The default is for symmetric S.
+     */
+    virtual void
+    Tvmult(VectorType &dst, const VectorType &src) const
+    {
+      vmult(dst, src);
+    }
+
+    /**
+     * Bytes of this object on this process, as far as it knows them.
+     */
+    virtual std::size_t
+    memory_consumption() const = 0;
+  };
+
+
+
+  /**
+   * S = D^-1 for a diagonal matrix D, in conjugate gradients the method of
+   * Jacobi.
+   */
+  class DiagonalPreconditioner : public Preconditioner
+  {
+  public:
+    DiagonalPreconditioner(const VectorType &diagonal)
+      : inverse_diagonal(diagonal)
+    {
+      for (double &entry : inverse_diagonal)
+        entry = 1. / entry;
+    }
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const override
+    {
+      for (unsigned int i = 0; i < src.locally_owned_size(); ++i)
+        dst.local_element(i) =
+          inverse_diagonal.local_element(i) * src.local_element(i);
+    }
+
+    std::size_t
+    memory_consumption() const override
+    {
+      return inverse_diagonal.memory_consumption();
+    }
+
+  protected:
+    VectorType inverse_diagonal;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,107 @@
+#ifndef greville_mass_density_weights_h
+#define greville_mass_density_weights_h
+
+#include <deal.II/base/aligned_vector.h>
+#include <deal.II/base/function.h>
+
+#include <greville/spline/cell_batches.h>
+
+namespace greville
+{
+  /**
+   * The point set of a mass matrix M_ij = sum_q w_q N_i(x_q) N_j(x_q): the
+   * tensor-product Gauss points of each cell with weights in units of mass.
+   * Points and basis values are the same in every cell, so only the weights are
+   * kept. They come from a density, w_q = rho(x_q) |J| w_q^Gauss, or from
+   * material points of mass m_p,
+   *   w_q = sum_p m_p L_q(x_p)
+   * with the Lagrange polynomials L_q of the Gauss points. Products N_i N_j of
+   * order p have the degree 2 p in each direction, so that with 2 p + 1 Gauss
+   * points per direction these weights give *exactly* the matrix of the
+   * material points. Such weights can be negative.
+   */
+  template <int dim>
+  class DensityWeights
+  {
+  public:
+    DensityWeights() = default;
+
+    /**
+     * Collective. Evaluate @p density at @p n_points_1d Gauss points per
+     * direction in the owned cells of @p space. Throws dealii::ExcMessage where
+     * the density is negative or not finite, with the point and the value, and
+     * where it is zero everywhere.
+     */
+    DensityWeights(const SplineSpace<dim>      &space,
+                   const unsigned int           n_points_1d,
+                   const dealii::Function<dim> &density);
+
+    /**
+     * Weights of zero, to be filled through at_cell().
+     */
+    DensityWeights(const SplineSpace<dim> &space,
+                   const unsigned int      n_points_1d);
+
+    /**
+     * The weights of owned cell number @p cell: that of point q is at
+     * q * CellBatches::width().
+     */
+    double *
+    at_cell(const unsigned int cell)
+    {
+      return values.data() + cell_begin[cell];
+    }
+
+    /**
+     * Set all weights to zero.
+     */
+    void
+    clear()
+    {
+      values.fill(0.);
+    }
+
+    unsigned int
+    n_points_1d() const
+    {
+      return n_q;
+    }
+
+    unsigned int
+    n_points() const
+    {
+      return dealii::Utilities::fixed_power<dim>(n_q);
+    }
+
+    const CellBatches<dim> &
+    batches() const
+    {
+      return cell_batches;
+    }
+
+    /**
+     * The weights of a batch, n_points() x CellBatches::width(), points in
+     * lexicographic order. Weights of lanes without a cell of their own are
+     * zero.
+     */
+    const double *
+    operator[](const std::size_t batch) const
+    {
+      return values.data() + batch * n_points() * CellBatches<dim>::width();
+    }
+
+    /**
+     * The points of a cell in the order of the weights.
+     */
+    std::vector<dealii::Point<dim>>
+    points(const SplineSpace<dim> &space, const MultiIndex<dim> &cell) const;
+
+  private:
+    unsigned int                  n_q = 0;
+    std::vector<std::size_t>      cell_begin;
+    CellBatches<dim>              cell_batches;
+    dealii::AlignedVector<double> values;
+  };
+} // namespace greville
+
+#endif

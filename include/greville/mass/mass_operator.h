@@ -1,0 +1,267 @@
+#ifndef greville_mass_mass_operator_h
+#define greville_mass_mass_operator_h
+
+#include <greville/mass/expansion.h>
+
+#include <memory>
+
+namespace greville
+{
+  /**
+   * The cross matrix P_ij = sum_q w_q N_i^rows(x_q) N_j^columns(x_q) of two
+   * orders on one mesh, applied without being stored: cell by cell, by sum
+   * factorization (the coefficients of a cell are interpolated to the points
+   * direction by direction, weighted, and integrated). Per cell it reads the
+   * weights and costs 2 dim (p + 1)^(dim + 1) multiplications or fewer.
+   */
+  template <int dim>
+  class CrossMassOperator
+  {
+  public:
+    CrossMassOperator();
+    ~CrossMassOperator();
+    CrossMassOperator(CrossMassOperator &&) noexcept;
+    CrossMassOperator &
+    operator=(CrossMassOperator &&) noexcept;
+
+    /**
+     * The spaces and the weights are kept by reference.
+     */
+    CrossMassOperator(const SplineSpace<dim>    &rows,
+                      const SplineSpace<dim>    &columns,
+                      const DensityWeights<dim> &weights);
+
+    /**
+     * dst = P src. Vectors are made by SplineSpace::initialize_vector().
+     */
+    void
+    vmult(VectorType &dst, const VectorType &src) const;
+
+    /**
+     * dst = P^T src.
+     */
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const;
+
+    /**
+     * dst_i = sum_q w_q N_i^rows(x_q): by the partition of unity, the row sums.
+     */
+    void
+    row_sums(VectorType &dst) const;
+
+    /**
+     * dst_i = sum_q w_q N_i^rows(x_q)^2: the diagonal, for equal spaces.
+     */
+    void
+    diagonal(VectorType &dst) const;
+
+    /**
+     * dst_i = sum_q w_q f(x_q) N_i^rows(x_q) for a function @p f.
+     */
+    void
+    integrate(VectorType &dst, const dealii::Function<dim> &f) const;
+
+    /**
+     * The square roots of sum_q w_q (u(x_q) - f(x_q))^2 and sum_q w_q f(x_q)^2
+     * for the spline u of the rows' space with @p coefficients.
+     */
+    std::pair<double, double>
+    difference(const VectorType            &coefficients,
+               const dealii::Function<dim> &f) const;
+
+    /**
+     * Bytes of this object on this process.
+     */
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    struct Side;
+
+    void
+    apply(const Side       &out,
+          const Side       &in,
+          VectorType       &dst,
+          const VectorType &src) const;
+
+    const DensityWeights<dim> *weights = nullptr;
+    std::unique_ptr<Side>      rows;
+    std::unique_ptr<Side>      columns; // empty where the same as rows
+  };
+
+
+
+  /**
+   * The consistent mass matrix M_ij = sum_q w_q N_i(x_q) N_j(x_q), matrix-free
+   * (see CrossMassOperator). Coefficients whose functions meet no mass are
+   * *inactive*: their row and column would be zero; M has the largest diagonal
+   * entry there, so that a right-hand side of zero gives zero.
+   *
+   * Coefficients with constraints are treated as inactive ones. If some have
+   * entries (extended B-splines), the operator is E^T M E on the others, with
+   * the matrix E of the constraints (see Expansion).
+   *
+   * Some coefficients L can be lumped: M is replaced by
+   *   M' = M + sum_(i < j, i in L or j in L) m_ij (e_i - e_j) (e_i - e_j)^T,
+   * which has no other entries in the rows and columns of L than the diagonal.
+   * Row sums, and so mass and momentum, stay the same. With the projections
+   * P_L, P_N = 1 - P_L it is P_N M P_N + diag(P_N M P_L 1 + P_L M 1).
+   */
+  template <int dim>
+  class MassOperator
+  {
+  public:
+    using value_type = double;
+    using size_type  = dealii::types::global_dof_index;
+
+    MassOperator() = default;
+
+    MassOperator(const SplineSpace<dim>    &space,
+                 const DensityWeights<dim> &weights,
+                 const Constraints         &constraints = Constraints())
+    {
+      reinit(space, weights, constraints);
+    }
+
+    /**
+     * Collective. Space and weights are kept by reference. @p constraints are
+     * those of Expansion, @p lumped the local numbers of the owned coefficients
+     * in L. The diagonal is computed unless there is one @p with_diagonal to
+     * take over, of E^T M' E with zero where coefficients are constrained.
+     */
+    void
+    reinit(const SplineSpace<dim>          &space,
+           const DensityWeights<dim>       &weights,
+           const Constraints               &constraints   = Constraints(),
+           const std::vector<unsigned int> &lumped        = {},
+           const VectorType                *with_diagonal = nullptr);
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return *spline_space;
+    }
+
+    /**
+     * M itself, without constraints and lumping.
+     */
+    const CrossMassOperator<dim> &
+    cross_mass() const
+    {
+      return cross;
+    }
+
+    const Expansion<dim> &
+    expansion() const
+    {
+      return coefficients;
+    }
+
+    /**
+     * A right-hand side for the operator from one for M: x <- E^T x, and zero
+     * where coefficients are inactive. Collective.
+     */
+    void
+    condense(VectorType &x) const;
+
+    /**
+     * All coefficients from the active ones: x <- E x, zero where coefficients
+     * are inactive and not extended. Collective.
+     */
+    void
+    distribute(VectorType &x) const;
+
+    size_type
+    m() const
+    {
+      return spline_space->n_dofs();
+    }
+
+    size_type
+    n() const
+    {
+      return m();
+    }
+
+    void
+    initialize_dof_vector(VectorType &vector) const
+    {
+      spline_space->initialize_vector(vector);
+    }
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const;
+
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const
+    {
+      vmult(dst, src);
+    }
+
+    /**
+     * The diagonal, with that of inactive coefficients.
+     */
+    const VectorType &
+    diagonal() const
+    {
+      return matrix_diagonal;
+    }
+
+    /**
+     * The row sums (the lumped mass), with the diagonal of inactive
+     * coefficients. Those of extended B-splines can be negative.
+     */
+    VectorType
+    lumped() const;
+
+    /**
+     * Local numbers of the inactive coefficients of this process.
+     */
+    const std::vector<unsigned int> &
+    inactive() const
+    {
+      return inactive_functions;
+    }
+
+    /**
+     * Number of active coefficients of all processes. Collective.
+     */
+    dealii::types::global_dof_index
+    n_active() const;
+
+    std::size_t
+    memory_consumption() const
+    {
+      return cross.memory_consumption() + matrix_diagonal.memory_consumption() +
+             coefficients.memory_consumption();
+    }
+
+  private:
+    const SplineSpace<dim>   *spline_space = nullptr;
+    CrossMassOperator<dim>    cross;
+    VectorType                matrix_diagonal;
+    double                    inactive_diagonal = 1.;
+    std::vector<unsigned int> inactive_functions;
+    bool                      has_constraints = false;
+    Expansion<dim>            coefficients;
+    mutable VectorType        free_source;
+
+    // Lumped coefficients; the two others are empty where no process has any.
+    std::vector<unsigned int>   lumped_functions;
+    VectorType                  lumped_diagonal;
+    mutable std::vector<double> lumped_source;
+  };
+
+
+
+  /**
+   * Give @p diagonal the value of its largest entry where it is zero, up to the
+   * round-off of weights of both signs, or constrained. Returns this value and
+   * the local numbers of those entries. Collective.
+   */
+  std::pair<double, std::vector<unsigned int>>
+  fill_inactive(VectorType        &diagonal,
+                const Constraints &constraints = Constraints());
+} // namespace greville
+
+#endif

@@ -1,0 +1,242 @@
+#ifndef greville_mass_stencil_matrix_h
+#define greville_mass_stencil_matrix_h
+
+#include <greville/base/zeroed_array.h>
+#include <greville/spline/spline_space.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  /**
+   * The part of a symmetric matrix M_ij that the cells of this process
+   * contribute, for functions with |i_d - j_d| <= p in each direction d: the
+   * mass matrix is the sum of those of all processes. A row is a stencil of
+   * (2 p + 1)^dim entries, of which the half with j >= i in lexicographic order
+   * is stored, without column numbers.
+   *
+   * Functions have *places*: those of a line in x follow each other, and there
+   * is room around them, so that neighbours are found by arithmetic without
+   * asking for walls. Vectors on places are interleaved, entry c of place i at
+   * i * width + c. Rows, and entries of vectors, that are never written to cost
+   * no memory.
+   */
+  template <int dim>
+  class StencilMatrix
+  {
+  public:
+    /**
+     * The number of vectors that vmult() works on at once.
+     */
+    static constexpr bool
+    is_width(const unsigned int width)
+    {
+      return width == 1 || width == 2 || width == 4 || width == 8;
+    }
+
+    /**
+     * The space is kept by reference.
+     */
+    void
+    reinit(const SplineSpace<dim> &space);
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return *spline_space;
+    }
+
+    /**
+     * Number of places.
+     */
+    std::size_t
+    size() const
+    {
+      return n_places;
+    }
+
+    /**
+     * The place of a function by its local number. Places ascend with the
+     * lexicographic position.
+     */
+    unsigned int
+    place(const unsigned int function) const
+    {
+      return places[function];
+    }
+
+    /**
+     * Set the matrix to zero and let it have the rows of these functions (local
+     * numbers), those of all cells that will be added.
+     */
+    void
+    set_rows(const std::vector<unsigned int> &functions);
+
+    /**
+     * Set the rows to zero.
+     */
+    void
+    clear();
+
+    /**
+     * Add the mass matrix of an owned cell. With the pairs (a, b), a <= b, of
+     * its functions in one direction, numbered (0, 0), (0, 1), ..., (1, 1),
+     * ...,
+     * @p sums has sum_p m_p N_a(x_p) N_b(x_p) for all combinations of pairs of
+     * the directions, x fastest, with @p stride numbers for the pairs in x.
+     */
+    void
+    add_cell(const unsigned int cell,
+             const double      *sums,
+             const unsigned int stride);
+
+    /**
+     * Remove the entries that couple the function at @p place with others and
+     * add them to both diagonal entries, which keeps all row sums.
+     */
+    void
+    decouple(const unsigned int place);
+
+    /**
+     * Make the diagonal entry at @p place @p smallest at least.
+     */
+    void
+    raise_diagonal(const unsigned int place, const double smallest)
+    {
+      double &entry = values[std::size_t(place) * half];
+      entry         = std::max(entry, smallest);
+    }
+
+    double
+    diagonal(const unsigned int place) const
+    {
+      return values[std::size_t(place) * half];
+    }
+
+    /**
+     * Call visit(j, M_ij) for all places j of row @p i, ascending.
+     */
+    template <typename Visit>
+    void
+    for_each_entry(const unsigned int i, const Visit &visit) const;
+
+    /**
+     * The same for the places j <= i only.
+     */
+    template <typename Visit>
+    void
+    for_each_lower_entry(const unsigned int i, const Visit &visit) const;
+
+    /**
+     * y = M x for @p width interleaved vectors, which have to be zero at all
+     * places without a row.
+     */
+    void
+    vmult(double *y, const double *x, const unsigned int width) const;
+
+    /**
+     * Bytes of rows on this process.
+     */
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    /**
+     * Rows that follow each other in a line.
+     */
+    struct Segment
+    {
+      unsigned int begin, end; // places
+      unsigned int line;
+    };
+
+    template <int n>
+    void
+    add_cell_of_order(const unsigned int cell,
+                      const double      *sums,
+                      const unsigned int stride);
+
+    template <int n, int width>
+    void
+    multiply(double *y, const double *x) const;
+
+    /**
+     * The distance from a place in @p line to that with the same x in the
+     * line number @p k of its (2 p + 1)^(dim - 1) neighbours.
+     */
+    int
+    distance(const unsigned int line, const unsigned int k) const
+    {
+      return line_begin[line + neighbor_lines[k]] - line_begin[line];
+    }
+
+    const SplineSpace<dim> *spline_space = nullptr;
+    unsigned int            half         = 0; // entries of a row
+    std::size_t             n_places     = 0;
+
+    // Lines are counted in a box around those of this process. A function at x
+    // in a line has the place line_begin[line] + x.
+    std::vector<int>          line_begin;
+    std::vector<int>          neighbor_lines; // distances of line numbers
+    std::vector<unsigned int> places;         // by local number
+    std::vector<unsigned int> lines;          // by local number
+
+    std::vector<Segment>  segments;
+    ZeroedArray<double>   values;
+    ZeroedArray<unsigned> line_of; // by place
+  };
+
+
+
+  template <int dim>
+  template <typename Visit>
+  void
+  StencilMatrix<dim>::for_each_entry(const unsigned int i,
+                                     const Visit       &visit) const
+  {
+    const int          p      = spline_space->degree();
+    const int          length = 2 * p + 1;
+    const int          center = half - 1;
+    const unsigned int line   = line_of[i];
+    int                full   = 0;
+    for (unsigned int k = 0; k < neighbor_lines.size(); ++k)
+      {
+        const int first = int(i) + distance(line, k) - p;
+        for (int dx = 0; dx < length; ++dx, ++full)
+          {
+            const unsigned int j = first + dx;
+            const double       value =
+              full >= center ? values[std::size_t(i) * half + (full - center)]
+                                   : values[std::size_t(j) * half + (center - full)];
+            if (value != 0.)
+              visit(j, value);
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  template <typename Visit>
+  void
+  StencilMatrix<dim>::for_each_lower_entry(const unsigned int i,
+                                           const Visit       &visit) const
+  {
+    const int          p      = spline_space->degree();
+    const unsigned int line   = line_of[i];
+    std::size_t        mirror = half - 1;
+    for (unsigned int k = 0; k <= neighbor_lines.size() / 2; ++k)
+      {
+        const unsigned int first = int(i) + distance(line, k) - p;
+        const unsigned int end   = std::min(first + 2 * p + 1, i + 1);
+        for (unsigned int j = first; j < end; ++j, --mirror)
+          {
+            const double value = values[std::size_t(j) * half + mirror];
+            if (value != 0.)
+              visit(j, value);
+          }
+      }
+  }
+} // namespace greville
+
+#endif

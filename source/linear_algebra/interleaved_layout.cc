@@ -1,0 +1,47 @@
+#include <greville/linear_algebra/interleaved_layout.h>
+
+#include <string>
+
+namespace greville
+{
+  using namespace dealii;
+
+  InterleavedLayout::InterleavedLayout(
+    const types::global_dof_index               first,
+    const types::global_dof_index               n_owned,
+    const std::vector<types::global_dof_index> &ghosts,
+    const MPI_Comm                              communicator)
+    : first(first)
+    , n_all(Utilities::MPI::sum(n_owned, communicator))
+    , n_own(n_owned)
+    , ghosts(ghosts)
+    , comm(communicator)
+  {}
+
+
+
+  const std::shared_ptr<const Utilities::MPI::Partitioner> &
+  InterleavedLayout::partitioner(const unsigned int width) const
+  {
+    auto &result = partitioners[width];
+    if (result)
+      return result;
+    constexpr std::uint64_t most = types::global_dof_index(-1);
+    AssertThrow(std::uint64_t(n_all) * width < most,
+                ExcMessage(
+                  std::to_string(n_all) + " functions with " +
+                  std::to_string(width) +
+                  " values each are more than this deal.II can number, "
+                  "which is " +
+                  std::to_string(most) +
+                  ": use a coarser grid, a 'Scheme/Mass' other than exact "
+                  "mass, or a deal.II with 64-bit indices."));
+    IndexSet owned(n_all * width), others(n_all * width);
+    owned.add_range(first * width, (first + n_own) * width);
+    for (const auto ghost : ghosts)
+      others.add_range(ghost * width, (ghost + 1) * width);
+    result =
+      std::make_shared<const Utilities::MPI::Partitioner>(owned, others, comm);
+    return result;
+  }
+} // namespace greville

@@ -1,0 +1,359 @@
+#include <greville/base/with_width.h>
+#include <greville/mass/stencil_matrix.h>
+
+#include <algorithm>
+#include <experimental/simd>
+#include <limits>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::reinit(const SplineSpace<dim> &space)
+  {
+    spline_space         = &space;
+    const int          p = space.degree();
+    const unsigned int n =
+      space.owned_functions().size() + space.ghost_functions().size();
+    const unsigned int n_entries = Utilities::fixed_power<dim>(2 * p + 1);
+    half                         = (n_entries + 1) / 2;
+
+    // The box of lines around the functions of this process, p wider.
+    std::array<int, dim> low, high;
+    low.fill(std::numeric_limits<int>::max());
+    high.fill(std::numeric_limits<int>::min());
+    for (unsigned int f = 0; f < n; ++f)
+      {
+        const auto i =
+          multi_index<dim>(space.function_position(f), space.n_functions());
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            low[d]  = std::min(low[d], int(i[d]) - p);
+            high[d] = std::max(high[d], int(i[d]) + p);
+          }
+      }
+    const int n_y = n == 0 ? 0 : high[1] - low[1] + 1;
+    const int n_z = dim == 2 || n == 0 ? 1 : high[dim - 1] - low[dim - 1] + 1;
+
+    neighbor_lines.clear();
+    for (int dz = (dim == 3 ? -p : 0); dz <= (dim == 3 ? p : 0); ++dz)
+      for (int dy = -p; dy <= p; ++dy)
+        neighbor_lines.push_back(dz * n_y + dy);
+
+    // The range of x in each line, with what rows of lines around it reach.
+    std::vector<std::array<int, 2>> own(n_y * n_z,
+                                        {{std::numeric_limits<int>::max(),
+                                          std::numeric_limits<int>::min()}});
+    lines.resize(n);
+    for (unsigned int f = 0; f < n; ++f)
+      {
+        const auto i =
+          multi_index<dim>(space.function_position(f), space.n_functions());
+        lines[f] = i[1] - low[1];
+        if (dim == 3)
+          lines[f] += (i[dim - 1] - low[dim - 1]) * n_y;
+        auto &range = own[lines[f]];
+        range[0]    = std::min(range[0], int(i[0]));
+        range[1]    = std::max(range[1], int(i[0]));
+      }
+    auto reached = own;
+    for (unsigned int line = 0; line < own.size(); ++line)
+      if (own[line][0] <= own[line][1])
+        for (const int offset : neighbor_lines)
+          {
+            auto &range = reached[line + offset];
+            range[0]    = std::min(range[0], own[line][0] - p);
+            range[1]    = std::max(range[1], own[line][1] + p);
+          }
+    line_begin.assign(own.size(), 0);
+    n_places = 0;
+    for (unsigned int line = 0; line < own.size(); ++line)
+      if (reached[line][0] <= reached[line][1])
+        {
+          line_begin[line] = int(n_places) - reached[line][0];
+          n_places += reached[line][1] - reached[line][0] + 1;
+          AssertThrow(n_places < std::size_t(std::numeric_limits<int>::max()),
+                      ExcMessage("A process has more coefficients than an "
+                                 "integer can count."));
+        }
+
+    places.resize(n);
+    for (unsigned int f = 0; f < n; ++f)
+      places[f] =
+        line_begin[lines[f]] +
+        multi_index<dim>(space.function_position(f), space.n_functions())[0];
+    segments.clear();
+    values  = ZeroedArray<double>(n_places * half);
+    line_of = ZeroedArray<unsigned int>(n_places);
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::set_rows(const std::vector<unsigned int> &functions)
+  {
+    clear();
+    std::vector<std::pair<unsigned int, unsigned int>> rows;
+    rows.reserve(functions.size());
+    for (const unsigned int f : functions)
+      rows.emplace_back(places[f], lines[f]);
+    if (!std::is_sorted(rows.begin(), rows.end()))
+      std::sort(rows.begin(), rows.end());
+    segments.clear();
+    for (const auto &row : rows)
+      {
+        if (segments.empty() || segments.back().end != row.first)
+          segments.push_back({row.first, row.first, row.second});
+        ++segments.back().end;
+        line_of[row.first] = row.second;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::clear()
+  {
+    for (const Segment &segment : segments)
+      std::fill(values.data() + std::size_t(segment.begin) * half,
+                values.data() + std::size_t(segment.end) * half,
+                0.);
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::add_cell(const unsigned int cell,
+                               const double      *sums,
+                               const unsigned int stride)
+  {
+    switch (spline_space->degree())
+      {
+        case 1:
+          return add_cell_of_order<2>(cell, sums, stride);
+        case 2:
+          return add_cell_of_order<3>(cell, sums, stride);
+        case 3:
+          return add_cell_of_order<4>(cell, sums, stride);
+        case 4:
+          return add_cell_of_order<5>(cell, sums, stride);
+        case 5:
+          return add_cell_of_order<6>(cell, sums, stride);
+        default:
+          Assert(false, ExcInternalError());
+      }
+  }
+
+
+
+  namespace
+  {
+    /**
+     * The number of the pair (a, b), in any order, among those of n functions.
+     */
+    template <int n>
+    constexpr int
+    pair_number(const int a, const int b)
+    {
+      return a <= b ? a * n - a * (a - 1) / 2 + (b - a) : pair_number<n>(b, a);
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  template <int n>
+  void
+  StencilMatrix<dim>::add_cell_of_order(const unsigned int cell,
+                                        const double      *sums,
+                                        const unsigned int stride)
+  {
+    constexpr int p       = n - 1;
+    constexpr int length  = 2 * p + 1;
+    constexpr int n_pairs = n * (n + 1) / 2;
+    constexpr int n_z     = dim == 3 ? n : 1;
+
+    const auto  functions = spline_space->cell_functions(cell);
+    const auto *first     = functions.data();
+    for (int a_z = 0; a_z < n_z; ++a_z)
+      for (int a_y = 0; a_y < n; ++a_y)
+        {
+          // The functions of a line have places one after the other.
+          const std::size_t row = places[first[(a_z * n + a_y) * n]];
+          for (int b_z = a_z; b_z < n_z; ++b_z)
+            for (int b_y = b_z == a_z ? a_y : 0; b_y < n; ++b_y)
+              {
+                const double *from =
+                  sums +
+                  stride *
+                    (pair_number<n>(a_y, b_y) +
+                     (dim == 3 ? pair_number<n>(a_z, b_z) * n_pairs : 0));
+                const bool same = b_z == a_z && b_y == a_y;
+                const int entry = ((b_z - a_z) * length + (b_y - a_y)) * length;
+#pragma GCC unroll 6
+                for (int a_x = 0; a_x < n; ++a_x)
+                  {
+                    double *to =
+                      values.data() + (row + a_x) * half + entry - a_x;
+                    if (same)
+                      {
+#pragma GCC unroll 6
+                        for (int b_x = a_x; b_x < n; ++b_x)
+                          to[b_x] += from[pair_number<n>(a_x, b_x)];
+                      }
+                    else
+                      {
+#pragma GCC unroll 6
+                        for (int b_x = 0; b_x < n; ++b_x)
+                          to[b_x] += from[pair_number<n>(a_x, b_x)];
+                      }
+                  }
+              }
+        }
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::decouple(const unsigned int i)
+  {
+    const int    p      = spline_space->degree();
+    const int    length = 2 * p + 1;
+    const int    center = half - 1;
+    unsigned int line   = line_of[i];
+    int          full   = 0;
+    for (unsigned int k = 0; k < neighbor_lines.size(); ++k)
+      for (int dx = 0; dx < length; ++dx, ++full)
+        {
+          if (full == center)
+            continue;
+          const unsigned int j     = int(i) + distance(line, k) + dx - p;
+          double            &entry = full > center
+                                       ? values[std::size_t(i) * half + (full - center)]
+                                       : values[std::size_t(j) * half + (center - full)];
+          if (entry != 0.)
+            {
+              values[std::size_t(i) * half] += entry;
+              values[std::size_t(j) * half] += entry;
+              entry = 0.;
+            }
+        }
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::vmult(double            *y,
+                            const double      *x,
+                            const unsigned int width) const
+  {
+    const auto with_order = [&](const auto n) {
+      with_width(width, [&](const auto w) {
+        multiply<decltype(n)::value, decltype(w)::value>(y, x);
+      });
+    };
+    switch (spline_space->degree())
+      {
+        case 1:
+          return with_order(std::integral_constant<int, 2>());
+        case 2:
+          return with_order(std::integral_constant<int, 3>());
+        case 3:
+          return with_order(std::integral_constant<int, 4>());
+        case 4:
+          return with_order(std::integral_constant<int, 5>());
+        case 5:
+          return with_order(std::integral_constant<int, 6>());
+        default:
+          Assert(false, ExcInternalError());
+      }
+  }
+
+
+
+  template <int dim>
+  template <int n, int width>
+  void
+  StencilMatrix<dim>::multiply(double *y, const double *x) const
+  {
+    namespace simd = std::experimental;
+    using Vector = simd::simd<double, simd::simd_abi::deduce_t<double, width>>;
+    const auto load = [](const double *address) {
+      return Vector(address, simd::element_aligned);
+    };
+    constexpr int p      = n - 1;
+    constexpr int length = 2 * p + 1;
+
+    const Vector zero = 0.;
+    for (const Segment &segment : segments)
+      for (unsigned int i = segment.begin; i < segment.end; ++i)
+        zero.copy_to(y + std::size_t(i) * width, simd::element_aligned);
+
+    const unsigned int n_lines = neighbor_lines.size();
+    int                distances[length * length];
+    for (const Segment &segment : segments)
+      {
+        unsigned int n_ahead = 0;
+        for (unsigned int k = n_lines / 2 + 1; k < n_lines; ++k)
+          distances[n_ahead++] = (distance(segment.line, k) - p) * width;
+        for (unsigned int i = segment.begin; i < segment.end; ++i)
+          {
+            const double *row       = values.data() + std::size_t(i) * half;
+            const double *x_i       = x + std::size_t(i) * width;
+            double       *y_i       = y + std::size_t(i) * width;
+            const Vector  own       = load(x_i);
+            Vector        sum       = load(y_i) + row[0] * own;
+            Vector        sum_ahead = 0.;
+#pragma GCC unroll 5
+            for (int k = 1; k < n; ++k)
+              {
+                const Vector entry = row[k];
+                sum += entry * load(x_i + k * width);
+                (load(y_i + k * width) + entry * own)
+                  .copy_to(y_i + k * width, simd::element_aligned);
+              }
+            row += n;
+            for (unsigned int line = 0; line < n_ahead; ++line)
+              {
+                const double *x_j = x_i + distances[line];
+                double       *y_j = y_i + distances[line];
+#pragma GCC unroll 11
+                for (int k = 0; k < length; ++k)
+                  {
+                    const Vector entry = row[k];
+                    sum_ahead += entry * load(x_j + k * width);
+                    (load(y_j + k * width) + entry * own)
+                      .copy_to(y_j + k * width, simd::element_aligned);
+                  }
+                row += length;
+              }
+            (sum + sum_ahead).copy_to(y_i, simd::element_aligned);
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  StencilMatrix<dim>::memory_consumption() const
+  {
+    std::size_t n_rows = 0;
+    for (const Segment &segment : segments)
+      n_rows += segment.end - segment.begin;
+    return n_rows * half * sizeof(double) +
+           (places.size() + lines.size()) * sizeof(unsigned int);
+  }
+
+
+
+  template class StencilMatrix<2>;
+  template class StencilMatrix<3>;
+} // namespace greville

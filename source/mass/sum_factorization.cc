@@ -1,0 +1,498 @@
+#include <deal.II/base/quadrature_lib.h>
+
+#include <greville/mass/sum_factorization.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  ShapeTables<dim>::ShapeTables(const SplineSpace<dim> &space,
+                                const unsigned int      n_points_1d)
+    : table_size((space.degree() + 1) * n_points_1d)
+  {
+    const unsigned int  n = space.degree() + 1;
+    const QGauss<1>     quadrature(n_points_1d);
+    std::vector<double> values(n);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const KnotVector  &knots   = space.knots(d);
+        const unsigned int n_cells = knots.n_elements();
+        if (d == 0)
+          {
+            x_stride = n_cells + simd_width;
+            x.resize(table_size * x_stride, 0.);
+          }
+        else
+          y_and_z[d - 1].resize(std::size_t(n_cells) * table_size);
+
+        for (unsigned int e = 0; e < n_cells; ++e)
+          for (unsigned int q = 0; q < n_points_1d; ++q)
+            {
+              const double lower = knots.element_lower(e);
+              const double h     = knots.element_upper(e) - lower;
+              knots.evaluate(e,
+                             lower + h * quadrature.point(q)(0),
+                             0,
+                             make_array_view(values));
+              for (unsigned int a = 0; a < n; ++a)
+                if (d == 0)
+                  x[(q * n + a) * x_stride + e] = values[a];
+                else
+                  y_and_z[d - 1][std::size_t(e) * table_size + q * n + a] =
+                    values[a];
+            }
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ShapeTables<dim>::square()
+  {
+    for (double &value : x)
+      value *= value;
+    for (auto &table : y_and_z)
+      for (double &value : table)
+        value *= value;
+  }
+
+
+
+  namespace
+  {
+    /**
+     * Multiply one or two columns of a tensor, whose entries lie @p stride
+     * apart, by a matrix or its transpose. Two at a time halve the loads of the
+     * matrix and still fit 16 registers. The second column begins
+     * @p next_in and @p next_out behind the first.
+     */
+    template <int  n_functions,
+              int  n_points,
+              bool transpose,
+              int  stride,
+              int  n_columns,
+              typename Number>
+    inline __attribute__((always_inline)) void
+    multiply_columns(const Number *matrix,
+                     const Simd   *in,
+                     const int     next_in,
+                     Simd         *out,
+                     const int     next_out)
+    {
+      constexpr int n_in  = transpose ? n_points : n_functions;
+      constexpr int n_out = transpose ? n_functions : n_points;
+
+      Simd values[n_columns][n_in];
+#pragma GCC unroll 8
+      for (int c = 0; c < n_columns; ++c)
+#pragma GCC unroll 8
+        for (int i = 0; i < n_in; ++i)
+          values[c][i] = in[c * next_in + i * stride];
+#pragma GCC unroll 8
+      for (int j = 0; j < n_out; ++j)
+        {
+          Simd sums[n_columns];
+#pragma GCC unroll 8
+          for (int i = 0; i < n_in; ++i)
+            {
+              const Simd entry =
+                matrix[transpose ? i * n_functions + j : j * n_functions + i];
+#pragma GCC unroll 8
+              for (int c = 0; c < n_columns; ++c)
+                sums[c] = i == 0 ? entry * values[c][i]
+                                 : sums[c] + entry * values[c][i];
+            }
+#pragma GCC unroll 8
+          for (int c = 0; c < n_columns; ++c)
+            out[c * next_out + j * stride] = sums[c];
+        }
+    }
+
+
+
+    /**
+     * out(outer, j, inner) = sum_i matrix(j, i) in(outer, i, inner), or with
+     * the transpose of the matrix, which is stored as [point][function].
+     */
+    template <int  n_functions,
+              int  n_points,
+              bool transpose,
+              int  n_outer,
+              int  n_inner,
+              typename Number>
+    inline __attribute__((always_inline)) void
+    contract(const Number *matrix, const Simd *in, Simd *out)
+    {
+      constexpr int n_in  = transpose ? n_points : n_functions;
+      constexpr int n_out = transpose ? n_functions : n_points;
+
+      // Pairs of neighbours: in the inner index, or where there is only one,
+      // in the outer index.
+      constexpr int n_pairs  = n_inner == 1 ? n_outer : n_inner;
+      constexpr int n_groups = n_inner == 1 ? 1 : n_outer;
+      constexpr int next_in  = n_inner == 1 ? n_in : 1;
+      constexpr int next_out = n_inner == 1 ? n_out : 1;
+      for (int group = 0; group < n_groups; ++group)
+        {
+          const Simd *from = in + group * n_in * n_inner;
+          Simd       *to   = out + group * n_out * n_inner;
+          for (int k = 0; k + 1 < n_pairs; k += 2)
+            multiply_columns<n_functions, n_points, transpose, n_inner, 2>(
+              matrix, from + k * next_in, next_in, to + k * next_out, next_out);
+          if constexpr (n_pairs % 2 == 1)
+            multiply_columns<n_functions, n_points, transpose, n_inner, 1>(
+              matrix,
+              from + (n_pairs - 1) * next_in,
+              next_in,
+              to + (n_pairs - 1) * next_out,
+              next_out);
+        }
+    }
+
+
+
+    template <int dim, int n, int q>
+    void
+    interpolate(const Simd   *in,
+                const Simd   *table_x,
+                const double *table_y,
+                const double *table_z,
+                Simd         *out)
+    {
+      (void)table_z;
+      if constexpr (dim == 2)
+        {
+          Simd a[n * q];
+          contract<n, q, false, n, 1>(table_x, in, a);
+          contract<n, q, false, 1, q>(table_y, a, out);
+        }
+      else
+        {
+          Simd a[n * n * q], b[n * q * q];
+          contract<n, q, false, n * n, 1>(table_x, in, a);
+          contract<n, q, false, n, q>(table_y, a, b);
+          contract<n, q, false, 1, q * q>(table_z, b, out);
+        }
+    }
+
+
+
+    template <int dim, int n, int q>
+    void
+    integrate(const Simd   *in,
+              const Simd   *table_x,
+              const double *table_y,
+              const double *table_z,
+              Simd         *out)
+    {
+      (void)table_z;
+      if constexpr (dim == 2)
+        {
+          Simd a[n * q];
+          contract<n, q, true, 1, q>(table_y, in, a);
+          contract<n, q, true, n, 1>(table_x, a, out);
+        }
+      else
+        {
+          Simd a[n * q * q], b[n * n * q];
+          contract<n, q, true, 1, q * q>(table_z, in, a);
+          contract<n, q, true, n, q>(table_y, a, b);
+          contract<n, q, true, n * n, 1>(table_x, b, out);
+        }
+    }
+
+
+
+    template <int dim, int n, int q>
+    void
+    interpolate_layer(const Simd   *in,
+                      const Simd   *table_x,
+                      const double *table_y,
+                      Simd         *out)
+    {
+      (void)table_y;
+      if constexpr (dim == 2)
+        contract<n, q, false, 1, 1>(table_x, in, out);
+      else
+        {
+          Simd a[n * q];
+          contract<n, q, false, n, 1>(table_x, in, a);
+          contract<n, q, false, 1, q>(table_y, a, out);
+        }
+    }
+
+
+
+    template <int dim, int n, int q>
+    void
+    integrate_layer(const Simd   *in,
+                    const Simd   *table_x,
+                    const double *table_y,
+                    Simd         *out)
+    {
+      (void)table_y;
+      if constexpr (dim == 2)
+        contract<n, q, true, 1, 1>(table_x, in, out);
+      else
+        {
+          Simd a[n * q];
+          contract<n, q, true, 1, q>(table_y, in, a);
+          contract<n, q, true, n, 1>(table_x, a, out);
+        }
+    }
+
+
+
+    /**
+     * All of a point's column stays in registers.
+     */
+    template <int dim, int n_in, int q, int n_out>
+    void
+    multiply_column(const Simd *const *in,
+                    const double      *table_in,
+                    const double      *weights,
+                    const double      *table_out,
+                    Simd *const       *out)
+    {
+      constexpr int n_layer = dim == 2 ? q : q * q;
+      for (int k = 0; k < n_layer; ++k)
+        {
+          Simd coefficients[n_in], sums[n_out];
+#pragma GCC unroll 8
+          for (int i = 0; i < n_in; ++i)
+            coefficients[i] = in[i][k];
+#pragma GCC unroll 8
+          for (int i = 0; i < n_out; ++i)
+            sums[i] = out[i][k];
+#pragma GCC unroll 8
+          for (int j = 0; j < q; ++j)
+            {
+              Simd value = table_in[j * n_in] * coefficients[0];
+#pragma GCC unroll 8
+              for (int i = 1; i < n_in; ++i)
+                value += table_in[j * n_in + i] * coefficients[i];
+              value *= load(weights + (j * n_layer + k) * simd_width);
+#pragma GCC unroll 8
+              for (int i = 0; i < n_out; ++i)
+                sums[i] += table_out[j * n_out + i] * value;
+            }
+#pragma GCC unroll 8
+          for (int i = 0; i < n_out; ++i)
+            out[i][k] = sums[i];
+        }
+    }
+
+
+
+    template <int dim, int n>
+    void
+    gather_layer(const unsigned int *numbers,
+                 const double       *source,
+                 Simd               *values)
+    {
+      constexpr int n_rows = dim == 2 ? 1 : n;
+      for (int row = 0; row < n_rows; ++row)
+#pragma GCC unroll 8
+        for (int a = 0; a < n; ++a)
+          values[row * n + a] = load(source + numbers[row * n] + a);
+    }
+
+
+
+    /**
+     * The lanes of @p value moved up by @p shift (down where negative); zeros
+     * follow.
+     */
+    template <int shift>
+    inline __attribute__((always_inline)) Simd
+    shift_lanes(const Simd &value)
+    {
+      constexpr int width = simd_width;
+      using Vector        = double __attribute__((vector_size(8 * width)));
+      using Mask          = long long __attribute__((vector_size(8 * width)));
+      Vector in, zero{};
+      Mask   mask{};
+      value.copy_to(reinterpret_cast<double *>(&in),
+                    std::experimental::vector_aligned);
+#pragma GCC unroll 8
+      for (int lane = 0; lane < width; ++lane)
+        mask[lane] =
+          (lane - shift >= 0 && lane - shift < width) ? lane - shift : width;
+      const Vector out = __builtin_shuffle(in, zero, mask);
+      return Simd(reinterpret_cast<const double *>(&out),
+                  std::experimental::vector_aligned);
+    }
+
+
+
+    /**
+     * Function a of lane l is entry l + a of a row: the lanes of all functions
+     * are added up in registers before memory is touched. Stores that overlap
+     * earlier ones in part would stall the loads that follow.
+     */
+    template <int n, int a, int n_vectors>
+    inline __attribute__((always_inline)) void
+    add_shifted(const Simd *values, Simd (&sums)[n_vectors])
+    {
+      constexpr int width = simd_width;
+      constexpr int first = a / width, shift = a % width;
+      sums[first] += shift_lanes<shift>(values[a]);
+      if constexpr (shift != 0)
+        sums[first + 1] += shift_lanes<shift - width>(values[a]);
+      if constexpr (a + 1 < n)
+        add_shifted<n, a + 1>(values, sums);
+    }
+
+
+
+    template <int dim, int n>
+    void
+    scatter_add_layer(const unsigned int *numbers,
+                      const Simd         *values,
+                      double             *target)
+    {
+      constexpr int width     = simd_width;
+      constexpr int n_rows    = dim == 2 ? 1 : n;
+      constexpr int n_entries = width + n - 1;
+      constexpr int n_vectors = (n_entries + width - 1) / width;
+      for (int row = 0; row < n_rows; ++row)
+        {
+          double *begin = target + numbers[row * n];
+          Simd    sums[n_vectors];
+#pragma GCC unroll 8
+          for (int v = 0; v < n_vectors; ++v)
+            sums[v] = 0.;
+          add_shifted<n, 0>(values + row * n, sums);
+
+          // The last vector of the row may reach beyond its entries.
+          constexpr int n_full = n_entries / width;
+#pragma GCC unroll 8
+          for (int v = 0; v < n_full; ++v)
+            store(load(begin + v * width) + sums[v], begin + v * width);
+          if constexpr (n_full < n_vectors)
+#pragma GCC unroll 8
+            for (int lane = 0; lane < n_entries - n_full * width; ++lane)
+              begin[n_full * width + lane] += sums[n_full][lane];
+        }
+    }
+
+
+
+    constexpr int largest_n = SplineSpace<2>::max_degree + 1;
+
+    /**
+     * Numbers of points per direction: 2, ..., 6 for densities and 2 p + 1 for
+     * material points; 0 ends the list.
+     */
+    template <int q>
+    constexpr int next_n_points = q <= largest_n               ? q + 1
+                                  : q + 2 <= 2 * largest_n - 1 ? q + 2
+                                                               : 0;
+
+    template <int dim, int n, int q>
+    CellKernels
+    select(const unsigned int degree, const unsigned int n_points_1d)
+    {
+      if (degree + 1 == n && n_points_1d == q)
+        return {&interpolate<dim, n, q>,
+                &integrate<dim, n, q>,
+                &interpolate_layer<dim, n, q>,
+                &integrate_layer<dim, n, q>,
+                &gather_layer<dim, n>,
+                &scatter_add_layer<dim, n>};
+      if constexpr (n < std::min(q, largest_n))
+        return select<dim, n + 1, q>(degree, n_points_1d);
+      else if constexpr (next_n_points<q> > 0)
+        return select<dim, 2, next_n_points<q>>(degree, n_points_1d);
+      else
+        {
+          AssertThrow(false,
+                      ExcMessage("No kernel for order " +
+                                 std::to_string(degree) + " and " +
+                                 std::to_string(n_points_1d) +
+                                 " points per direction."));
+          return {};
+        }
+    }
+
+
+
+    /**
+     * Mass has p + 1 points per direction where it is that of a density and
+     * 2 p + 1 where it is that of material points, p being the higher of the
+     * two orders: only these columns are compiled.
+     */
+    template <int n_in, int q, int n_out>
+    constexpr bool has_column =
+      q == std::max(n_in, n_out) || q == 2 * std::max(n_in, n_out) - 1;
+
+    template <int dim, int n_in, int q, int n_out>
+    ColumnKernel
+    select_column(const unsigned int degree_in,
+                  const unsigned int n_points_1d,
+                  const unsigned int degree_out)
+    {
+      if constexpr (has_column<n_in, q, n_out>)
+        if (degree_in + 1 == n_in && n_points_1d == q &&
+            degree_out + 1 == n_out)
+          return &multiply_column<dim, n_in, q, n_out>;
+      if constexpr (n_out < std::min(q, largest_n))
+        return select_column<dim, n_in, q, n_out + 1>(degree_in,
+                                                      n_points_1d,
+                                                      degree_out);
+      else if constexpr (n_in < std::min(q, largest_n))
+        return select_column<dim, n_in + 1, q, 2>(degree_in,
+                                                  n_points_1d,
+                                                  degree_out);
+      else if constexpr (next_n_points<q> > 0)
+        return select_column<dim, 2, next_n_points<q>, 2>(degree_in,
+                                                          n_points_1d,
+                                                          degree_out);
+      else
+        {
+          AssertThrow(false,
+                      ExcMessage("No kernel for the mass of the orders " +
+                                 std::to_string(degree_out) + " and " +
+                                 std::to_string(degree_in) + " and " +
+                                 std::to_string(n_points_1d) +
+                                 " points per direction."));
+          return nullptr;
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  CellKernels
+  cell_kernels(const unsigned int degree, const unsigned int n_points_1d)
+  {
+    return select<dim, 2, 2>(degree, n_points_1d);
+  }
+
+
+
+  template <int dim>
+  ColumnKernel
+  column_kernel(const unsigned int degree_in,
+                const unsigned int n_points_1d,
+                const unsigned int degree_out)
+  {
+    return select_column<dim, 2, 2, 2>(degree_in, n_points_1d, degree_out);
+  }
+
+
+
+  template class ShapeTables<2>;
+  template class ShapeTables<3>;
+  template CellKernels
+  cell_kernels<2>(const unsigned int, const unsigned int);
+  template CellKernels
+  cell_kernels<3>(const unsigned int, const unsigned int);
+  template ColumnKernel
+  column_kernel<2>(const unsigned int, const unsigned int, const unsigned int);
+  template ColumnKernel
+  column_kernel<3>(const unsigned int, const unsigned int, const unsigned int);
+} // namespace greville
