@@ -295,8 +295,10 @@ namespace greville
                       "not the form solver:FILE."));
         const auto table = std::filesystem::path(directory) /
                            Utilities::trim(entry.substr(colon + 1));
-        published.emplace_back(Utilities::trim(entry.substr(0, colon)),
-                               read_published_table(table.string()));
+        published.emplace_back(
+          Utilities::trim(entry.substr(0, colon)),
+          read_published_table(table.string(),
+                               "Benchmark/Published iterations"));
       }
     for (const unsigned int dim : parameters.dimensions)
       for (const auto &expression :

@@ -5,6 +5,7 @@
 #include <greville/benchmark/report.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
@@ -39,12 +40,12 @@ namespace greville
 
 
   PublishedTable
-  read_published_table(const std::string &file)
+  read_published_table(const std::string &file, const std::string &parameter)
   {
     std::ifstream in(file);
-    AssertThrow(in,
-                ExcMessage("Cannot read the published iterations <" + file +
-                           ">."));
+    AssertThrow(in && !std::filesystem::is_directory(file),
+                ExcMessage("Cannot read the file <" + file +
+                           "> of the parameter '" + parameter + "'."));
     PublishedTable            table;
     std::vector<unsigned int> orders;
     std::string               line;
@@ -57,6 +58,7 @@ namespace greville
           {
             if (orders.empty())
               {
+                AssertThrow(words.size() > 1, ExcInternalError());
                 for (unsigned int k = 1; k < words.size(); ++k)
                   orders.push_back(
                     Utilities::string_to_int(words[k].substr(1)));
@@ -72,12 +74,15 @@ namespace greville
           {
             AssertThrow(false,
                         ExcMessage("Line " + std::to_string(number) + " of <" +
-                                   file +
-                                   "> is neither 'elements,p1,p2,...' "
+                                   file + "> of the parameter '" + parameter +
+                                   "' is neither 'elements,p1,p2,...' "
                                    "nor integers for these columns: <" +
                                    line + ">."));
           }
       }
+    AssertThrow(!table.empty(),
+                ExcMessage("The file <" + file + "> of the parameter '" +
+                           parameter + "' has no iterations."));
     return table;
   }
 

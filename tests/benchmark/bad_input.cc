@@ -66,6 +66,9 @@ main(int argc, char **argv)
   in("Benchmark", "Repetitions = 0");
   in("Benchmark", "Published iterations = cg");
   in("Benchmark", "Published iterations = cg:no_such_file.csv");
+  in("Benchmark", "Published iterations = cg:.");
+  in("Benchmark", "Published iterations = cg:bad.prm");
+  in("Benchmark", "Published iterations = cg:/dev/null");
   in("Benchmark", "Oders = 2");
   in("Benchmark", "Solvers = cg, cg");
   in("Benchmark", "Cells = 100000");

@@ -53,10 +53,11 @@ namespace greville
 
   /**
    * Read a file with lines "elements,p1,p2,..." and "cells,iterations,...";
-   * lines with # are comments. Throws with the line where it cannot be read.
+   * lines with # are comments. Throws with the name of the @p parameter that
+   * the file is of, and with the line where it cannot be read.
    */
   PublishedTable
-  read_published_table(const std::string &file);
+  read_published_table(const std::string &file, const std::string &parameter);
 
   /**
    * The content of solves.csv, operators.csv.
