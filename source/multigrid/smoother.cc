@@ -52,7 +52,8 @@ namespace greville
                   this->overlap,
                   "ilut, ilu0, ic0, schwarz: overlap of the domains of "
                   "processes, in layers of the matrix's graph (p coefficients "
-                  "each). Unit: layers.",
+                  "each). In simulations with the mass consistent and the "
+                  "coarsening auto it has no effect. Unit: layers.",
                   prm,
                   Patterns::Integer(0, 10));
     add_parameter("Ordering",
