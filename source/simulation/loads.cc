@@ -1,5 +1,7 @@
 #include <greville/simulation/loads.h>
 
+#include <algorithm>
+#include <limits>
 #include <sstream>
 
 namespace greville
@@ -19,6 +21,35 @@ namespace greville
 
 
 
+    // Loads that move a point by more than this part of a cell in a step can be
+    // why a step fails.
+    constexpr double large_move = 0.1;
+
+
+
+    /**
+     * The parameters of the loads that there are.
+     */
+    std::string
+    names_of_loads(const SimulationParameters &parameters,
+                   const bool                  with_gravity)
+    {
+      std::string result;
+      const auto  add = [&](const std::string &name) {
+        result += (result.empty() ? "" : ", ") + name;
+      };
+      if (with_gravity && !parameters.loads.gravity.empty())
+        add("'Loads/Gravity'");
+      if (!parameters.loads.body_force.empty())
+        add("'Loads/Body force'");
+      for (const std::string &name : parameters.general.tractions)
+        add("'Traction " + name + "/Traction' with 'Traction " + name +
+            "/Area'");
+      return result;
+    }
+
+
+
     template <int dim>
     std::string
     too_large(const SimulationParameters &parameters,
@@ -26,11 +57,53 @@ namespace greville
               const double                t)
     {
       std::ostringstream message;
-      message << "'Loads/Body force'";
-      for (const std::string &name : parameters.general.tractions)
-        message << ", 'Traction " << name << "/Traction' with its 'Area'";
-      message << " together give the point of the initial position (" << X
-              << ") m more than 1e100 m / s^2 at t = " << t << " s";
+      message << "the point of the initial position (" << X
+              << ") m gets more than 1e100 m / s^2 at t = " << t << " s from "
+              << names_of_loads(parameters, false);
+      return message.str();
+    }
+
+
+
+    /**
+     * Collective. The message where no point is in the shape of a traction.
+     */
+    template <int dim>
+    std::string
+    no_point(const std::string            &section,
+             const std::string            &shape,
+             const std::vector<Body<dim>> &bodies,
+             const MPI_Comm                comm)
+    {
+      using Layout = PointLayout<dim>;
+      Point<dim> lower, upper;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          lower[d] = std::numeric_limits<double>::max();
+          upper[d] = std::numeric_limits<double>::lowest();
+          for (const Body<dim> &body : bodies)
+            {
+              const unsigned int s = body.points.stride();
+              body.points.for_each([&](const unsigned int, const double *p) {
+                const double X = p[(Layout::reference + d) * s];
+                lower[d]       = std::min(lower[d], X);
+                upper[d]       = std::max(upper[d], X);
+              });
+            }
+          lower[d] = Utilities::MPI::min(lower[d], comm);
+          upper[d] = Utilities::MPI::max(upper[d], comm);
+        }
+      std::ostringstream message;
+      message << "The parameter '" << section << "/Shape' is <" << shape
+              << ">: no point is in it. Points are between (" << lower
+              << ") m and (" << upper << ") m initially. Where they are comes "
+              << "from 'Grid/Cells'";
+      for (const Body<dim> &body : bodies)
+        message << ", 'Body " << body.name
+                << (body.parameters->points_file.empty()
+                      ? "/Points per direction'"
+                      : "/Points file'");
+      message << ".";
       return message.str();
     }
   } // namespace
@@ -92,11 +165,30 @@ namespace greville
           }
         volume = Utilities::MPI::sum(volume, comm);
         AssertThrow(volume > 0.,
-                    ExcMessage("The parameter '" + section + "/Shape' is <" +
-                               given.shape + ">: no point is in it."));
+                    ExcMessage(
+                      no_point<dim>(section, given.shape, bodies, comm)));
         traction.area_per_volume0 = given.area / volume;
         tractions.push_back(std::move(traction));
       }
+  }
+
+
+
+  template <int dim>
+  std::string
+  Loads<dim>::what_is_large(const double   t,
+                            const double   dt,
+                            const double   h,
+                            const MPI_Comm comm) const
+  {
+    const double most = Utilities::MPI::max(largest, comm) + gravity(t).norm();
+    if (!(most * dt * dt > large_move * h))
+      return "";
+    std::ostringstream message;
+    message << "Loads alone accelerate points by up to " << most
+            << " m / s^2, which moves them by " << most * dt * dt / h
+            << " cells in a step: " << names_of_loads(parameters, true) << ". ";
+    return message.str();
   }
 
 
@@ -115,9 +207,10 @@ namespace greville
 
   template <int dim>
   void
-  Loads<dim>::set(std::vector<Body<dim>> &bodies, const double t) const
+  Loads<dim>::set(std::vector<Body<dim>> &bodies, const double t)
   {
     using Layout = PointLayout<dim>;
+    largest      = 0.;
     if (body_force.empty() && tractions.empty())
       return;
     for (Body<dim> &body : bodies)
@@ -146,6 +239,8 @@ namespace greville
                           p[Layout::mass * s];
           AssertThrow(sum.norm() <= 1e100,
                       ExcMessage(too_large(parameters, X, t)));
+          if (body.imposed_velocity.empty())
+            largest = std::max(largest, sum.norm());
           for (unsigned int d = 0; d < dim; ++d)
             p[(load + d) * s] = sum[d];
         });

@@ -448,6 +448,18 @@ namespace greville
 
 
   template <int dim>
+  double
+  Simulation<dim>::smallest_edge() const
+  {
+    double h = std::numeric_limits<double>::max();
+    for (unsigned int d = 0; d < dim; ++d)
+      h = std::min(h, space().lattice().cell_size(d));
+    return h;
+  }
+
+
+
+  template <int dim>
   std::string
   Simulation<dim>::what_sets_the_step(const bool is_chosen) const
   {
@@ -481,9 +493,7 @@ namespace greville
   Simulation<dim>::choose_step(const bool estimate)
   {
     const TimeParameters &time = parameters.time;
-    double                h    = std::numeric_limits<double>::max();
-    for (unsigned int d = 0; d < dim; ++d)
-      h = std::min(h, space().lattice().cell_size(d));
+    const double          h    = smallest_edge();
 
     // A given step is estimated only to warn.
     const bool is_given = step_formula.has_value();
@@ -527,14 +537,24 @@ namespace greville
       AssertThrow(std::isfinite(next) && next > 0.,
                   ExcMessage("The automatic time step is " + text_of(next) +
                              " s. " + what_sets_the_step(true)));
+    const auto reason = [&]() {
+      return is_given ? "'Time/Step' is <" + time.step + ">."
+                      : what_sets_the_step(true);
+    };
     const double n_left = (time.end - t) / next;
     AssertThrow(n_left <= most_steps || time.max_steps > 0,
                 ExcMessage("To 'Time/End' it would take " + text_of(n_left) +
                            " steps of " + text_of(next) + " s; at most " +
                            text_of(most_steps) +
                            " are allowed without 'Time/Maximum steps'. " +
-                           (is_given ? "'Time/Step' is <" + time.step + ">."
-                                     : what_sets_the_step(true))));
+                           reason()));
+    const double shortest = std::numeric_limits<double>::epsilon() * time.end;
+    AssertThrow(next > shortest,
+                ExcMessage("A step of " + text_of(next) +
+                           " s is lost to rounding in times near 'Time/End', " +
+                           text_of(time.end) +
+                           " s: steps have to be longer than " +
+                           text_of(shortest) + " s. " + reason()));
 
     // Equal steps to the end where a step is given; a last one that is not tiny
     // otherwise.
@@ -778,11 +798,8 @@ namespace greville
       return 0.;
     if (scheme.flip == 1.)
       return 1.;
-    double h = std::numeric_limits<double>::max();
-    for (unsigned int d = 0; d < dim; ++d)
-      h = std::min(h, space().lattice().cell_size(d));
     const double time =
-      scheme.flip_time > 0. ? scheme.flip_time : h / first_signal;
+      scheme.flip_time > 0. ? scheme.flip_time : smallest_edge() / first_signal;
     return std::pow(scheme.flip, velocity_dt / time);
   }
 
@@ -1051,9 +1068,7 @@ namespace greville
     if (steps % every != every - 1)
       return;
     const PartTimer timer(*this, "volume of fluids");
-    double          h = std::numeric_limits<double>::max();
-    for (unsigned int d = 0; d < dim; ++d)
-      h = std::min(h, space().lattice().cell_size(d));
+    const double    h = smallest_edge();
     for (Body<dim> &body : all_bodies)
       if (body.material->shares_volume() && body.imposed_velocity.empty())
         {
@@ -1138,7 +1153,8 @@ namespace greville
     where << "Step " << steps + 1 << " at t = " << t << " s, dt = " << dt
           << " s: " << without_stop(message) << ". ";
     if (with_materials)
-      where << what_sets_the_step(false) << " ";
+      where << what_sets_the_step(false) << " "
+            << loads.what_is_large(t, dt, smallest_edge(), comm);
     t                    = remembered.t;
     velocity_time        = remembered.velocity_time;
     n_all_removed        = remembered.n_removed;

@@ -116,6 +116,11 @@ main(int argc, char **argv)
        good.with("Simulation", {"Tractions = pull"})
          .with("Traction pull",
                {"Shape = ball(9, 9, 1)", "Traction = 1; 0", "Area = 1"}));
+  test(
+    "traction between points",
+    good.with("Simulation", {"Tractions = pull"})
+      .with("Traction pull",
+            {"Shape = box(0.74, 0, 0.75, 1)", "Traction = 1; 0", "Area = 1"}));
   test("K0 without gravity",
        good.with("Body body", {"K0 = 0.5", "Surface = 1"}));
   test("stress and K0",
@@ -149,6 +154,9 @@ main(int argc, char **argv)
        pulled.with("Traction pull", {"Traction = 0; 0 / 0"}));
   test("overflowing load",
        pulled.with("Traction pull", {"Traction = 1e99; 0", "Area = 1e99"}));
+  test("load that breaks a step",
+       pulled.with("Traction pull", {"Area = 99999999999"}));
+  test("gravity that breaks a step", good.with("Loads", {"Gravity = 0; -1e9"}));
   test("number beyond reason", good.with("Time", {"CFL number = 1e300"}));
   test("surface of NaN",
        good.with("Loads", {"Gravity = 0; -1"})
@@ -176,6 +184,10 @@ main(int argc, char **argv)
   test("a mass twice", good.with("Sweep", {"Masses = lumped, lumped"}));
   test("cells twice", good.with("Sweep", {"Cells = 4, 8, 4"}));
   test("tiny step", good.with("Time", {"Step = 1e-30"}));
+  test("step lost to rounding",
+       good.with("Time", {"Step = 1e-300", "Maximum steps = 3"}));
+  test("automatic step lost to rounding",
+       good.with("Time", {"Step =", "Safety = 1e-30", "Maximum steps = 3"}));
   test("tiny safety", good.with("Time", {"Step =", "Safety = 1e-30"}));
   test("name with a slash", good.with("Simulation", {"Name = ../other"}));
   test_in("folder with dots", good, "bad/../../other");

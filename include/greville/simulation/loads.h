@@ -39,7 +39,19 @@ namespace greville
      * Set the accelerations of points at time @p t, s.
      */
     void
-    set(std::vector<Body<dim>> &bodies, const double t) const;
+    set(std::vector<Body<dim>> &bodies, const double t);
+
+    /**
+     * Collective. Where the loads that were last @ref set, and gravity, alone
+     * move a point by more than a tenth of @p h, the smallest edge of a cell,
+     * in a step @p dt: a sentence that says so and names their parameters.
+     * Otherwise nothing.
+     */
+    std::string
+    what_is_large(const double   t,
+                  const double   dt,
+                  const double   h,
+                  const MPI_Comm comm) const;
 
     /**
      * m / s^2.
@@ -58,6 +70,8 @@ namespace greville
     const SimulationParameters &parameters;
     std::vector<Expression>     gravity_formulas, body_force;
     std::vector<Traction>       tractions;
+    /// Of the points of a process, m / s^2.
+    double largest = 0.;
   };
 } // namespace greville
 

@@ -243,6 +243,12 @@ namespace greville
     body_at(const unsigned int cell, const unsigned int n_bodies) const;
 
     /**
+     * Of a cell, m.
+     */
+    double
+    smallest_edge() const;
+
+    /**
      * The next step, after an estimate of the critical one if it is wanted and
      * asked for.
      */
