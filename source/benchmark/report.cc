@@ -2,11 +2,10 @@
 #include <deal.II/base/patterns.h>
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/csv.h>
 #include <greville/benchmark/report.h>
 
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <set>
@@ -42,47 +41,35 @@ namespace greville
   PublishedTable
   read_published_table(const std::string &file, const std::string &parameter)
   {
-    std::ifstream in(file);
-    AssertThrow(in && !std::filesystem::is_directory(file),
-                ExcMessage("Cannot read the file <" + file +
-                           "> of the parameter '" + parameter + "'."));
     PublishedTable            table;
     std::vector<unsigned int> orders;
-    std::string               line;
-    for (unsigned int number = 1; std::getline(in, line); ++number)
-      {
-        if (line.empty() || line[0] == '#')
-          continue;
-        const auto words = Utilities::split_string_list(line, ',');
-        try
-          {
-            if (orders.empty())
-              {
-                AssertThrow(words.size() > 1, ExcInternalError());
-                for (unsigned int k = 1; k < words.size(); ++k)
-                  orders.push_back(
-                    Utilities::string_to_int(words[k].substr(1)));
-                continue;
-              }
-            AssertThrow(words.size() == orders.size() + 1, ExcInternalError());
-            const int cells = Utilities::string_to_int(words[0]);
-            for (unsigned int k = 0; k < orders.size(); ++k)
-              table[{cells, orders[k]}] =
-                Utilities::string_to_int(words[k + 1]);
-          }
-        catch (const std::exception &)
-          {
-            AssertThrow(false,
-                        ExcMessage("Line " + std::to_string(number) + " of <" +
-                                   file + "> of the parameter '" + parameter +
-                                   "' is neither 'elements,p1,p2,...' "
-                                   "nor integers for these columns: <" +
-                                   line + ">."));
-          }
-      }
-    AssertThrow(!table.empty(),
-                ExcMessage("The file <" + file + "> of the parameter '" +
-                           parameter + "' has no iterations."));
+    read_csv(file, parameter, [&](const CsvLine &line) {
+      try
+        {
+          if (line.is_header)
+            {
+              AssertThrow(line.words.size() > 1, ExcInternalError());
+              for (unsigned int k = 1; k < line.words.size(); ++k)
+                orders.push_back(
+                  Utilities::string_to_int(line.words[k].substr(1)));
+              return;
+            }
+          AssertThrow(line.words.size() == orders.size() + 1,
+                      ExcInternalError());
+          const int cells = Utilities::string_to_int(line.words[0]);
+          for (unsigned int k = 0; k < orders.size(); ++k)
+            table[{cells, orders[k]}] =
+              Utilities::string_to_int(line.words[k + 1]);
+        }
+      catch (const std::exception &)
+        {
+          AssertThrow(false,
+                      ExcMessage(line.where +
+                                 "neither 'elements,p1,p2,...' nor integers "
+                                 "for these columns: <" +
+                                 line.text + ">."));
+        }
+    });
     return table;
   }
 

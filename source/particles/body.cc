@@ -1,14 +1,13 @@
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/csv.h>
 #include <greville/base/errors.h>
 #include <greville/particles/body.h>
 #include <greville/particles/shape.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <random>
 #include <sstream>
 
@@ -147,73 +146,44 @@ namespace greville
                    const std::string      &section,
                    const SplineSpace<dim> &space)
     {
-      const std::string &name = parameters.points_file;
-      std::ifstream      file(name);
-      const std::string  parameter =
-        "the parameter '" + section + "/Points file'";
-      AssertThrow(file && !std::filesystem::is_directory(name),
-                  ExcMessage(
-                    "Cannot read the file <" + name + "> of " + parameter +
-                    (std::filesystem::is_directory(name) ? ": it is a folder."
-                                                         : ".")));
       std::vector<std::string> wanted = coordinate_names<dim>();
       wanted.push_back("volume");
       std::vector<unsigned int> columns;
 
       const auto                   &lattice = space.lattice();
       std::vector<PlacedPoint<dim>> result;
-      std::string                   line;
-      unsigned int                  line_number = 0;
-      std::uint64_t                 id          = 0;
-      while (std::getline(file, line))
-        {
-          ++line_number;
-          if (!line.empty() && line.back() == '\r')
-            line.pop_back();
-          if (line.find_first_not_of(" \t\r") == std::string::npos ||
-              line[line.find_first_not_of(" \t")] == '#')
-            continue;
-          const auto        fields = Utilities::split_string_list(line, ',');
-          const std::string where  = "<" + name + "> of " + parameter +
-                                    ", line " + std::to_string(line_number) +
-                                    ": ";
-          if (columns.empty())
+      std::uint64_t                 id = 0;
+      read_csv(
+        parameters.points_file,
+        section + "/Points file",
+        [&](const CsvLine &line) {
+          if (line.is_header)
             {
               for (const std::string &column : wanted)
                 {
                   const auto found =
-                    std::find(fields.begin(), fields.end(), column);
-                  AssertThrow(found != fields.end(),
-                              ExcMessage(where + "there is no column '" +
-                                         column + "' in <" + line + ">."));
-                  columns.push_back(found - fields.begin());
+                    std::find(line.words.begin(), line.words.end(), column);
+                  AssertThrow(found != line.words.end(),
+                              ExcMessage(line.where + "there is no column '" +
+                                         column + "' in <" + line.text + ">."));
+                  columns.push_back(found - line.words.begin());
                 }
-              continue;
+              return;
             }
-          double numbers[dim + 1];
-          for (unsigned int k = 0; k <= dim; ++k)
-            try
-              {
-                numbers[k] = Utilities::string_to_double(fields.at(columns[k]));
-              }
-            catch (const std::exception &)
-              {
-                AssertThrow(false,
-                            ExcMessage(where + "no number for '" + wanted[k] +
-                                       "' in <" + line + ">."));
-              }
           PlacedPoint<dim> point;
           for (unsigned int d = 0; d < dim; ++d)
-            point.x[d] = numbers[d];
-          point.volume = numbers[dim];
+            point.x[d] = line.number(columns[d], wanted[d]);
+          point.volume = line.number(columns[dim], wanted[dim]);
           point.id     = id++;
-          AssertThrow(point.volume > 0. && std::isfinite(point.volume),
-                      ExcMessage(where + "the volume has to be positive in <" +
-                                 line + ">."));
+          AssertThrow(point.volume > 0.,
+                      ExcMessage(line.where +
+                                 "the volume has to be positive in <" +
+                                 line.text + ">."));
           for (unsigned int d = 0; d < dim; ++d)
             AssertThrow(point.x[d] >= lattice.lower(d) &&
                           point.x[d] <= lattice.upper(d),
-                        ExcMessage(where + "the point " + text_of(point.x) +
+                        ExcMessage(line.where + "the point " +
+                                   text_of(point.x) +
                                    " m lies outside of the grid."));
           const auto position =
             lexicographic<dim>(lattice.find_cell(point.x), lattice.n_cells());
@@ -225,7 +195,7 @@ namespace greville
               point.cell = found - cells.begin();
               result.push_back(point);
             }
-        }
+        });
       return result;
     }
 
@@ -527,14 +497,12 @@ namespace greville
     body.n_points = Utilities::MPI::sum<std::uint64_t>(body.points.n_points(),
                                                        space.communicator());
     AssertThrow(body.n_points > 0,
-                ExcMessage(
-                  "The body of '" + section + "' is empty: " +
-                  (parameters.points_file.empty()
-                     ? "there is no point inside <" + parameters.shape +
-                         "> in the grid: is it outside ('Grid/Lower corner', "
-                         "'Grid/Upper corner'), or are the cells too large "
-                         "('Grid/Cells')?"
-                     : "<" + parameters.points_file + "> has no point.")));
+                ExcMessage("The body of '" + section +
+                           "' is empty: there is no point inside <" +
+                           parameters.shape +
+                           "> in the grid: is it outside ('Grid/Lower corner', "
+                           "'Grid/Upper corner'), or are the cells too large "
+                           "('Grid/Cells')?"));
     return parameters.displacement.empty() ? std::vector<unsigned int>()
                                            : body.points.cells();
   }

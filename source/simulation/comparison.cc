@@ -1,10 +1,9 @@
+#include <greville/base/csv.h>
 #include <greville/base/errors.h>
 #include <greville/simulation/comparison.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 namespace greville
 {
@@ -162,56 +161,18 @@ namespace greville
                const std::string &parameter,
                const unsigned int n_columns)
   {
-    std::ifstream file(name);
-    AssertThrow(file && !std::filesystem::is_directory(name),
-                ExcMessage("Cannot read the file <" + name +
-                           "> of the parameter '" + parameter + "'" +
-                           (std::filesystem::is_directory(name)
-                              ? ": it is a folder."
-                              : ".")));
-    const std::string of_parameter =
-      " (file of the parameter '" + parameter + "')";
     std::vector<std::vector<double>> result;
-    std::string                      line;
-    unsigned int                     line_number = 0;
-    bool                             has_header  = false;
-    while (std::getline(file, line))
-      {
-        ++line_number;
-        if (!line.empty() && line.back() == '\r')
-          line.pop_back();
-        const auto first = line.find_first_not_of(" \t\r");
-        if (first == std::string::npos || line[first] == '#')
-          continue;
-        if (!has_header)
-          {
-            has_header = true;
-            continue;
-          }
-        std::vector<double> numbers;
-        try
-          {
-            numbers = Utilities::string_to_double(
-              Utilities::split_string_list(line, ','));
-          }
-        catch (const std::exception &)
-          {}
-        AssertThrow(numbers.size() == n_columns,
-                    ExcMessage("<" + name + ">, line " +
-                               std::to_string(line_number) + ": <" + line +
-                               "> does not hold " + std::to_string(n_columns) +
-                               " numbers" + of_parameter + "."));
-        for (const double number : numbers)
-          AssertThrow(std::isfinite(number),
-                      ExcMessage("<" + name + ">, line " +
-                                 std::to_string(line_number) + ": <" + line +
-                                 "> has an infinite number or NaN" +
-                                 of_parameter + "."));
-        result.push_back(numbers);
-      }
-    AssertThrow(!result.empty(),
-                ExcMessage("<" + name + "> has no numbers" + of_parameter +
-                           "."));
+    read_csv(name, parameter, [&](const CsvLine &line) {
+      if (line.is_header)
+        return;
+      AssertThrow(line.words.size() == n_columns,
+                  ExcMessage(line.where + "<" + line.text + "> has not " +
+                             std::to_string(n_columns) + " numbers."));
+      result.emplace_back();
+      for (unsigned int k = 0; k < n_columns; ++k)
+        result.back().push_back(
+          line.number(k, "column " + std::to_string(k + 1)));
+    });
     return result;
   }
 

@@ -1,0 +1,62 @@
+#include <deal.II/base/exceptions.h>
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/csv.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  double
+  CsvLine::number(const unsigned int column, const std::string &name) const
+  {
+    double result = std::nan("");
+    try
+      {
+        result = Utilities::string_to_double(words.at(column));
+      }
+    catch (const std::exception &)
+      {}
+    AssertThrow(std::isfinite(result),
+                ExcMessage(where + "no finite number for '" + name + "' in <" +
+                           text + ">."));
+    return result;
+  }
+
+
+
+  void
+  read_csv(const std::string                          &file,
+           const std::string                          &parameter,
+           const std::function<void(const CsvLine &)> &visit)
+  {
+    const std::string of =
+      "<" + file + "> of the parameter '" + parameter + "'";
+    const bool    is_folder = std::filesystem::is_directory(file);
+    std::ifstream stream(file);
+    AssertThrow(stream && !is_folder,
+                ExcMessage("Cannot read the file " + of +
+                           (is_folder ? ": it is a folder." : ".")));
+    CsvLine      line{true, "", {}, ""};
+    bool         has_lines   = false;
+    unsigned int line_number = 0;
+    while (std::getline(stream, line.text))
+      {
+        ++line_number;
+        line.text = Utilities::trim(line.text);
+        if (line.text.empty() || line.text[0] == '#')
+          continue;
+        line.words = Utilities::split_string_list(line.text, ',');
+        line.where = of + ", line " + std::to_string(line_number) + ": ";
+        visit(line);
+        has_lines      = !line.is_header;
+        line.is_header = false;
+      }
+    AssertThrow(has_lines,
+                ExcMessage("The file " + of + " has no lines of numbers."));
+  }
+} // namespace greville
