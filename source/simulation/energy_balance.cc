@@ -1,5 +1,3 @@
-#include <deal.II/base/mpi.h>
-
 #include <greville/simulation/energy_balance.h>
 
 #include <algorithm>
@@ -14,7 +12,7 @@ namespace greville
   {
     start    = new_start;
     largest  = std::max(std::abs(start), negligible);
-    own_work = 0.;
+    own_work = own_damping = lowest_damping = 0.;
   }
 
 
@@ -22,8 +20,9 @@ namespace greville
   double
   EnergyBalance::gain(const double energy, const MPI_Comm comm)
   {
-    const double work = Utilities::MPI::sum(own_work, comm);
-    largest           = std::max({largest, std::abs(energy), std::abs(work)});
-    return (energy - start - work) / largest;
+    const double all_work = work(comm);
+    lowest_damping        = std::min(lowest_damping, damping(comm));
+    largest = std::max({largest, std::abs(energy), std::abs(all_work)});
+    return (energy - start - all_work - lowest_damping) / largest;
   }
 } // namespace greville

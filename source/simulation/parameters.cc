@@ -193,8 +193,8 @@ namespace greville
     add_parameter("Energy gain",
                   energy_gain,
                   "What to do where the bodies have more energy than they had "
-                  "initially and loads and walls have given them, which an "
-                  "unstable step shows.",
+                  "initially and loads and walls have given them, less what "
+                  "damping has taken, which an unstable step shows.",
                   prm,
                   Patterns::Selection("stop|warn|ignore"));
     add_parameter("Energy tolerance",
@@ -271,7 +271,8 @@ namespace greville
                   Patterns::Double(0., 1.));
     add_parameter("Kinetic damping",
                   kinetic,
-                  "All points stop where the kinetic energy has a maximum.");
+                  "The bodies without an imposed velocity stop where their "
+                  "kinetic energy has a maximum.");
     add_parameter("Damping end",
                   damping_end,
                   "Damping of both kinds ends at this time; negative: never. "

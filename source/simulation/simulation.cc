@@ -668,25 +668,29 @@ namespace greville
 
 
   template <int dim>
+  double
+  Simulation<dim>::taken_by_damping(const unsigned int i,
+                                    const unsigned int d) const
+  {
+    const double m = lumped_mass.local_element(i);
+    const double P = momentum[d].local_element(i);
+    if (!(m > 0.) || P == 0. || (grid_mass->held_components(i) & (1 << d)))
+      return 0.;
+    return damping() *
+           std::copysign(std::abs(force[d].local_element(i)) / m, P);
+  }
+
+
+
+  template <int dim>
   void
   Simulation<dim>::damp_acceleration()
   {
-    const double factor = damping();
-    if (factor == 0.)
+    if (damping() == 0.)
       return;
     for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
-      {
-        const double        m    = lumped_mass.local_element(i);
-        const unsigned char held = grid_mass->held_components(i);
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double P = momentum[d].local_element(i);
-            if (m > 0. && P != 0. && !(held & (1 << d)))
-              acceleration[d].local_element(i) -=
-                factor *
-                std::copysign(std::abs(force[d].local_element(i)) / m, P);
-          }
-      }
+      for (unsigned int d = 0; d < dim; ++d)
+        acceleration[d].local_element(i) -= taken_by_damping(i, d);
   }
 
 
@@ -866,6 +870,43 @@ namespace greville
 
   template <int dim>
   void
+  Simulation<dim>::add_work_of_damping()
+  {
+    if (damping() == 0.)
+      return;
+    const PartTimer timer(*this, "energy");
+
+    // P + P' of the points. That of APIC is of the grid.
+    const bool        apic = parameters.scheme.transfer == "APIC";
+    const double      flip = apic ? 0. : flip_share();
+    VectorField<dim> &sum = held_residual, &product = mapped_velocity;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        sum[d].equ(1. - flip, new_velocity[d]);
+        sum[d].add(flip * velocity_dt, acceleration[d]);
+        if (apic)
+          {
+            product[d] = sum[d];
+            product[d].scale(lumped_mass);
+          }
+      }
+    if (!apic)
+      transfer.multiply_mass(summed_points, sum, product);
+
+    double power = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        product[d].add(1. + flip, momentum[d]);
+        for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
+          power -= 0.5 * taken_by_damping(i, d) * product[d].local_element(i);
+      }
+    energy.add_damping(velocity_dt * power);
+  }
+
+
+
+  template <int dim>
+  void
   Simulation<dim>::check_energy()
   {
     const SchemeParameters &scheme = parameters.scheme;
@@ -880,8 +921,8 @@ namespace greville
     warned_gain = gain;
     std::ostringstream message;
     message << "energy has come from nothing: " << 100. * gain
-            << " % of the largest energy so far, beyond the work of loads and "
-               "walls. The steps are unstable with mass <"
+            << " % of the largest energy so far, with the work of loads, walls "
+               "and damping counted. The steps are unstable with mass <"
             << run_case.mass
             << ">: take 'Scheme/Mass' = lumped or fmpm-2, a larger "
                "'Scheme/Filter' or a smaller 'Time/Safety'";
@@ -1094,6 +1135,8 @@ namespace greville
       {
         for (Body<dim> &body : all_bodies)
           {
+            if (!body.imposed_velocity.empty())
+              continue;
             const auto        &layout = body.points.layout();
             const unsigned int s      = body.points.stride();
             body.points.for_each([&](const unsigned int, double *p) {
@@ -1104,6 +1147,9 @@ namespace greville
                   p[(layout.affine + k) * s] = 0.;
             });
           }
+        // The energy is that of all processes.
+        if (Utilities::MPI::this_mpi_process(comm) == 0)
+          energy.add_damping(-kinetic);
         last_kinetic = 0.;
       }
     else
@@ -1319,6 +1365,7 @@ namespace greville
     add_contact();
     take_held_residual();
     add_work();
+    add_work_of_damping();
 
     if (order == "USL")
       update_points(&acceleration, &new_velocity, &new_velocity, true);

@@ -229,9 +229,11 @@ namespace greville
   {
     double sum = 0.;
     for (const Body<dim> &body : bodies)
-      body.points.for_each([&](const unsigned int cell, const double *p) {
-        sum += kinetic_energy_of<dim>(p, cell, body.points.layout(), transfer);
-      });
+      if (body.imposed_velocity.empty())
+        body.points.for_each([&](const unsigned int cell, const double *p) {
+          sum +=
+            kinetic_energy_of<dim>(p, cell, body.points.layout(), transfer);
+        });
     return Utilities::MPI::sum(sum, comm);
   }
 

@@ -110,6 +110,26 @@ main(int argc, char **argv)
     kinetic_and_error({"Cundall damping = 0.5", "Damping end = 0"},
                       {"End = 0.1"});
   check("damping ends", std::abs(ended.first / free.first - 1.), 1e-12);
+  // Kinetic damping looks at bodies that move freely: one that gets faster does
+  // not stop because another one is told to slow down.
+  {
+    Simulated<2> run(
+      Text(block)
+        .with("Simulation", {"Bodies = body, ram", "Materials = solid"})
+        .with("Body body", {"Shape = box(0.5, 0.5, 0.75, 0.75)"})
+        .with("Body ram",
+              {"Material = solid",
+               "Shape = box(0, 0, 1, 0.125)",
+               "Imposed velocity = 1 - t; 0"})
+        .with("Scheme", {"Points outside = remove"})
+        .with("Loads", {"Gravity = 0; -0.1", "Kinetic damping = true"})
+        .with("Time", {"End = 0.1", "Step = 0.005"}));
+    run.run();
+    check("kinetic damping with an imposed velocity",
+          std::abs(run->statistics().momentum[1] / (0.1 * 0.0625 * 0.0975) +
+                   1.),
+          1e-10);
+  }
   // Any mass: a block that slides on a base that holds it comes to rest, and
   // its energy never grows, at automatic steps.
   for (const std::string mass : {"lumped", "fmpm-4", "consistent"})

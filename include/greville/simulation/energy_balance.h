@@ -7,10 +7,13 @@ namespace greville
 {
   /**
    * The balance of energy of the bodies that move freely,
-   *   E(t) = kinetic + strain energy + dissipation <= E(0) + W(t),
-   * with the work W of gravity, loads, walls and obstacles that move. What
-   * numerical damping takes makes E smaller; what E has beyond E(0) + W comes
+   *   E(t) = kinetic + strain energy + dissipation <= E(0) + W(t) + D(t),
+   * with the work W of gravity, loads, walls and obstacles that move, and the
+   * work D <= 0 of Cundall's and kinetic damping. What E has beyond that comes
    * from nothing, and shows an instability.
+   *
+   * Transfers between points and grid, the filter and friction at walls take
+   * energy, too. They are not counted: E may be smaller.
    */
   class EnergyBalance
   {
@@ -32,14 +35,44 @@ namespace greville
     }
 
     /**
+     * Work of damping on the bodies of this process, J (2D: J / m): negative
+     * where it takes energy.
+     */
+    void
+    add_damping(const double amount)
+    {
+      own_damping += amount;
+    }
+
+    /**
+     * Collective. The work W of all processes.
+     */
+    double
+    work(const MPI_Comm comm) const
+    {
+      return dealii::Utilities::MPI::sum(own_work, comm);
+    }
+
+    /**
+     * Collective. The work D of all processes.
+     */
+    double
+    damping(const MPI_Comm comm) const
+    {
+      return dealii::Utilities::MPI::sum(own_damping, comm);
+    }
+
+    /**
      * Collective. What @p energy, the present E of all processes, has gained
-     * from nothing, as a fraction of the largest energy or work so far.
+     * from nothing, as a fraction of the largest energy or work so far. Damping
+     * may only take: what D has risen since its lowest value counts as gained.
      */
     double
     gain(const double energy, const MPI_Comm comm);
 
   private:
-    double start = 0., largest = 0., own_work = 0.;
+    double start = 0., largest = 0., own_work = 0., own_damping = 0.;
+    double lowest_damping = 0.; // of D, where gain() has seen it
   };
 
 } // namespace greville

@@ -200,6 +200,15 @@ namespace greville
     }
 
     /**
+     * Work of loads, walls and damping so far.
+     */
+    const EnergyBalance &
+    energy_balance() const
+    {
+      return energy;
+    }
+
+    /**
      * Bytes of points and grid on this process.
      */
     std::size_t
@@ -343,6 +352,13 @@ namespace greville
     damp_acceleration();
 
     /**
+     * What that takes from component @p d of the acceleration of function @p i
+     * of this process.
+     */
+    double
+    taken_by_damping(const unsigned int i, const unsigned int d) const;
+
+    /**
      * M field = sum for pairs of them; the fields hold guesses and the values
      * at walls.
      */
@@ -368,6 +384,14 @@ namespace greville
      */
     void
     add_work();
+
+    /**
+     * Work of Cundall's damping in this step. A kick dt' a adds
+     * dt' a . (P + P') / 2 to the kinetic energy of the points, with their
+     * momentum P before and P' after it; damping has its part of a in that.
+     */
+    void
+    add_work_of_damping();
 
     /**
      * Warn, or throw, where energy has come from nothing.

@@ -64,7 +64,7 @@ namespace greville
                      const MPI_Comm                comm);
 
   /**
-   * Collective. The kinetic energy alone.
+   * Collective. Kinetic energy of the bodies whose velocity is not imposed.
    */
   template <int dim>
   double
@@ -73,8 +73,8 @@ namespace greville
                  const MPI_Comm                comm);
 
   /**
-   * Collective. Kinetic and strain energy and dissipation of the bodies whose
-   * velocity is not imposed: what EnergyBalance watches.
+   * Collective. Kinetic and strain energy and dissipation of the same bodies:
+   * what EnergyBalance watches.
    */
   template <int dim>
   double
