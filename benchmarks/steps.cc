@@ -111,10 +111,7 @@ namespace
       .add("iterations",
            double(simulation.n_all_iterations() - iterations_before) /
              (last - first))
-      .add("factorizations",
-           simulation.mass().is_consistent()
-             ? simulation.mass().n_factorizations()
-             : 0)
+      .add("factorizations", simulation.mass().n_factorizations())
       .add("balance", all_points.max / all_points.avg)
       .begin("parts");
     for (const auto &part : simulation.part_times())

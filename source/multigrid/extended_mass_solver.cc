@@ -23,9 +23,9 @@ namespace greville
 
   template <int dim>
   ExtendedMassSolver<dim>::ExtendedMassSolver(
-    ExtendedMass<dim>          &mass,
-    const MassSolverParameters &parameters,
-    const SmootherParameters   &smoother_parameters)
+    ExtendedMass<dim>        &mass,
+    const SolverParameters   &parameters,
+    const SmootherParameters &smoother_parameters)
     : mass(mass)
     , parameters(parameters)
     , smoother_parameters(smoother_parameters)

@@ -3,6 +3,7 @@
 #include <deal.II/lac/solver_gmres.h>
 
 #include <greville/base/errors.h>
+#include <greville/mass/fmpm.h>
 #include <greville/multigrid/mass_solver.h>
 
 #include <sstream>
@@ -12,21 +13,8 @@ namespace greville
   using namespace dealii;
 
   MassSolverParameters::MassSolverParameters(const std::string &section)
-    : ParameterAcceptor(section)
+    : SolverParameters(section)
   {
-    add_parameter("Tolerance",
-                  tolerance,
-                  "Iterations end when the Euclidean norm of the residual has "
-                  "fallen to this part of that of the right-hand side. Unit: "
-                  "none.",
-                  prm,
-                  Patterns::Double(1e-15, 1.));
-    add_parameter("Maximum iterations",
-                  max_iterations,
-                  "A solver that needs more has not converged. Unit: "
-                  "iterations.",
-                  prm,
-                  Patterns::Integer(1));
     add_parameter("Operator",
                   operator_kind,
                   "How M is applied: by the assembled matrix, matrix-free, or "
@@ -110,24 +98,6 @@ namespace greville
 
 
   template <int dim>
-  unsigned int
-  MassSolver<dim>::fmpm_order_of(const std::string &name)
-  {
-    if (name == "lumped")
-      return 1;
-    const std::string prefix = "fmpm-";
-    if (name.compare(0, prefix.size(), prefix) != 0)
-      return 0;
-    const std::string number = name.substr(prefix.size());
-    if (number.empty() || number.size() > 6 ||
-        number.find_first_not_of("0123456789") != std::string::npos)
-      return 0;
-    return std::stoi(number);
-  }
-
-
-
-  template <int dim>
   std::string
   MassSolver<dim>::names()
   {
@@ -150,9 +120,9 @@ namespace greville
     , parameters(parameters)
     , multigrid_parameters(multigrid_parameters)
     , smoother_parameters(smoother_parameters)
-    , fmpm_order(fmpm_order_of(name))
+    , n_terms(n_fmpm_terms(name))
   {
-    Assert(fmpm_order > 0 ||
+    Assert(n_terms > 0 ||
              std::count(solver_names.begin(), solver_names.end(), name) == 1,
            ExcMessage("Unknown solver <" + name + ">."));
   }
@@ -162,20 +132,16 @@ namespace greville
   template <int dim>
   void
   MassSolver<dim>::check_name(const std::string &name,
-                              const std::string &parameter,
-                              const std::string &others)
+                              const std::string &parameter)
   {
-    auto known = solver_names;
-    for (const std::string &other : Utilities::split_string_list(others, '|'))
-      known.push_back(other);
-    const bool is_known = fmpm_order_of(name) > 0 ||
+    auto       known    = solver_names;
+    const bool is_known = n_fmpm_terms(name) > 0 ||
                           std::count(known.begin(), known.end(), name) == 1;
     known.push_back("fmpm-2");
     AssertThrow(is_known,
                 ExcMessage("The parameter '" + parameter + "' is <" + name +
-                           ">; it has to be one of " +
-                           (others.empty() ? "" : others + "|") + names() +
-                           "." + did_you_mean(name, known)));
+                           ">; it has to be one of " + names() + "." +
+                           did_you_mean(name, known)));
   }
 
 
@@ -205,8 +171,8 @@ namespace greville
     for (unsigned int l = 0; l < levels.size(); ++l)
       if (l + 1 == levels.size() || uses_multigrid(name))
         levels[l]->assemble(smoother_wants_matrix &&
-                              (l > 0 || OrderHierarchy<dim>::is_single(
-                                          multigrid_parameters.coarsening)),
+                              (l > 0 ||
+                               multigrid_parameters.coarsening == "none"),
                             apply_matrix);
   }
 
@@ -234,7 +200,7 @@ namespace greville
     else if (name == "tensor-product" || name == "cg-tensor-product")
       preconditioner =
         make_smoother<dim>("tensor-product", smoother_parameters, finest, true);
-    else if (fmpm_order > 0)
+    else if (n_terms > 0)
       {
         inverse_lumped = finest.mass().lumped();
         for (double &entry : inverse_lumped)
@@ -259,8 +225,12 @@ namespace greville
         result.reason     = "has a right-hand side that is infinite or NaN";
         return result;
       }
-    if (fmpm_order > 0)
-      run_fmpm(x, b);
+    if (n_terms > 0)
+      {
+        x = b;
+        x.scale(inverse_lumped);
+        add_fmpm_terms(x, b, hierarchy.finest(), inverse_lumped, n_terms);
+      }
     else if (name == "tensor-product")
       preconditioner->vmult(x, b);
     else if (name == "p-multigrid")
@@ -374,24 +344,6 @@ namespace greville
           reason_of_failure(failure.last_step, failure.last_residual / start);
       }
     result.iterations = control.last_step();
-  }
-
-
-
-  template <int dim>
-  void
-  MassSolver<dim>::run_fmpm(VectorType &x, const VectorType &b) const
-  {
-    VectorType term(b), product(b);
-    term.scale(inverse_lumped);
-    x = term;
-    for (unsigned int j = 1; j < fmpm_order; ++j)
-      {
-        hierarchy.finest().vmult(product, term);
-        product.scale(inverse_lumped);
-        term -= product;
-        x += term;
-      }
   }
 
 

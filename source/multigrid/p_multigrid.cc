@@ -20,9 +20,7 @@ namespace greville
     add_parameter("Coarsening",
                   this->coarsening,
                   "The orders of the levels: p, p-1, ..., 1 (one by one), p, "
-                  "p-2, ..., 1 (by two), p, 1 (direct), or p alone (none). "
-                  "auto: what is fastest, which is none; simulations then "
-                  "solve all components together.",
+                  "p-2, ..., 1 (by two), p, 1 (direct), or p alone (none).",
                   prm,
                   Patterns::Selection(OrderHierarchy<2>::coarsenings()));
     add_parameter(
@@ -295,8 +293,7 @@ namespace greville
     , residual(levels.size())
   {
     const bool is_symmetric = parameters.restriction == "transpose";
-    const bool has_coarse =
-      !OrderHierarchy<dim>::is_single(parameters.coarsening);
+    const bool has_coarse   = parameters.coarsening != "none";
     AssertThrow(has_coarse || levels.size() == 1,
                 ExcMessage("Coarsening none has one level."));
     for (unsigned int l = 0; l < levels.size(); ++l)

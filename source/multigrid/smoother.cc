@@ -41,7 +41,7 @@ namespace greville
                   Patterns::Double(0.));
     add_parameter("Reuse",
                   reuse,
-                  "In simulations with the coarsening auto: a factorization "
+                  "cg-ic0 in simulations: a factorization "
                   "serves following steps, too, until the iterations that "
                   "they need more than the first solve add up to this number, "
                   "or more unknowns than that have come and gone. "

@@ -59,7 +59,7 @@ namespace greville
         space.initialize_vector(component);
 
     // Held coefficients stay zero.
-    const double smallest_mass = !mass.is_consistent() && space.degree() == 1
+    const double smallest_mass = !mass.is_exact() && space.degree() == 1
                                    ? 0.01 * lumped.linfty_norm()
                                    : 0.;
     VectorType   held;
@@ -140,7 +140,7 @@ namespace greville
   {
     // The coefficients of the polynomial in s.
     std::array<double, 3> c{{1., 0., 0.}};
-    if (!mass.is_consistent())
+    if (!mass.is_exact())
       {
         if (scheme.stress_update == "USL")
           c = {{2., -1., 0.}};
@@ -243,10 +243,10 @@ namespace greville
 
     const MPI_Comm comm = mass.space().communicator();
     choose_unknowns(mass, walls);
-    const std::size_t n = start.size();
-    const double      factor =
-      mass.is_lumped() ? 1. + scheme.damping : std::pow(1. + scheme.damping, 2);
-    const LinearAction B = [&](std::vector<double>       &x,
+    const std::size_t  n      = start.size();
+    const double       factor = mass.is_diagonal() ? 1. + scheme.damping
+                                                   : std::pow(1. + scheme.damping, 2);
+    const LinearAction B      = [&](std::vector<double>       &x,
                                const std::vector<double> &b) {
       multiply_by_B(x, b, mass, transfer, mass_points, scheme);
     };

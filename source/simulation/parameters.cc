@@ -1,5 +1,6 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/simulation/consistent_mass.h>
 #include <greville/simulation/parameters.h>
 
 #include <algorithm>
@@ -124,12 +125,10 @@ namespace greville
   {
     add_parameter("Mass",
                   mass,
-                  "How M a = F is solved: auto (lumped for fluids, Drucker-"
+                  "The mass M of M a = F: auto (lumped for fluids, Drucker-"
                   "Prager and Mohr-Coulomb materials and with APIC, "
                   "consistent otherwise), consistent (the exact mass matrix on "
-                  "extended B-splines), lumped, fmpm-K, or a solver of the "
-                  "exact matrix by name: " +
-                    MassSolver<2>::names() + ".");
+                  "extended B-splines), lumped, or fmpm-K (K = 1, 2, ...).");
     add_parameter("Filling threshold",
                   filling,
                   "Consistent mass: cells that points fill by this part of "
@@ -208,6 +207,21 @@ namespace greville
                   "What to do about points that leave the grid.",
                   prm,
                   Patterns::Selection("error|remove"));
+  }
+
+
+
+  ConsistentSolverParameters::ConsistentSolverParameters()
+  {
+    add_parameter("Method",
+                  method,
+                  "The solver of the consistent mass: conjugate gradients for "
+                  "all components together, preconditioned by IC(0) (cg-ic0, "
+                  "the fastest for mass matrices), by the cycle of "
+                  "'p-multigrid' (cg-p-multigrid), by the diagonal "
+                  "(cg-jacobi), or not at all (cg).",
+                  prm,
+                  Patterns::Selection(ConsistentMass<2>::methods()));
   }
 
 

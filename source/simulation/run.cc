@@ -248,9 +248,8 @@ namespace greville
             << std::setw(15) << hierarchy[l].n_dofs() << "   "
             << (l == 0 && all && hierarchy.n_levels() > 1
                   ? "conjugate gradients"
-                : simulation.mass().is_lumped() ? "lumped"
-                : all                           ? parameters.multigrid.smoother
-                                                : simulation.mass().solver())
+                : all ? parameters.multigrid.smoother
+                      : simulation.mass().solver())
             << '\n';
     out << std::endl;
   }
@@ -317,14 +316,15 @@ namespace greville
     if (summary.n_removed > 0)
       out << ", of which " << summary.n_removed << " have left the grid";
     out << '\n';
-    if (simulation.mass().is_consistent() && simulation.n_steps() > 0)
+    const ConsistentMass<dim> *const mass = simulation.consistent_mass();
+    if (mass && simulation.n_steps() > 0)
       {
-        const auto functions = simulation.mass().extension().counts();
-        const auto fragments = simulation.mass().n_fragments();
+        const auto functions = mass->extension().counts();
+        const auto fragments = mass->n_fragments();
         out << "  mass: " << std::setprecision(3)
             << double(simulation.n_all_iterations()) /
                  std::max(1u, simulation.n_steps())
-            << " iterations per step, " << simulation.mass().n_factorizations()
+            << " iterations per step, " << mass->n_factorizations()
             << " factorizations; at the end " << functions.stable << " stable, "
             << functions.extended << " extended, " << functions.lumped
             << " lumped functions, " << fragments << " cells of fragments\n";

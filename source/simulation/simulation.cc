@@ -174,13 +174,14 @@ namespace greville
                            std::vector<std::string>{"h", "p"});
     balance_load();
 
-    grid_mass = std::make_unique<GridMass<dim>>(
+    grid_mass = make_grid_mass<dim>(
       run_case.mass, run_case.degree, mesh, parameters, walls);
+    consistent = dynamic_cast<ConsistentMass<dim> *>(grid_mass.get());
     walls.reinit(space());
     walls.check_paths(space(), parameters.time.end);
-    if (grid_mass->is_consistent() && walls.have_friction())
-      contact = std::make_unique<FrictionContact<dim>>(walls, *grid_mass);
-    if (grid_mass->is_consistent())
+    if (consistent && walls.have_friction())
+      contact = std::make_unique<FrictionContact<dim>>(walls, *consistent);
+    if (consistent)
       filter.reinit(space());
     transfer.reinit(space());
     transport.reinit(mesh, space());
@@ -401,10 +402,9 @@ namespace greville
     // With the exact mass the highest frequency depends on how the surface cuts
     // the cells, and a moving body meets the same cuts again and again.
     estimates.push_back(estimate);
-    if (!grid_mass->is_consistent() || estimates.size() > n_estimates)
+    if (!consistent || estimates.size() > n_estimates)
       estimates.erase(estimates.begin(),
-                      estimates.end() -
-                        (grid_mass->is_consistent() ? n_estimates : 1));
+                      estimates.end() - (consistent ? n_estimates : 1));
     critical_dt = *std::min_element(estimates.begin(), estimates.end());
 
     const unsigned int every = parameters.time.estimate_every;
@@ -529,7 +529,7 @@ namespace greville
       {
         next =
           std::min(time.cfl * h / fastest_signal, time.safety * critical_dt);
-        if (grid_mass->is_consistent() && crossing_rate > 0.)
+        if (consistent && crossing_rate > 0.)
           next =
             std::min(next, most_crossings / (run_case.degree * crossing_rate));
       }
@@ -576,7 +576,7 @@ namespace greville
   Simulation<dim>::shows_faster_mode(const double signal) const
   {
     // Before forces, USF has updated the points: such a step stands.
-    if (!grid_mass->is_consistent() || step_formula ||
+    if (!consistent || step_formula ||
         parameters.scheme.stress_update == "USF" || n_last_accelerations < 2)
       return false;
     double sums[4] = {0., 0., 0., 0.};
@@ -612,7 +612,7 @@ namespace greville
   void
   Simulation<dim>::remember_acceleration()
   {
-    if (!grid_mass->is_consistent())
+    if (!consistent)
       return;
     std::swap(last_accelerations[0], last_accelerations[1]);
     for (unsigned int d = 0; d < dim; ++d)
@@ -939,7 +939,9 @@ namespace greville
   Simulation<dim>::check_fragments()
   {
     constexpr double most_fragments = 0.05;
-    const double     fraction       = grid_mass->fragment_fraction();
+    if (!consistent)
+      return;
+    const double fraction = consistent->fragment_fraction();
     if (fraction <= most_fragments)
       return;
     std::ostringstream message;
@@ -957,8 +959,7 @@ namespace greville
   {
     double rates[3] = {fastest_signal, 0., fastest_wave};
     for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
-      if (!grid_mass->is_consistent() ||
-          grid_mass->extension()[i] == Extension<dim>::stable)
+      if (!consistent || consistent->extension()[i] == Extension<dim>::stable)
         {
           double rate = 0.;
           for (unsigned int d = 0; d < dim; ++d)
@@ -980,13 +981,13 @@ namespace greville
   void
   Simulation<dim>::filter_velocity()
   {
-    if (!grid_mass->is_consistent() || parameters.scheme.filter == 0.)
+    if (!consistent || parameters.scheme.filter == 0.)
       return;
     const PartTimer timer(*this, "filter");
     filter.set_mass(lumped_mass);
     VectorField<dim> &correction = mapped_velocity;
     filter.apply(correction, new_velocity, parameters.scheme.filter, dt);
-    grid_mass->extend(correction);
+    consistent->extend(correction);
     for (unsigned int d = 0; d < dim; ++d)
       {
         VectorType &z = correction[d];

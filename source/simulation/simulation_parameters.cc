@@ -1,5 +1,6 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/simulation/consistent_mass.h>
 #include <greville/simulation/parameters.h>
 
 #include <algorithm>
@@ -74,6 +75,7 @@ namespace greville
         declare_model(name, model);
       }
 
+    check_method();
     parse_parameter_file(file, lines);
     if (general.name.empty())
       general.name = std::filesystem::path(file).stem().string();
@@ -109,6 +111,22 @@ namespace greville
 
 
   SimulationParameters::~SimulationParameters() = default;
+
+
+
+  void
+  SimulationParameters::check_method() const
+  {
+    const std::string method = value_of(lines, "Solver", "Method");
+    for (const ParameterLine &line : lines)
+      AssertThrow(line.section != "p-multigrid" ||
+                    (!method.empty() && line.value != "auto"),
+                  ExcMessage(line.place +
+                             ": the section p-multigrid is for "
+                             "'Solver/Method' = cg-p-multigrid, which has to "
+                             "be set beside it. What was 'Coarsening' = auto "
+                             "is 'Solver/Method' = cg-ic0."));
+  }
 
 
 
@@ -294,9 +312,9 @@ namespace greville
                   ExcMessage("The parameter 'Output/Directory' is <" +
                              output.directory +
                              ">: write the folder without '..'."));
-    MassSolver<2>::check_name(scheme.mass, "Scheme/Mass", "auto|consistent");
+    check_mass_name(scheme.mass, "Scheme/Mass");
     for (const std::string &name : sweep.masses)
-      MassSolver<2>::check_name(name, "Sweep/Masses", "auto|consistent");
+      check_mass_name(name, "Sweep/Masses");
     check_different(sweep.cells, "Sweep/Cells");
     check_different(sweep.degrees, "Sweep/Orders");
     check_different(sweep.masses, "Sweep/Masses");

@@ -15,7 +15,7 @@ namespace greville
     AssertThrow(std::count(names.begin(), names.end(), coarsening) == 1,
                 ExcMessage("The coarsening <" + coarsening + "> is none of " +
                            coarsenings() + "."));
-    if (is_single(coarsening))
+    if (coarsening == "none")
       return {degree};
     const unsigned int step =
       coarsening == "one by one" ? 1 : (coarsening == "by two" ? 2 : degree);

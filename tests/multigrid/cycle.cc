@@ -56,14 +56,14 @@ main(int argc, char **argv)
                                       cycle.pre_smoother(),
                                       cycle.post_smoother(),
                                       0,
-                                      orders.max_level(),
+                                      (orders.n_levels() - 1),
                                       Multigrid<VectorType>::v_cycle);
-      multigrid.defect.resize(0, orders.max_level());
-      for (unsigned int l = 0; l <= orders.max_level(); ++l)
+      multigrid.defect.resize(0, (orders.n_levels() - 1));
+      for (unsigned int l = 0; l <= (orders.n_levels() - 1); ++l)
         orders[l].initialize_vector(multigrid.defect[l]);
-      multigrid.defect[orders.max_level()] = b;
+      multigrid.defect[(orders.n_levels() - 1)] = b;
       multigrid.cycle();
-      y = multigrid.solution[orders.max_level()];
+      y = multigrid.solution[(orders.n_levels() - 1)];
       check(restriction + ": as deal.II's V-cycle", difference(x, y), 1e-11);
 
       for (const std::string type : {"V", "W", "F"})

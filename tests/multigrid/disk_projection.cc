@@ -4,6 +4,7 @@
 // too. Beside it what other treatments of mass leave (written to a file if its
 // name is given: doc/data/disk_projection.csv).
 
+#include <greville/mass/fmpm.h>
 #include <greville/multigrid/extended_mass_solver.h>
 #include <greville/particles/body.h>
 #include <greville/particles/point_transfer.h>
@@ -127,8 +128,8 @@ public:
   consistent(const double threshold, SolveResult &result)
   {
     ParameterAcceptor::clear();
-    MassSolverParameters parameters;
-    SmootherParameters   smoother;
+    SolverParameters   parameters;
+    SmootherParameters smoother;
     parameters.tolerance      = 1e-12;
     parameters.max_iterations = 2000;
 
@@ -226,8 +227,7 @@ main(int argc, char **argv)
                           result.converged);
                 }
               else
-                errors.push_back(projections[k]->fmpm(
-                  MassSolver<dim>::fmpm_order_of(treatment)));
+                errors.push_back(projections[k]->fmpm(n_fmpm_terms(treatment)));
               const Errors &e = errors.back();
               csv << p << ',' << treatment << ',' << meshes[k] << ',';
               if (result.iterations)

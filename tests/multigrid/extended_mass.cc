@@ -273,8 +273,8 @@ test_solver(const MultiIndex<dim> &cells,
   print() << dim << "D, p = " << p << ": solver" << (is_held ? ", held" : "")
           << std::endl;
   ParameterAcceptor::clear();
-  MassSolverParameters parameters;
-  SmootherParameters   smoother;
+  SolverParameters   parameters;
+  SmootherParameters smoother;
   parameters.tolerance = 1e-10;
   // As long as it serves at all.
   smoother.reuse = 100.;

@@ -95,6 +95,12 @@ main(int argc, char **argv)
   test("front wall in 2D", good.with("Walls", {"Front = fixed"}));
   test("surface without K0", good.with("Body body", {"Surface = 1"}));
   test("unknown mass", good.with("Scheme", {"Mass = lumpd"}));
+  test("a solver for a mass", good.with("Scheme", {"Mass = cg-jacobi"}));
+  test("coarsening auto",
+       good.with("Solver", {"Method = cg-p-multigrid"})
+         .with("p-multigrid", {"Coarsening = auto"}));
+  test("p-multigrid without its method",
+       good.with("p-multigrid", {"Coarsening = direct"}));
   for (const std::string mass : {"consistent", "fmpm-2"})
     test("APIC with the mass " + mass,
          good.with("Scheme", {"Transfer = APIC", "Mass = " + mass}));

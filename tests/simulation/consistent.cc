@@ -57,13 +57,13 @@ main(int argc, char **argv)
           run->mass().n_factorizations() >= run->n_steps());
   }
 
-  // The same by the cycle over all orders, component by component.
+  // The same by the cycle over all orders.
   {
     const Text   text = disks(2, "1.7").with("Time", {"Step = 0.005"});
     Simulated<2> all(text.with("Solver", {"Tolerance = 1e-12"}));
     all.run();
-    Simulated<2> levels(text.with("Solver", {"Tolerance = 1e-12"})
-                          .with("p-multigrid", {"Coarsening = one by one"}));
+    Simulated<2> levels(
+      text.with("Solver", {"Tolerance = 1e-12", "Method = cg-p-multigrid"}));
     levels.run();
     check("solver by levels",
           std::abs(levels->statistics().strain / all->statistics().strain - 1.),

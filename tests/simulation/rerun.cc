@@ -91,6 +91,7 @@ main(int argc, char **argv)
   // What is printed as used is used.
   const auto one = block_2d("box(0.25, 0.25, 0.75, 0.75)").parse();
   const auto two = block_2d("box(0.25, 0.25, 0.75, 0.75)")
+                     .with("Solver", {"Method = cg-p-multigrid"})
                      .with("p-multigrid", {"Smoother = ilut"})
                      .with("Smoother", {"Overlap = 5"})
                      .parse();

@@ -15,7 +15,7 @@ main(int argc, char **argv)
       {
         const OrderHierarchy<2> orders(box.mesh, p, coarsening);
         print() << coarsening << ", p = " << p << ":";
-        for (unsigned int l = 0; l <= orders.max_level(); ++l)
+        for (unsigned int l = 0; l < orders.n_levels(); ++l)
           print() << " " << orders[l].degree() << " (" << orders[l].n_dofs()
                   << ")";
         print() << std::endl;

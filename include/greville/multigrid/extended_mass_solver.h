@@ -2,8 +2,8 @@
 #define greville_multigrid_extended_mass_solver_h
 
 #include <greville/linear_algebra/partitioned_cholesky.h>
+#include <greville/linear_algebra/solve_result.h>
 #include <greville/mass/extended_mass.h>
-#include <greville/multigrid/mass_solver.h>
 #include <greville/multigrid/smoother.h>
 
 namespace greville
@@ -31,9 +31,9 @@ namespace greville
     /**
      * Parameters and mass are kept by reference.
      */
-    ExtendedMassSolver(ExtendedMass<dim>          &mass,
-                       const MassSolverParameters &parameters,
-                       const SmootherParameters   &smoother_parameters);
+    ExtendedMassSolver(ExtendedMass<dim>        &mass,
+                       const SolverParameters   &parameters,
+                       const SmootherParameters &smoother_parameters);
 
     /**
      * Collective. The mass has changed, and with it the set of unknowns if
@@ -132,9 +132,9 @@ namespace greville
             const std::vector<double> &shares,
             const unsigned int         max_iterations);
 
-    ExtendedMass<dim>          &mass;
-    const MassSolverParameters &parameters;
-    const SmootherParameters   &smoother_parameters;
+    ExtendedMass<dim>        &mass;
+    const SolverParameters   &parameters;
+    const SmootherParameters &smoother_parameters;
 
     double                        total_mass = 0.;
     std::vector<Factors>          factors;

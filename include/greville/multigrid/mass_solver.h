@@ -1,24 +1,21 @@
 #ifndef greville_multigrid_mass_solver_h
 #define greville_multigrid_mass_solver_h
 
+#include <greville/linear_algebra/solve_result.h>
 #include <greville/multigrid/p_multigrid.h>
 #include <greville/spline/order_hierarchy.h>
-
-#include <optional>
 
 namespace greville
 {
   /**
    * Parameters of MassSolver.
    */
-  class MassSolverParameters : public dealii::ParameterAcceptor
+  class MassSolverParameters : public SolverParameters
   {
   public:
     MassSolverParameters(const std::string &section = "Solver");
 
-    double       tolerance      = 1e-8;
-    unsigned int max_iterations = 1000;
-    std::string  operator_kind  = "automatic";
+    std::string operator_kind = "automatic";
   };
 
 
@@ -72,22 +69,6 @@ namespace greville
 
 
   /**
-   * What a solve did.
-   */
-  struct SolveResult
-  {
-    /// Empty where the solver does not iterate to a tolerance.
-    std::optional<unsigned int> iterations;
-    bool                        converged = false;
-    /// Euclidean norm of b - M x relative to that of b, computed at the end.
-    double reduction = 0.;
-    /// Empty, or why the solver did not converge.
-    std::string reason;
-  };
-
-
-
-  /**
    * The solvers of M x = b by name:
    * - "p-multigrid": x += cycle(b - M x), see PMultigrid,
    * - "cg-p-multigrid", "fgmres-p-multigrid": conjugate gradients and FGMRES,
@@ -95,9 +76,8 @@ namespace greville
    * - "cg", "cg-jacobi", "cg-tensor-product": conjugate gradients,
    * - "tensor-product": TensorProductPreconditioner, once,
    * - "lumped": x = M_L^-1 b with the row sums M_L of M,
-   * - "fmpm-K": x = sum_(j<K) (1 - M_L^-1 M)^j M_L^-1 b (J. Nairn and C.
-   *   Hammerquist, Material point method simulations using an approximate full
-   *   mass matrix inverse, 2021); fmpm-1 is lumped.
+   * - "fmpm-K": K terms of FMPM's series, see add_fmpm_terms(); fmpm-1 is
+   *   lumped.
    *
    * All start from zero. Iterations end when the residual has fallen by the
    * tolerance.
@@ -113,19 +93,11 @@ namespace greville
     names();
 
     /**
-     * K of "fmpm-K", 1 for "lumped", 0 for other names.
-     */
-    static unsigned int
-    fmpm_order_of(const std::string &name);
-
-    /**
      * Throws dealii::ExcMessage, which names the @p parameter, for a name that
-     * is neither one of names() nor one of @p others, separated by "|".
+     * is not one of names().
      */
     static void
-    check_name(const std::string &name,
-               const std::string &parameter,
-               const std::string &others = "");
+    check_name(const std::string &name, const std::string &parameter);
 
     /**
      * @p name is one of names(). The others are kept by reference.
@@ -174,15 +146,12 @@ namespace greville
     void
     run_krylov(VectorType &x, const VectorType &b, SolveResult &result) const;
 
-    void
-    run_fmpm(VectorType &x, const VectorType &b) const;
-
     const std::string           name;
     MassHierarchy<dim>         &hierarchy;
     const MassSolverParameters &parameters;
     const PMultigridParameters &multigrid_parameters;
     const SmootherParameters   &smoother_parameters;
-    unsigned int                fmpm_order = 0;
+    const unsigned int          n_terms; // of FMPM, 0: another solver
 
     std::unique_ptr<Preconditioner> preconditioner;
     VectorType                      inverse_lumped;

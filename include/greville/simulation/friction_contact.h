@@ -1,7 +1,7 @@
 #ifndef greville_simulation_friction_contact_h
 #define greville_simulation_friction_contact_h
 
-#include <greville/simulation/grid_mass.h>
+#include <greville/simulation/consistent_mass.h>
 
 namespace greville
 {
@@ -40,7 +40,7 @@ namespace greville
     /**
      * Walls and mass are kept by reference.
      */
-    FrictionContact(const Walls<dim> &walls, GridMass<dim> &mass);
+    FrictionContact(const Walls<dim> &walls, ConsistentMass<dim> &mass);
 
     /**
      * Collective. Change the new velocity, and the acceleration that led to it
@@ -126,7 +126,7 @@ namespace greville
     update(const VectorField<dim> &velocity, const double smallest_speed);
 
     const Walls<dim>          &walls;
-    GridMass<dim>             &mass;
+    ConsistentMass<dim>       &mass;
     std::vector<Contact>       contacts, remembered;
     std::vector<unsigned char> normals; // bits of components that touch
     VectorField<dim>           change, load, reaction;

@@ -93,6 +93,20 @@ namespace greville
 
 
   /**
+   * The solver of the consistent mass.
+   */
+  class ConsistentSolverParameters : public MassSolverParameters
+  {
+  public:
+    ConsistentSolverParameters();
+
+    /// One of ConsistentMass::methods().
+    std::string method = "cg-ic0";
+  };
+
+
+
+  /**
    * The walls of the grid.
    */
   class WallParameters : public dealii::ParameterAcceptor
@@ -236,19 +250,23 @@ namespace greville
     SimulationParameters &
     operator=(const SimulationParameters &) = delete;
 
-    GeneralParameters    general;
-    GridParameters       grid;
-    TimeParameters       time;
-    SchemeParameters     scheme;
-    WallParameters       walls;
-    LoadParameters       loads;
-    ExactParameters      exact;
-    SweepParameters      sweep;
-    ReferenceParameters  reference;
-    OutputParameters     output;
-    MassSolverParameters solver;
-    /// With consistent mass: a symmetric cycle for conjugate gradients.
-    PMultigridParameters multigrid{"p-multigrid", "auto", "transpose", "ic0"};
+    GeneralParameters   general;
+    GridParameters      grid;
+    TimeParameters      time;
+    SchemeParameters    scheme;
+    WallParameters      walls;
+    LoadParameters      loads;
+    ExactParameters     exact;
+    SweepParameters     sweep;
+    ReferenceParameters reference;
+    OutputParameters    output;
+
+    ConsistentSolverParameters solver;
+    /// A symmetric cycle, for conjugate gradients.
+    PMultigridParameters multigrid{"p-multigrid",
+                                   "one by one",
+                                   "transpose",
+                                   "ic0"};
     SmootherParameters   smoother{"Smoother", 2};
 
     // By name.
@@ -280,6 +298,12 @@ namespace greville
 
     void
     print_used();
+
+    /**
+     * Throws where a file means the solver by parameters that do not name it.
+     */
+    void
+    check_method() const;
 
     /**
      * What "auto" stands for: lumped mass where bodies spread into thin layers,

@@ -140,6 +140,15 @@ namespace greville
       return *grid_mass;
     }
 
+    /**
+     * Null with other masses.
+     */
+    const ConsistentMass<dim> *
+    consistent_mass() const
+    {
+      return consistent;
+    }
+
     const VectorField<dim> &
     grid_velocity() const
     {
@@ -462,6 +471,7 @@ namespace greville
     Walls<dim>                            walls;
     Loads<dim>                            loads;
     std::unique_ptr<GridMass<dim>>        grid_mass;
+    ConsistentMass<dim>                  *consistent = nullptr; // if it is one
     std::unique_ptr<FrictionContact<dim>> contact; // consistent mass
     std::unique_ptr<Obstacles<dim>>       obstacles;
     VelocityFilter<dim>                   filter; // consistent mass

@@ -36,23 +36,13 @@ namespace greville
 
     /**
      * "one by one": p, p-1, ..., 1; "by two": p, p-2, ..., 1 (the last step may
-     * be one by one); "direct": p, 1; "none": p alone; "auto": what is fastest
-     * for mass matrices, which is "none" (doc/mass_of_points.md). Separated by
-     * '|' as a Patterns::Selection has it.
+     * be one by one); "direct": p, 1; "none": p alone. Separated by '|' as a
+     * Patterns::Selection has it.
      */
     static std::string
     coarsenings()
     {
-      return "one by one|by two|direct|none|auto";
-    }
-
-    /**
-     * Whether there is no coarse level.
-     */
-    static bool
-    is_single(const std::string &coarsening)
-    {
-      return coarsening == "none" || coarsening == "auto";
+      return "one by one|by two|direct|none";
     }
 
     /**
@@ -65,12 +55,6 @@ namespace greville
     n_levels() const
     {
       return spaces.size();
-    }
-
-    unsigned int
-    max_level() const
-    {
-      return spaces.size() - 1;
     }
 
     const SplineSpace<dim> &

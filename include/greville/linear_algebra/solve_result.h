@@ -1,0 +1,40 @@
+#ifndef greville_linear_algebra_solve_result_h
+#define greville_linear_algebra_solve_result_h
+
+#include <deal.II/base/parameter_acceptor.h>
+
+#include <optional>
+#include <string>
+
+namespace greville
+{
+  /**
+   * When an iterative solver ends.
+   */
+  class SolverParameters : public dealii::ParameterAcceptor
+  {
+  public:
+    SolverParameters(const std::string &section = "Solver");
+
+    double       tolerance      = 1e-8;
+    unsigned int max_iterations = 1000;
+  };
+
+
+
+  /**
+   * What a solve did.
+   */
+  struct SolveResult
+  {
+    /// Empty where the solver does not iterate to a tolerance.
+    std::optional<unsigned int> iterations;
+    bool                        converged = false;
+    /// Euclidean norm of b - M x relative to that of b, computed at the end.
+    double reduction = 0.;
+    /// Empty, or why the solver did not converge.
+    std::string reason;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,60 @@
+#ifndef greville_mass_fmpm_h
+#define greville_mass_fmpm_h
+
+#include <greville/base/compatibility.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * K of the mass "fmpm-K", 1 for "lumped", 0 for other names.
+   */
+  inline unsigned int
+  n_fmpm_terms(const std::string &name)
+  {
+    if (name == "lumped")
+      return 1;
+    const std::string prefix = "fmpm-";
+    const std::string number =
+      name.substr(std::min(prefix.size(), name.size()));
+    if (name.compare(0, prefix.size(), prefix) != 0 || number.empty() ||
+        number.size() > 6 ||
+        number.find_first_not_of("0123456789") != std::string::npos)
+      return 0;
+    return std::stoi(number);
+  }
+
+
+
+  /**
+   * Make of x = M_L^-1 b, with the lumped mass M_L, the series FMPM(K) of
+   * K = @p n_terms terms,
+   * @f[ x = \sum_{j<K} (1 - M_L^{-1} M)^j M_L^{-1} b, @f]
+   * by K - 1 steps x += M_L^-1 (b - M x) (J. Nairn and C. Hammerquist, Material
+   * point method simulations using an approximate full mass matrix inverse,
+   * 2021). Coefficients whose entry of @p inverse_lumped is zero stay as they
+   * are. @p matrix has a vmult().
+   */
+  template <typename Matrix>
+  void
+  add_fmpm_terms(VectorType        &x,
+                 const VectorType  &b,
+                 const Matrix      &matrix,
+                 const VectorType  &inverse_lumped,
+                 const unsigned int n_terms)
+  {
+    VectorType product;
+    if (n_terms > 1)
+      product.reinit(x, true);
+    for (unsigned int j = 1; j < n_terms; ++j)
+      {
+        matrix.vmult(product, x);
+        for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
+          x.local_element(i) += inverse_lumped.local_element(i) *
+                                (b.local_element(i) - product.local_element(i));
+      }
+  }
+} // namespace greville
+
+#endif

@@ -1,0 +1,183 @@
+#ifndef greville_simulation_consistent_mass_h
+#define greville_simulation_consistent_mass_h
+
+#include <greville/multigrid/extended_mass_solver.h>
+#include <greville/multigrid/mass_solver.h>
+#include <greville/simulation/grid_mass.h>
+
+namespace greville
+{
+  /**
+   * The consistent mass matrix M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the points
+   * on extended B-splines, see Extension and ExtendedMass. With the method
+   * "cg-ic0" all components of the fields are solved together by an
+   * ExtendedMassSolver; with others one after the other by MassSolvers, one for
+   * each set of walls.
+   */
+  template <int dim>
+  class ConsistentMass : public GridMass<dim>
+  {
+  public:
+    /**
+     * The names of the solvers, separated by '|'.
+     */
+    static std::string
+    methods()
+    {
+      return "cg-ic0|cg-p-multigrid|cg-jacobi|cg";
+    }
+
+    /**
+     * Collective. Parameters, triangulation and walls are kept by reference.
+     */
+    ConsistentMass(const unsigned int             degree,
+                   DistributedTriangulation<dim> &triangulation,
+                   const SimulationParameters    &parameters,
+                   const Walls<dim>              &walls);
+
+    std::string
+    solver() const override
+    {
+      return parameters.solver.method;
+    }
+
+    bool
+    is_exact() const override
+    {
+      return true;
+    }
+
+    bool
+    is_diagonal() const override
+    {
+      return false;
+    }
+
+    void
+    update(const VectorType                               &lumped,
+           const std::vector<const MaterialPoints<dim> *> &bodies,
+           const PointTransfer<dim>                       &transfer) override;
+
+    void
+    solve(const std::vector<VectorField<dim> *>       &x,
+          const std::vector<const VectorField<dim> *> &b,
+          const std::vector<double>                   &shares = {}) override;
+
+    /**
+     * Collective. The same for one pair, where more coefficients are held: bit
+     * c of @p more[i] holds component c of the owned function i.
+     */
+    void
+    solve_held(VectorField<dim>                 &x,
+               const VectorField<dim>           &b,
+               const std::vector<unsigned char> &more);
+
+    /**
+     * Collective. The rows of M x at all unknowns, held ones too: what walls
+     * have to give.
+     */
+    void
+    reactions(VectorField<dim> &rows, const VectorField<dim> &x) const
+    {
+      extended_mass.multiply_field(rows, x);
+    }
+
+    /**
+     * Collective. Give the extended functions of a field the coefficients that
+     * they depend on, see ExtendedMass::extend().
+     */
+    void
+    extend(VectorField<dim> &field) const
+    {
+      extended_mass.extend(field, this->lumped_mass);
+    }
+
+    const Extension<dim> &
+    extension() const
+    {
+      return extensions.back();
+    }
+
+    std::uint64_t
+    n_fragments() const override
+    {
+      return filling.n_fragments();
+    }
+
+    /**
+     * Cells of fragments as a fraction of those with points. Collective.
+     */
+    double
+    fragment_fraction() const;
+
+    unsigned int
+    n_factorizations() const override
+    {
+      return solver_of_all ? solver_of_all->n_factorizations() : 0;
+    }
+
+  private:
+    /**
+     * Components that share their constraints.
+     */
+    struct Group
+    {
+      std::vector<unsigned int>           components;
+      std::unique_ptr<MassHierarchy<dim>> mass;
+      std::unique_ptr<MassSolver<dim>>    solver;
+    };
+
+    void
+    make_groups();
+
+    void
+    change_held() override;
+
+    void
+    multiply_at_held(VectorField<dim>       &rows,
+                     const VectorField<dim> &x,
+                     const std::array<bool, dim> &) const override
+    {
+      extended_mass.multiply_at_held(rows, x);
+    }
+
+    /**
+     * Throw where a solver did not converge.
+     */
+    void
+    check(const SolveResult &result);
+
+    /**
+     * By the MassSolvers of the groups.
+     */
+    SolveResult
+    solve_components(const std::vector<VectorField<dim> *>       &x,
+                     const std::vector<const VectorField<dim> *> &b);
+
+    /**
+     * Classify cells and functions by the points.
+     */
+    bool
+    update_extensions(const std::vector<const MaterialPoints<dim> *> &bodies,
+                      const PointTransfer<dim>                       &transfer);
+
+    void
+    update_groups(const std::vector<const MaterialPoints<dim> *> &bodies,
+                  const PointTransfer<dim>                       &transfer,
+                  const bool unknowns_changed);
+
+    const SimulationParameters              &parameters;
+    const Walls<dim>                        &walls;
+    std::vector<Group>                       groups;
+    std::vector<double>                      filled_part; // of owned cells
+    CellFilling<dim>                         filling;
+    std::vector<Extension<dim>>              extensions; // by level
+    ExtendedMass<dim>                        extended_mass;
+    std::unique_ptr<ExtendedMassSolver<dim>> solver_of_all;
+    std::unique_ptr<ExtendedMassSolver<dim>> solver_of_held; // solve_held()
+    bool                                     held_solver_is_behind = true;
+    double                                   total_mass            = 0.;
+  };
+} // namespace greville
+
+#endif
