@@ -220,9 +220,8 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       cell_volume *= space.lattice().cell_size(d);
     std::vector<double> parts(space.owned_cells().size(), 0.);
-    points.for_each([&](const unsigned int cell, const double *q) {
-      parts[cell] +=
-        q[PointLayout<dim>::volume0 * points.stride()] / cell_volume;
+    points.for_each([&](const unsigned int cell, ConstPointRef<dim> q) {
+      parts[cell] += q.volume0() / cell_volume;
     });
     filling.update(parts, parameters.filling_threshold);
   }
@@ -233,7 +232,6 @@ namespace greville
   void
   PointProblem<dim>::make_points(const std::string &body, const unsigned int n)
   {
-    using Layout = PointLayout<dim>;
     const auto density =
       make_function<dim>(parameters.density, "Problem/Density");
     const auto acceleration =
@@ -244,7 +242,8 @@ namespace greville
     placement.jitter               = parameters.jitter;
 
     std::vector<double> numbers(points.layout().size, 0.);
-    numbers[Layout::J] = 1.;
+    const PointRef<dim> p(numbers.data());
+    p.J() = 1.;
     for (const auto &point : place_points<dim>(placement, "Problem", space))
       {
         const double rho = density->value(point.x);
@@ -258,11 +257,11 @@ namespace greville
         if (rho == 0.)
           continue;
         for (unsigned int d = 0; d < dim; ++d)
-          numbers[Layout::position + d] = point.x[d];
-        numbers[Layout::velocity] = acceleration->value(point.x);
-        numbers[Layout::mass]     = rho * point.volume;
-        numbers[Layout::volume0]  = point.volume;
-        numbers[Layout::id]       = double(point.id);
+          p.position(d) = point.x[d];
+        p.velocity(0) = acceleration->value(point.x);
+        p.mass()      = rho * point.volume;
+        p.volume0()   = point.volume;
+        p.id()        = double(point.id);
         points.insert(point.cell, make_array_view(numbers));
       }
   }
@@ -313,7 +312,6 @@ namespace greville
   double
   PointProblem<dim>::error(const VectorType &x, const MassLevel<dim> &level)
   {
-    using Layout = PointLayout<dim>;
     PointTransfer<dim> transfer;
     VectorField<dim>   u, zero;
     transfer.reinit(level.space());
@@ -333,9 +331,9 @@ namespace greville
 
     const auto square = [&](const MaterialPoints<dim> &some) {
       double sum = 0.;
-      some.for_each([&](const unsigned int, const double *q) {
-        const double v = q[Layout::velocity * some.stride()];
-        sum += q[Layout::mass * some.stride()] * v * v;
+      some.for_each([&](const unsigned int, ConstPointRef<dim> q) {
+        const double v = q.velocity(0);
+        sum += q.mass() * v * v;
       });
       return Utilities::MPI::sum(sum, space.communicator());
     };

@@ -366,10 +366,9 @@ namespace greville
                   const std::string                   &section,
                   const Tensor<1, dim>                &gravity)
     {
-      using Layout                              = PointLayout<dim>;
       const BodyParameters          &parameters = *body.parameters;
       const Material                &material   = *body.material;
-      const Layout                  &layout     = body.points.layout();
+      const PointLayout<dim>        &layout     = body.points.layout();
       const InitialStress<dim>       stress(parameters,
                                       section,
                                       gravity,
@@ -390,6 +389,7 @@ namespace greville
         steps[d] = 0.1 * body.points.space().lattice().cell_size(d);
 
       std::vector<double> values(layout.size);
+      const PointRef<dim> p(values.data());
       for (const PlacedPoint<dim> &point : new_points)
         {
           std::fill(values.begin(), values.end(), 0.);
@@ -417,12 +417,10 @@ namespace greville
             }
           for (unsigned int d = 0; d < dim; ++d)
             {
-              values[Layout::position + d]  = x[d];
-              values[Layout::reference + d] = point.x[d];
+              p.position(d)  = x[d];
+              p.reference(d) = point.x[d];
               if (!velocity.empty())
-                values[Layout::velocity + d] = velocity[d](view(point.x));
-              for (unsigned int e = 0; e < dim; ++e)
-                values[Layout::F + d * dim + e] = state.F[d][e];
+                p.velocity(d) = velocity[d](view(point.x));
             }
           // APIC's matrix is the gradient of the velocity at the place to
           // which the displacement has moved the point.
@@ -434,25 +432,14 @@ namespace greville
                 invert(state.increment);
               for (unsigned int d = 0; d < dim; ++d)
                 for (unsigned int e = 0; e < dim; ++e)
-                  values[layout.affine + d * dim + e] = C[d][e];
+                  p[layout.affine + d * dim + e] = C[d][e];
             }
-          if (dim == 2)
-            values[Layout::F + 4] = state.F[2][2];
-          values[Layout::mass]         = material.density * point.volume;
-          values[Layout::volume0]      = point.volume / J_of_shape;
-          values[Layout::J]            = state.J;
-          values[Layout::wave_modulus] = state.wave_modulus;
-          for (unsigned int d = 0; d < 3; ++d)
-            values[Layout::stress + d] = state.stress[d][d];
-          values[Layout::stress + 3] = state.stress[0][1];
-          if (dim == 3)
-            {
-              values[Layout::stress + 4] = state.stress[0][2];
-              values[Layout::stress + 5] = state.stress[1][2];
-            }
-          for (unsigned int k = 0; k < layout.n_state; ++k)
-            values[layout.state + k] = state.state[k];
-          values[Layout::id] = double(point.id);
+          p.mass()    = material.density * point.volume;
+          p.volume0() = point.volume / J_of_shape;
+          p.J()       = state.J;
+          p.id()      = double(point.id);
+          p.set_F(state.F);
+          store_material_point<dim>(state, p, layout);
           body.points.insert(point.cell, make_array_view(values));
         }
     }

@@ -35,59 +35,36 @@ namespace greville
      */
     template <int dim>
     bool
-    update_material(double            *group,
-                    const unsigned int count,
+    update_material(MaterialPoints<dim> &points,
+                    const unsigned int   g,
+                    const unsigned int   count,
                     const Simd (&increment)[dim][dim],
-                    const Simd (&F)[dim][dim],
-                    const double            step,
-                    const PointLayout<dim> &layout,
-                    const Material         &material)
+                    const double    step,
+                    const Material &material)
     {
-      using Layout = PointLayout<dim>;
-      MaterialPoint points[simd_width];
+      const PointLayout<dim> &layout = points.layout();
+      MaterialPoint           states[simd_width];
       for (unsigned int lane = 0; lane < count; ++lane)
         {
-          MaterialPoint &point  = points[lane];
-          const double  *values = group + lane;
+          MaterialPoint &state = states[lane];
+          state    = load_material_point<dim>(points.point(g, lane), layout);
+          state.dt = step;
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
-              {
-                point.increment[i][j] = increment[i][j][lane];
-                point.F[i][j]         = F[i][j][lane];
-              }
-          if (dim == 2)
-            {
-              point.increment[2][2] = 1.;
-              point.F[2][2]         = values[(Layout::F + 4) * simd_width];
-            }
-          point.J  = values[Layout::J * simd_width];
-          point.dt = step;
-          for (unsigned int i = 0; i < 3; ++i)
-            for (unsigned int j = i; j < (dim == 2 ? (i < 2 ? 2 : 3) : 3); ++j)
-              point.stress[i][j] =
-                values[(Layout::stress + stress_index<dim>(i, j)) * simd_width];
-          for (unsigned int k = 0; k < layout.n_state; ++k)
-            point.state[k] = values[(layout.state + k) * simd_width];
+              state.increment[i][j] = increment[i][j][lane];
         }
-      material.update(ArrayView<MaterialPoint>(points, count));
+      material.update(ArrayView<MaterialPoint>(states, count));
 
       bool good = true;
       for (unsigned int lane = 0; lane < count; ++lane)
         {
-          const MaterialPoint &point  = points[lane];
-          double              *values = group + lane;
-          double               sum    = 0.;
-          for (unsigned int i = 0; i < 3; ++i)
-            for (unsigned int j = i; j < (dim == 2 ? (i < 2 ? 2 : 3) : 3); ++j)
-              {
-                values[(Layout::stress + stress_index<dim>(i, j)) *
-                       simd_width] = point.stress[i][j];
-                sum += point.stress[i][j];
-              }
-          for (unsigned int k = 0; k < layout.n_state; ++k)
-            values[(layout.state + k) * simd_width] = point.state[k];
-          values[Layout::wave_modulus * simd_width] = point.wave_modulus;
-          good = good && point.J > 0. && std::isfinite(sum);
+          const MaterialPoint &state = states[lane];
+          store_material_point<dim>(state, points.point(g, lane), layout);
+          double sum = 0.;
+          for (unsigned int k = 0; k < state.stress.n_independent_components;
+               ++k)
+            sum += state.stress.access_raw_entry(k);
+          good = good && state.J > 0. && std::isfinite(sum);
         }
       return good;
     }
@@ -99,27 +76,27 @@ namespace greville
      */
     template <int dim>
     void
-    report_bad_point(const double      *group,
-                     const unsigned int count,
-                     PointReport       &report)
+    report_bad_point(const MaterialPoints<dim> &points,
+                     const unsigned int         g,
+                     const unsigned int         count,
+                     PointReport               &report)
     {
-      using Layout = PointLayout<dim>;
       for (unsigned int lane = 0; lane < count && report.bad_point < 0; ++lane)
         {
-          const double *values = group + lane;
-          const double  J      = values[Layout::J * simd_width];
-          double        sum    = 0.;
-          for (unsigned int k = 0; k < Layout::n_fixed; ++k)
-            sum += values[k * simd_width];
+          const ConstPointRef<dim> p   = points.point(g, lane);
+          const double             J   = p.J();
+          double                   sum = 0.;
+          for (unsigned int k = 0; k < PointLayout<dim>::n_fixed; ++k)
+            sum += p[k];
           if (J > 0. && std::isfinite(sum))
             continue;
-          report.bad_point = std::int64_t(values[Layout::id * simd_width]);
+          report.bad_point = std::int64_t(p.id());
           std::ostringstream reason;
           if (J <= 0.)
             reason << "its volume has become negative (J = " << J << ")";
           else
             reason << "its state is infinite or NaN (J = " << J << ", velocity "
-                   << values[Layout::velocity * simd_width] << " m/s in x)";
+                   << p.velocity(0) << " m/s in x)";
           report.bad_reason = reason.str();
         }
     }
@@ -327,14 +304,13 @@ namespace greville
                   const Simd J = det * load(group + Layout::J * simd_width);
                   store(J, group + Layout::J * simd_width);
 
-                  if (!update_material<dim>(group,
-                                            count,
-                                            increment,
-                                            new_F,
-                                            update.step,
-                                            layout,
-                                            *update.material))
-                    report_bad_point<dim>(group, count, report);
+                  if (!update_material(points,
+                                       g,
+                                       count,
+                                       increment,
+                                       update.step,
+                                       *update.material))
+                    report_bad_point(points, g, count, report);
 
                   // c^2 = modulus / density
                   load_numbers<dim>(group, Layout::velocity, v);

@@ -86,21 +86,16 @@ namespace greville
                                   const unsigned int g,
                                   const unsigned int lane)
   {
-    using Layout   = PointLayout<dim>;
-    double *values = group(g) + lane;
+    const PointRef<dim> p = point(g, lane);
     for (unsigned int k = 0; k < point_layout.size; ++k)
-      values[k * width] = 0.;
+      p[k] = 0.;
     const auto &lattice = spline_space->lattice();
     const auto  center  = lattice.cell_center(
       multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells()));
     for (unsigned int d = 0; d < dim; ++d)
-      {
-        values[(Layout::position + d) * width]      = center[d];
-        values[(Layout::F + d * (dim + 1)) * width] = 1.;
-      }
-    if (dim == 2)
-      values[(Layout::F + 4) * width] = 1.;
-    values[Layout::J * width] = 1.;
+      p.position(d) = center[d];
+    p.set_F(unit_symmetric_tensor<3>());
+    p.J() = 1.;
   }
 
 
@@ -120,9 +115,9 @@ namespace greville
         for (unsigned int l = 1; l < width; ++l)
           clear_lane(cell, g, l);
       }
-    double *target = group(heads[cell]) + lane;
+    const PointRef<dim> target = point(heads[cell], lane);
     for (unsigned int k = 0; k < point_layout.size; ++k)
-      target[k * width] = values[k];
+      target[k] = values[k];
     if (counts[cell]++ == 0)
       filled_cells_are_valid = false;
     ++n_all_points;
@@ -132,16 +127,15 @@ namespace greville
 
   template <int dim>
   bool
-  MaterialPoints<dim>::is_inside(const unsigned int cell,
-                                 const double      *position,
-                                 const unsigned int stride) const
+  MaterialPoints<dim>::is_inside(const unsigned int       cell,
+                                 const ConstPointRef<dim> point) const
   {
     const auto &lattice = spline_space->lattice();
     const auto  index =
       multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells());
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const double x     = position[d * stride];
+        const double x     = point.position(d);
         const double h     = lattice.cell_size(d);
         const double lower = lattice.lower(d) + index[d] * h;
         const bool   last  = index[d] + 1 == lattice.n_cells()[d];
@@ -167,21 +161,20 @@ namespace greville
         const unsigned int next = links[g];
         for (unsigned int lane = 0; lane < n;)
           {
-            double *values = group(g) + lane;
-            if (is_inside(cell, values, width))
+            const PointRef<dim> p = point(g, lane);
+            if (is_inside(cell, p))
               {
                 ++lane;
                 continue;
               }
             for (unsigned int k = 0; k < point_layout.size; ++k)
-              leaving.push_back(values[k * width]);
+              leaving.push_back(p[k]);
 
             // The last point of the first group fills the hole.
             const unsigned int head = heads[cell];
             const unsigned int last = n_in_first_group(cell) - 1;
-            const double      *from = group(head) + last;
             for (unsigned int k = 0; k < point_layout.size; ++k)
-              values[k * width] = from[k * width];
+              p[k] = point(head, last)[k];
             clear_lane(cell, head, last);
             --counts[cell];
             --n_all_points;

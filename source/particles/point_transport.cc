@@ -78,17 +78,16 @@ namespace greville
     std::vector<std::size_t>   foreign_points;
     for (std::size_t k = 0; k < n_leaving; ++k)
       {
-        double    *values = leaving.data() + k * size;
-        Point<dim> x;
-        bool       is_outside = false;
+        const PointRef<dim> p(leaving.data() + k * size);
+        Point<dim>          x          = p.position();
+        bool                is_outside = false;
         for (unsigned int d = 0; d < dim; ++d)
           {
             const double tolerance = 1e-9 * lattice.cell_size(d);
-            x[d]                   = values[PointLayout<dim>::position + d];
             is_outside = is_outside || !(x[d] >= lattice.lower(d) - tolerance &&
                                          x[d] <= lattice.upper(d) + tolerance);
             if (!is_outside)
-              values[PointLayout<dim>::position + d] = x[d] =
+              p.position(d) = x[d] =
                 std::min(std::max(x[d], lattice.lower(d)), lattice.upper(d));
           }
         if (is_outside)
@@ -97,7 +96,7 @@ namespace greville
             // What is no number is the worse.
             if (std::isfinite(result.outside_position.norm()))
               {
-                result.outside = std::int64_t(values[PointLayout<dim>::id]);
+                result.outside          = std::int64_t(p.id());
                 result.outside_position = x;
               }
             continue;
@@ -108,7 +107,7 @@ namespace greville
           std::lower_bound(cells.begin(), cells.end(), position);
         if (found != cells.end() && *found == position)
           points.insert(found - cells.begin(),
-                        ArrayView<const double>(values, size));
+                        ArrayView<const double>(&p[0], size));
         else
           {
             foreign_cells.push_back(position);

@@ -24,20 +24,16 @@ namespace greville
     std::vector<double>
     offsets(const MaterialPoints<dim> &points, const unsigned int cell)
     {
-      using Layout = PointLayout<dim>;
       std::vector<double> result(points.layout().size, 0.);
       const auto         &space   = points.space();
       const auto         &lattice = space.lattice();
       const auto          center  = lattice.cell_center(
         multi_index<dim>(space.owned_cells()[cell], lattice.n_cells()));
+      const PointRef<dim> offset(result.data());
       for (unsigned int d = 0; d < dim; ++d)
-        {
-          result[Layout::position + d]      = center[d];
-          result[Layout::F + d * (dim + 1)] = 1.;
-        }
-      if (dim == 2)
-        result[Layout::F + 4] = 1.;
-      result[Layout::J] = 1.;
+        offset.position(d) = center[d];
+      offset.set_F(unit_symmetric_tensor<3>());
+      offset.J() = 1.;
       return result;
     }
   } // namespace
@@ -49,8 +45,8 @@ namespace greville
   PointsCopy<dim>::copy(const MaterialPoints<dim> &points)
   {
     using Layout            = PointLayout<dim>;
-    const unsigned int size = points.layout().size, s = points.stride();
-    cells = points.cells();
+    const unsigned int size = points.layout().size;
+    cells                   = points.cells();
     counts.clear();
     exact.clear();
     rounded.clear();
@@ -59,7 +55,7 @@ namespace greville
     rounded.reserve(points.n_points() * (size - 3));
     std::vector<double> offset;
     unsigned int        last_cell = MaterialPoints<dim>::none;
-    points.for_each([&](const unsigned int cell, const double *p) {
+    points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
       if (cell != last_cell)
         {
           offset = offsets(points, cell);
@@ -68,12 +64,11 @@ namespace greville
         }
       for (unsigned int k = 0; k < size; ++k)
         if (is_exact<dim>(k))
-          exact.push_back(p[k * s]);
+          exact.push_back(p[k]);
         else if (k >= Layout::reference && k < Layout::reference + dim)
-          rounded.push_back(p[k * s] -
-                            p[(Layout::position + k - Layout::reference) * s]);
+          rounded.push_back(p[k] - p.position(k - Layout::reference));
         else
-          rounded.push_back(p[k * s] - offset[k]);
+          rounded.push_back(p[k] - offset[k]);
     });
   }
 

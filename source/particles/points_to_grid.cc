@@ -135,7 +135,7 @@ namespace greville
                     for (int j = 0; j < dim; ++j)
                       stress[i][j] =
                         -volume * load(group + (Layout::stress +
-                                                stress_index<dim>(i, j)) *
+                                                Layout::stress_index(i, j)) *
                                                  simd_width);
                   for (int i = 0; i < dim; ++i)
                     load_force[i] =

@@ -106,8 +106,6 @@ namespace greville
   std::vector<bool>
   Reconstruction<dim>::inner_cells(const MaterialPoints<dim> &points) const
   {
-    using Layout                  = PointLayout<dim>;
-    constexpr unsigned int  s     = MaterialPoints<dim>::stride();
     const SplineSpace<dim> &space = points.space();
     if (spline_space != &space)
       {
@@ -121,8 +119,8 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       cell_volume *= space.lattice().cell_size(d);
     std::vector<double> filling(positions.size(), 0.);
-    points.for_each([&](const unsigned int cell, const double *p) {
-      filling[cell] += p[Layout::volume0 * s] * p[Layout::J * s] / cell_volume;
+    points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
+      filling[cell] += p.volume() / cell_volume;
     });
     neighbors.exchange(filling);
 
@@ -189,13 +187,13 @@ namespace greville
     constexpr unsigned int n_stress = Layout::n_stress;
     const unsigned int     n_fields =
       1 + dim + n_stress + (from.has_load ? dim : 0);
-    const unsigned int stride = points.stride();
 
-    std::vector<double>         values(to.size), psi;
-    std::vector<const double *> members;
-    std::vector<Tensor<1, dim>> positions;
-    std::vector<unsigned int>   full_cells;
-    const std::vector<bool>     is_inner = inner_cells(points);
+    std::vector<double>             values(to.size), psi;
+    const PointRef<dim>             result_point(values.data());
+    std::vector<ConstPointRef<dim>> members;
+    std::vector<Tensor<1, dim>>     positions;
+    std::vector<unsigned int>       full_cells;
+    const std::vector<bool>         is_inner = inner_cells(points);
     for (const unsigned int cell : points.cells())
       {
         const auto center = lattice.cell_center(
@@ -206,30 +204,30 @@ namespace greville
         unsigned int n      = points.n_in_first_group(cell);
         for (unsigned int g = points.first_group(cell);
              g != MaterialPoints<dim>::none;
-             g = points.next_group(g), n = stride)
+             g = points.next_group(g), n = points.width)
           for (unsigned int lane = 0; lane < n; ++lane)
             {
-              const double *p = points.group(g) + lane;
+              const ConstPointRef<dim> p = points.point(g, lane);
               members.push_back(p);
               Tensor<1, dim> t;
               for (unsigned int d = 0; d < dim; ++d)
-                t[d] = (p[(Layout::position + d) * stride] - center[d]) /
-                       lattice.cell_size(d);
+                t[d] = (p.position(d) - center[d]) / lattice.cell_size(d);
               positions.push_back(t);
-              volume += p[Layout::volume0 * stride] * p[Layout::J * stride];
+              volume += p.volume();
             }
 
         // Values of the quantities at the points, per volume, and their means.
-        const auto field = [&](const double *p, const unsigned int f) {
-          const double V = p[Layout::volume0 * stride] * p[Layout::J * stride];
-          const double rho = p[Layout::mass * stride] / V;
+        const auto field = [&](const ConstPointRef<dim> p,
+                               const unsigned int       f) {
+          const double V   = p.volume();
+          const double rho = p.mass() / V;
           if (f == 0)
             return rho;
           if (f <= dim)
-            return rho * p[(Layout::velocity + f - 1) * stride];
+            return rho * p.velocity(f - 1);
           if (f <= dim + n_stress)
-            return p[(Layout::stress + f - 1 - dim) * stride];
-          return rho * p[(from.load + f - 1 - dim - n_stress) * stride];
+            return p.stress(f - 1 - dim);
+          return rho * p[from.load + f - 1 - dim - n_stress];
         };
 
         const auto fits_constant = [&](const unsigned int f) {
@@ -244,11 +242,10 @@ namespace greville
         if (is_full)
           {
             psi.resize(n_psi);
-            for (const double *p : members)
+            for (const ConstPointRef<dim> p : members)
               for (unsigned int f = 0; f < n_fields; ++f)
-                coefficients(f, n_psi) += field(p, f) *
-                                          p[Layout::volume0 * stride] *
-                                          p[Layout::J * stride] / cell_volume;
+                coefficients(f, n_psi) +=
+                  field(p, f) * p.volume() / cell_volume;
             // With positions and values relative to their means, the
             // constant is fitted as well.
             std::vector<double> mean_psi(n_psi, 0.), mean_field(n_fields, 0.);
@@ -314,16 +311,15 @@ namespace greville
           }
 
         std::fill(values.begin(), values.end(), 0.);
-        for (unsigned int d = 0; d < dim; ++d)
-          values[Layout::F + d * (dim + 1)] = 1.;
+        result_point.set_F(unit_symmetric_tensor<3>());
         if (!is_full)
-          for (const double *p : members)
+          for (const ConstPointRef<dim> p : members)
             {
               for (unsigned int k = 0; k < Layout::n_fixed; ++k)
-                values[k] = p[k * stride];
+                values[k] = p[k];
               if (from.has_load)
                 for (unsigned int d = 0; d < dim; ++d)
-                  values[to.load + d] = p[(from.load + d) * stride];
+                  values[to.load + d] = p[from.load + d];
               result.insert(cell, make_array_view(values));
             }
         else
@@ -335,7 +331,7 @@ namespace greville
                 for (unsigned int d = 0; d < dim; ++d)
                   {
                     t[d] = quadrature.point(q)[d] - 0.5;
-                    values[Layout::position + d] =
+                    result_point.position(d) =
                       center[d] + t[d] * lattice.cell_size(d);
                   }
                 polynomials.evaluate(t, psi);
@@ -346,13 +342,13 @@ namespace greville
                     for (unsigned int i = 0; i < n_psi; ++i)
                       fields[f] += coefficients(f, i) * psi[i];
                   }
-                values[Layout::volume0] = quadrature.weight(q) * cell_volume;
-                values[Layout::J]       = 1.;
-                values[Layout::mass]    = fields[0] * values[Layout::volume0];
+                result_point.volume0() = quadrature.weight(q) * cell_volume;
+                result_point.J()       = 1.;
+                result_point.mass()    = fields[0] * result_point.volume0();
                 for (unsigned int d = 0; d < dim; ++d)
-                  values[Layout::velocity + d] = fields[1 + d] / fields[0];
+                  result_point.velocity(d) = fields[1 + d] / fields[0];
                 for (unsigned int k = 0; k < n_stress; ++k)
-                  values[Layout::stress + k] = fields[1 + dim + k];
+                  result_point.stress(k) = fields[1 + dim + k];
                 if (from.has_load)
                   for (unsigned int d = 0; d < dim; ++d)
                     values[to.load + d] =
@@ -373,38 +369,36 @@ namespace greville
                                 const std::vector<unsigned int> &cells,
                                 MaterialPoints<dim>             &result) const
   {
-    using Layout             = PointLayout<dim>;
-    constexpr unsigned int s = MaterialPoints<dim>::stride();
-    std::vector<bool>      is_full(points.space().owned_cells().size(), false);
+    std::vector<bool> is_full(points.space().owned_cells().size(), false);
     for (const unsigned int cell : cells)
       is_full[cell] = true;
 
     // Mass and momentum of the points and of the Gauss points
     std::vector<double> sums(2 * (dim + 1), 0.);
-    const auto          add =
-      [&](const unsigned int cell, const double *p, const unsigned int first) {
-        if (!is_full[cell])
-          return;
-        const double m = p[Layout::mass * s];
-        sums[first] += m;
-        for (unsigned int d = 0; d < dim; ++d)
-          sums[first + 1 + d] += m * p[(Layout::velocity + d) * s];
-      };
+    const auto          add = [&](const unsigned int       cell,
+                         const ConstPointRef<dim> p,
+                         const unsigned int       first) {
+      if (!is_full[cell])
+        return;
+      const double m = p.mass();
+      sums[first] += m;
+      for (unsigned int d = 0; d < dim; ++d)
+        sums[first + 1 + d] += m * p.velocity(d);
+    };
     points.for_each(
-      [&](const unsigned int cell, const double *p) { add(cell, p, 0); });
+      [&](const unsigned int cell, ConstPointRef<dim> p) { add(cell, p, 0); });
     result.for_each(
-      [&](const unsigned int cell, double *p) { add(cell, p, dim + 1); });
+      [&](const unsigned int cell, PointRef<dim> p) { add(cell, p, dim + 1); });
     Utilities::MPI::sum(sums, points.space().communicator(), sums);
     if (!(sums[dim + 1] > 0.))
       return;
     const double factor = sums[0] / sums[dim + 1];
-    result.for_each([&](const unsigned int cell, double *p) {
+    result.for_each([&](const unsigned int cell, PointRef<dim> p) {
       if (!is_full[cell])
         return;
-      p[Layout::mass * s] *= factor;
+      p.mass() *= factor;
       for (unsigned int d = 0; d < dim; ++d)
-        p[(Layout::velocity + d) * s] +=
-          (sums[1 + d] - factor * sums[dim + 2 + d]) / sums[0];
+        p.velocity(d) += (sums[1 + d] - factor * sums[dim + 2 + d]) / sums[0];
     });
   }
 

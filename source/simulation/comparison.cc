@@ -40,24 +40,22 @@ namespace greville
               const MPI_Comm                 comm,
               const Value                   &value)
     {
-      using Layout = PointLayout<dim>;
       if (formulas.empty())
         return {};
       double error = 0., norm = 0., volume = 0., max_error = 0., max_norm = 0.;
       const auto add = [&](const Body<dim> &body) {
-        const unsigned int s = body.points.stride();
-        body.points.for_each([&](const unsigned int, const double *p) {
+        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
           double arguments[dim + 1];
           for (unsigned int d = 0; d < dim; ++d)
-            arguments[d] = p[(Layout::reference + d) * s];
+            arguments[d] = p.reference(d);
           arguments[dim]  = t;
-          const double V0 = p[Layout::volume0 * s];
+          const double V0 = p.volume0();
           double       e2 = 0., u2 = 0.;
           for (unsigned int k = 0; k < formulas.size(); ++k)
             {
               const double exact =
                 formulas[k](ArrayView<const double>(arguments, dim + 1));
-              e2 += std::pow(value(p, s, k) - exact, 2);
+              e2 += std::pow(value(p, k) - exact, 2);
               u2 += exact * exact;
             }
           error += V0 * e2;
@@ -105,15 +103,13 @@ namespace greville
                                    const double                  t,
                                    const MPI_Comm                comm) const
   {
-    using Layout = PointLayout<dim>;
-    return errors_of<dim>(
-      displacement_formulas,
-      bodies,
-      t,
-      comm,
-      [](const double *p, const unsigned int s, const unsigned int d) {
-        return p[(Layout::position + d) * s] - p[(Layout::reference + d) * s];
-      });
+    return errors_of<dim>(displacement_formulas,
+                          bodies,
+                          t,
+                          comm,
+                          [](const ConstPointRef<dim> p, const unsigned int d) {
+                            return p.position(d) - p.reference(d);
+                          });
   }
 
 
@@ -128,10 +124,8 @@ namespace greville
                           bodies,
                           t,
                           comm,
-                          [](const double      *p,
-                             const unsigned int s,
-                             const unsigned int d) {
-                            return p[(PointLayout<dim>::velocity + d) * s];
+                          [](const ConstPointRef<dim> p, const unsigned int d) {
+                            return p.velocity(d);
                           });
   }
 
@@ -147,10 +141,8 @@ namespace greville
                           bodies,
                           t,
                           comm,
-                          [](const double      *p,
-                             const unsigned int s,
-                             const unsigned int k) {
-                            return p[(PointLayout<dim>::stress + k) * s];
+                          [](const ConstPointRef<dim> p, const unsigned int k) {
+                            return p.stress(k);
                           });
   }
 
@@ -261,16 +253,12 @@ namespace greville
                                       const double                  floor,
                                       const MPI_Comm                comm) const
   {
-    using Layout = PointLayout<dim>;
     std::vector<double> heights(surface.size(), floor);
     for (const Body<dim> &body : bodies)
       {
-        const unsigned int s = body.points.stride();
-        body.points.for_each([&](const unsigned int, const double *p) {
-          const double x = p[Layout::position * s];
-          const double y =
-            p[(Layout::position + 1) * s] +
-            0.5 * std::pow(p[Layout::volume0 * s] * p[Layout::J * s], 1. / dim);
+        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+          const double x = p.position(0);
+          const double y = p.position(1) + 0.5 * std::pow(p.volume(), 1. / dim);
           for (unsigned int k = 0; k < surface.size(); ++k)
             if (std::abs(x - surface[k][0]) <= 0.5 * h)
               heights[k] = std::max(heights[k], y);

@@ -75,7 +75,6 @@ namespace greville
              const std::vector<Body<dim>> &bodies,
              const MPI_Comm                comm)
     {
-      using Layout = PointLayout<dim>;
       Point<dim> lower, upper;
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -83,12 +82,12 @@ namespace greville
           upper[d] = std::numeric_limits<double>::lowest();
           for (const Body<dim> &body : bodies)
             {
-              const unsigned int s = body.points.stride();
-              body.points.for_each([&](const unsigned int, const double *p) {
-                const double X = p[(Layout::reference + d) * s];
-                lower[d]       = std::min(lower[d], X);
-                upper[d]       = std::max(upper[d], X);
-              });
+              body.points.for_each(
+                [&](const unsigned int, ConstPointRef<dim> p) {
+                  const double X = p.reference(d);
+                  lower[d]       = std::min(lower[d], X);
+                  upper[d]       = std::max(upper[d], X);
+                });
             }
           lower[d] = Utilities::MPI::min(lower[d], comm);
           upper[d] = Utilities::MPI::max(upper[d], comm);
@@ -140,7 +139,6 @@ namespace greville
   Loads<dim>::find_surfaces(const std::vector<Body<dim>> &bodies,
                             const MPI_Comm                comm)
   {
-    using Layout = PointLayout<dim>;
     for (const std::string &name : parameters.general.tractions)
       {
         const TractionParameters &given   = *parameters.tractions.at(name);
@@ -154,13 +152,9 @@ namespace greville
         double   volume = 0.;
         for (const Body<dim> &body : bodies)
           {
-            const unsigned int s = body.points.stride();
-            body.points.for_each([&](const unsigned int, const double *p) {
-              Point<dim> X;
-              for (unsigned int d = 0; d < dim; ++d)
-                X[d] = p[(Layout::reference + d) * s];
-              if (traction.shape.contains(X))
-                volume += p[Layout::volume0 * s];
+            body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+              if (traction.shape.contains(p.reference()))
+                volume += p.volume0();
             });
           }
         volume = Utilities::MPI::sum(volume, comm);
@@ -209,22 +203,19 @@ namespace greville
   void
   Loads<dim>::set(std::vector<Body<dim>> &bodies, const double t)
   {
-    using Layout = PointLayout<dim>;
-    largest      = 0.;
+    largest = 0.;
     if (body_force.empty() && tractions.empty())
       return;
     for (Body<dim> &body : bodies)
       {
-        const unsigned int s    = body.points.stride();
         const unsigned int load = body.points.layout().load;
-        body.points.for_each([&](const unsigned int, double *p) {
-          double     arguments[2 * dim + 1];
-          Point<dim> X;
+        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+          double           arguments[2 * dim + 1];
+          const Point<dim> X = p.reference();
           for (unsigned int d = 0; d < dim; ++d)
             {
-              arguments[d]       = p[(Layout::position + d) * s];
-              arguments[dim + d] = p[(Layout::reference + d) * s];
-              X[d]               = arguments[dim + d];
+              arguments[d]       = p.position(d);
+              arguments[dim + d] = X[d];
             }
           arguments[2 * dim] = t;
           const ArrayView<const double> view(arguments, 2 * dim + 1);
@@ -235,14 +226,13 @@ namespace greville
             if (traction.shape.contains(X))
               for (unsigned int d = 0; d < dim; ++d)
                 sum[d] += traction.formulas[d](view) *
-                          traction.area_per_volume0 * p[Layout::volume0 * s] /
-                          p[Layout::mass * s];
+                          traction.area_per_volume0 * p.volume0() / p.mass();
           AssertThrow(sum.norm() <= 1e100,
                       ExcMessage(too_large(parameters, X, t)));
           if (body.imposed_velocity.empty())
             largest = std::max(largest, sum.norm());
           for (unsigned int d = 0; d < dim; ++d)
-            p[(load + d) * s] = sum[d];
+            p[load + d] = sum[d];
         });
       }
   }

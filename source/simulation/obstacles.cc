@@ -53,10 +53,9 @@ namespace greville
                          const double                  begin,
                          const double                  end)
   {
-    using Layout             = PointLayout<dim>;
-    constexpr unsigned int s = MaterialPoints<dim>::stride();
-    const unsigned int     n = integrals.size();
-    step                     = end - begin;
+    using Layout         = PointLayout<dim>;
+    const unsigned int n = integrals.size();
+    step                 = end - begin;
     share.assign(n, 0.);
     touching.assign(n, 0);
     for (unsigned int d = 0; d < dim; ++d)
@@ -71,14 +70,13 @@ namespace greville
         // With the volume for mass and the pressure 1, the force of the points
         // is the sum of V_p grad N_i.
         points = body.points;
-        points.for_each([&](const unsigned int, double *point) {
-          point[Layout::mass * s] =
-            point[Layout::volume0 * s] * point[Layout::J * s];
+        points.for_each([&](const unsigned int, PointRef<dim> point) {
+          point.mass() = point.volume();
           for (unsigned int k = 0; k < Layout::n_stress; ++k)
-            point[(Layout::stress + k) * s] = k < 3 ? -1. : 0.;
+            point.stress(k) = k < 3 ? -1. : 0.;
           if (points.layout().has_load)
             for (unsigned int d = 0; d < dim; ++d)
-              point[(points.layout().load + d) * s] = 0.;
+              point[points.layout().load + d] = 0.;
         });
         transfer.points_to_grid({&points}, &volume, &momentum, &gradient);
 

@@ -69,45 +69,41 @@ namespace greville
                  const unsigned int              number,
                  const std::vector<std::string> &states)
       {
-        using Layout              = PointLayout<dim>;
-        const Layout      &layout = body.points.layout();
-        const unsigned int s      = body.points.stride();
-        const auto         own    = body.material->state_names();
-        body.points.for_each([&](const unsigned int, const double *p) {
+        using Layout         = PointLayout<dim>;
+        const Layout &layout = body.points.layout();
+        const auto    own    = body.material->state_names();
+        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
           DataOutBase::Patch<0, dim> patch;
           patch.data.reinit(names.size(), 1);
           unsigned int k = 0;
           for (unsigned int d = 0; d < dim; ++d)
             {
-              patch.vertices[0][d] = p[(Layout::position + d) * s];
-              patch.data(k++, 0)   = p[(Layout::velocity + d) * s];
+              patch.vertices[0][d] = p.position(d);
+              patch.data(k++, 0)   = p.velocity(d);
             }
           for (unsigned int d = 0; d < dim; ++d)
-            patch.data(k++, 0) =
-              p[(Layout::position + d) * s] - p[(Layout::reference + d) * s];
+            patch.data(k++, 0) = p.position(d) - p.reference(d);
           double stress[6] = {};
           for (unsigned int c = 0; c < Layout::n_stress; ++c)
-            patch.data(k++, 0) = stress[c] = p[(Layout::stress + c) * s];
+            patch.data(k++, 0) = stress[c] = p.stress(c);
           const double pressure = -(stress[0] + stress[1] + stress[2]) / 3.;
           double       square   = 0.;
           for (unsigned int c = 0; c < 6; ++c)
             square += (c < 3 ? 1.5 : 3.) *
                       std::pow(stress[c] + (c < 3 ? pressure : 0.), 2);
-          const double J     = p[Layout::J * s];
+          const double J     = p.J();
           patch.data(k++, 0) = pressure;
           patch.data(k++, 0) = std::sqrt(square);
           patch.data(k++, 0) = J;
-          patch.data(k++, 0) =
-            p[Layout::mass * s] / (p[Layout::volume0 * s] * J);
+          patch.data(k++, 0) = p.mass() / (p.volume0() * J);
           patch.data(k++, 0) = number;
-          patch.data(k++, 0) = p[Layout::id * s];
+          patch.data(k++, 0) = p.id();
           for (const std::string &name : states)
             {
-              const auto found = std::find(own.begin(), own.end(), name);
-              patch.data(k++, 0) =
-                found == own.end()
-                  ? 0.
-                  : p[(layout.state + (found - own.begin())) * s];
+              const auto found   = std::find(own.begin(), own.end(), name);
+              patch.data(k++, 0) = found == own.end()
+                                     ? 0.
+                                     : p[layout.state + (found - own.begin())];
             }
           patch.patch_index = patches.size();
           patches.push_back(patch);
@@ -396,7 +392,6 @@ namespace greville
     : comm(comm)
     , file(file)
   {
-    using Layout = PointLayout<dim>;
     for (const std::string &position : Utilities::split_string_list(text, ';'))
       {
         std::vector<double> x;
@@ -419,19 +414,19 @@ namespace greville
         Probe  probe{0, 0.};
         for (unsigned int b = 0; b < bodies.size(); ++b)
           {
-            const unsigned int s = bodies[b].points.stride();
-            bodies[b].points.for_each([&](const unsigned int, const double *p) {
-              double square = 0.;
-              for (unsigned int d = 0; d < dim; ++d)
-                square += std::pow(p[(Layout::reference + d) * s] - x[d], 2);
-              const double id = p[Layout::id * s];
-              if (square < nearest ||
-                  (square == nearest && b == probe.body && id < probe.id))
-                {
-                  nearest = square;
-                  probe   = {b, id};
-                }
-            });
+            bodies[b].points.for_each(
+              [&](const unsigned int, ConstPointRef<dim> p) {
+                double square = 0.;
+                for (unsigned int d = 0; d < dim; ++d)
+                  square += std::pow(p.reference(d) - x[d], 2);
+                const double id = p.id();
+                if (square < nearest ||
+                    (square == nearest && b == probe.body && id < probe.id))
+                  {
+                    nearest = square;
+                    probe   = {b, id};
+                  }
+              });
           }
         const double best = Utilities::MPI::min(nearest, comm);
         double       size = 0.;
@@ -483,25 +478,24 @@ namespace greville
   {
     if (probes.empty())
       return;
-    using Layout             = PointLayout<dim>;
     constexpr unsigned int n = 2 * dim + 4;
     std::vector<double>    values(n * probes.size(), 0.);
     for (unsigned int b = 0; b < bodies.size(); ++b)
       {
-        const unsigned int s = bodies[b].points.stride();
-        bodies[b].points.for_each([&](const unsigned int, const double *p) {
-          for (unsigned int k = 0; k < probes.size(); ++k)
-            if (probes[k].body == b && probes[k].id == p[Layout::id * s])
-              {
-                for (unsigned int d = 0; d < dim; ++d)
-                  {
-                    values[k * n + d]       = p[(Layout::position + d) * s];
-                    values[k * n + dim + d] = p[(Layout::velocity + d) * s];
-                  }
-                for (unsigned int c = 0; c < 4; ++c)
-                  values[k * n + 2 * dim + c] = p[(Layout::stress + c) * s];
-              }
-        });
+        bodies[b].points.for_each(
+          [&](const unsigned int, ConstPointRef<dim> p) {
+            for (unsigned int k = 0; k < probes.size(); ++k)
+              if (probes[k].body == b && probes[k].id == p.id())
+                {
+                  for (unsigned int d = 0; d < dim; ++d)
+                    {
+                      values[k * n + d]       = p.position(d);
+                      values[k * n + dim + d] = p.velocity(d);
+                    }
+                  for (unsigned int c = 0; c < 4; ++c)
+                    values[k * n + 2 * dim + c] = p.stress(c);
+                }
+          });
       }
     Utilities::MPI::sum(values, comm, values);
     run_on_all(

@@ -277,12 +277,11 @@ namespace greville
         const Moduli moduli = body.material->moduli();
         const double c      = std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) /
                                    body.material->density);
-        const unsigned int s = body.points.stride();
-        body.points.for_each([&](const unsigned int, const double *p) {
+        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
           double v2 = 0., rate = 0.;
           for (unsigned int d = 0; d < dim; ++d)
             {
-              const double v = p[(PointLayout<dim>::velocity + d) * s];
+              const double v = p.velocity(d);
               v2 += v * v;
               rate += std::abs(v) / space().lattice().cell_size(d);
             }
@@ -306,7 +305,6 @@ namespace greville
   void
   Simulation<dim>::check_overlap() const
   {
-    using Layout       = PointLayout<dim>;
     double cell_volume = 1.;
     for (unsigned int d = 0; d < dim; ++d)
       cell_volume *= space().lattice().cell_size(d);
@@ -319,9 +317,8 @@ namespace greville
       {
         const auto &points = all_bodies[b].points;
         std::fill(own.begin(), own.end(), 0.);
-        points.for_each([&](const unsigned int cell, const double *p) {
-          own[cell] += p[Layout::volume0 * points.stride()] *
-                       p[Layout::J * points.stride()] / cell_volume;
+        points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
+          own[cell] += p.volume() / cell_volume;
         });
         std::ostringstream message;
         for (unsigned int cell = 0; cell < n_cells; ++cell)
@@ -817,10 +814,8 @@ namespace greville
     double mass  = 0.;
     for (const Body<dim> &body : all_bodies)
       {
-        const unsigned int s = body.points.stride();
-        body.points.for_each([&](const unsigned int, const double *p) {
-          mass += p[PointLayout<dim>::mass * s];
-        });
+        body.points.for_each(
+          [&](const unsigned int, ConstPointRef<dim> p) { mass += p.mass(); });
       }
     // Speeds of 1e-8 times that of waves are round-off.
     energy.reinit(free_energy<dim>(all_bodies, transfer, comm),
@@ -845,12 +840,10 @@ namespace greville
       for (const Body<dim> &body : all_bodies)
         if (body.imposed_velocity.empty())
           {
-            const unsigned int s    = body.points.stride();
             const unsigned int load = body.points.layout().load;
-            body.points.for_each([&](const unsigned int, const double *p) {
+            body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
               for (unsigned int d = 0; d < dim; ++d)
-                work += p[PointLayout<dim>::mass * s] * p[(load + d) * s] *
-                        p[(PointLayout<dim>::velocity + d) * s];
+                work += p.mass() * p[load + d] * p.velocity(d);
             });
           }
     // Walls and obstacles give what a = (v' - v) / dt' needs beyond the force.
@@ -1025,18 +1018,17 @@ namespace greville
           {
             if (!move)
               continue;
-            const unsigned int s     = body.points.stride();
-            double             speed = 0.;
-            body.points.for_each([&](const unsigned int cell, double *p) {
+            double speed = 0.;
+            body.points.for_each([&](const unsigned int cell, PointRef<dim> p) {
               double square = 0.;
               for (unsigned int d = 0; d < dim; ++d)
                 {
-                  const double v = p[(PointLayout<dim>::velocity + d) * s];
-                  p[(PointLayout<dim>::position + d) * s] += dt * v;
+                  const double v = p.velocity(d);
+                  p.position(d) += dt * v;
                   square += v * v;
                 }
               speed = std::max(speed, std::sqrt(square));
-              if (!body.points.is_inside(cell, p, s) &&
+              if (!body.points.is_inside(cell, p) &&
                   (left_cells[b].empty() || left_cells[b].back() != cell))
                 left_cells[b].push_back(cell);
             });
@@ -1138,14 +1130,13 @@ namespace greville
           {
             if (!body.imposed_velocity.empty())
               continue;
-            const auto        &layout = body.points.layout();
-            const unsigned int s      = body.points.stride();
-            body.points.for_each([&](const unsigned int, double *p) {
+            const auto &layout = body.points.layout();
+            body.points.for_each([&](const unsigned int, PointRef<dim> p) {
               for (unsigned int d = 0; d < dim; ++d)
-                p[(PointLayout<dim>::velocity + d) * s] = 0.;
+                p.velocity(d) = 0.;
               if (layout.has_affine)
                 for (unsigned int k = 0; k < dim * dim; ++k)
-                  p[(layout.affine + k) * s] = 0.;
+                  p[layout.affine + k] = 0.;
             });
           }
         // The energy is that of all processes.
@@ -1248,10 +1239,9 @@ namespace greville
           for (unsigned int d = 0; d < dim; ++d)
             v[d] =
               body.imposed_velocity[d](ArrayView<const double>(&middle, 1));
-          const unsigned int s = body.points.stride();
-          body.points.for_each([&](const unsigned int, double *p) {
+          body.points.for_each([&](const unsigned int, PointRef<dim> p) {
             for (unsigned int d = 0; d < dim; ++d)
-              p[(PointLayout<dim>::velocity + d) * s] = v[d];
+              p.velocity(d) = v[d];
           });
           sums_are_current = false;
         }

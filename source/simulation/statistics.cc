@@ -69,36 +69,6 @@ namespace greville
 
 
 
-  template <int dim>
-  MaterialPoint
-  material_point(const double           *values,
-                 const unsigned int      stride,
-                 const PointLayout<dim> &layout)
-  {
-    using Layout = PointLayout<dim>;
-    MaterialPoint point;
-    point.increment = unit_symmetric_tensor<3>();
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = 0; j < dim; ++j)
-        point.F[i][j] = values[(Layout::F + i * dim + j) * stride];
-    if (dim == 2)
-      point.F[2][2] = values[(Layout::F + 4) * stride];
-    point.J = values[Layout::J * stride];
-    for (unsigned int i = 0; i < 3; ++i)
-      point.stress[i][i] = values[(Layout::stress + i) * stride];
-    point.stress[0][1] = values[(Layout::stress + 3) * stride];
-    if (dim == 3)
-      {
-        point.stress[0][2] = values[(Layout::stress + 4) * stride];
-        point.stress[1][2] = values[(Layout::stress + 5) * stride];
-      }
-    for (unsigned int k = 0; k < layout.n_state; ++k)
-      point.state[k] = values[(layout.state + k) * stride];
-    return point;
-  }
-
-
-
   namespace
   {
     /**
@@ -107,28 +77,20 @@ namespace greville
      */
     template <int dim>
     double
-    kinetic_energy_of(const double             *p,
+    kinetic_energy_of(const ConstPointRef<dim>  p,
                       const unsigned int        cell,
                       const PointLayout<dim>   &layout,
                       const PointTransfer<dim> &transfer)
     {
-      using Layout                  = PointLayout<dim>;
-      constexpr unsigned int s      = MaterialPoints<dim>::stride();
-      double                 square = 0.;
-      for (unsigned int d = 0; d < dim; ++d)
-        square += std::pow(p[(Layout::velocity + d) * s], 2);
+      double square = p.velocity().norm_square();
       if (layout.has_affine)
         {
-          Point<dim> x;
-          for (unsigned int d = 0; d < dim; ++d)
-            x[d] = p[(Layout::position + d) * s];
-          const auto D = transfer.spread(cell, x);
+          const auto D = transfer.spread(cell, p.position());
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
-              square +=
-                std::pow(p[(layout.affine + i * dim + j) * s], 2) * D[j];
+              square += std::pow(p[layout.affine + i * dim + j], 2) * D[j];
         }
-      return 0.5 * p[Layout::mass * s] * square;
+      return 0.5 * p.mass() * square;
     }
   } // namespace
 
@@ -141,57 +103,56 @@ namespace greville
                      const Tensor<1, dim>         &gravity,
                      const MPI_Comm                comm)
   {
-    using Layout = PointLayout<dim>;
     Statistics<dim>       result;
     std::array<double, 2> largest = {{-1e300, -1e300}};
     Tensor<1, dim>        first_moment;
     for (const Body<dim> &body : bodies)
       {
-        const Layout      &layout = body.points.layout();
-        const unsigned int s      = body.points.stride();
-        body.points.for_each([&](const unsigned int cell, const double *p) {
-          const double   m  = p[Layout::mass * s];
-          const double   V0 = p[Layout::volume0 * s];
-          Tensor<1, 3>   x, v;
-          Point<dim>     position;
-          Tensor<1, dim> velocity;
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              position[d] = x[d] = p[(Layout::position + d) * s];
-              velocity[d] = v[d] = p[(Layout::velocity + d) * s];
-            }
-          result.mass += m;
-          result.momentum += m * velocity;
-          first_moment += m * position;
-          result.angular_momentum += m * cross_product_3d(x, v);
-          if (layout.has_affine)
-            {
-              // m C D, whose skew part is a spin
-              const auto   D = transfer.spread(cell, position);
-              Tensor<2, 3> B;
-              for (unsigned int i = 0; i < dim; ++i)
-                for (unsigned int j = 0; j < dim; ++j)
-                  B[i][j] = p[(layout.affine + i * dim + j) * s] * D[j];
-              result.angular_momentum[0] += m * (B[2][1] - B[1][2]);
-              result.angular_momentum[1] += m * (B[0][2] - B[2][0]);
-              result.angular_momentum[2] += m * (B[1][0] - B[0][1]);
-            }
-          result.kinetic += kinetic_energy_of<dim>(p, cell, layout, transfer);
-          result.gravitational -= m * (gravity * Tensor<1, dim>(position));
-          if (body.imposed_velocity.empty())
-            {
-              const MaterialPoint point = material_point<dim>(p, s, layout);
-              result.strain += V0 * body.material->strain_energy(point);
-              result.dissipation += V0 * body.material->dissipation(point);
-            }
-          result.largest_speed =
-            std::max(result.largest_speed, velocity.norm());
-          const double half_size =
-            0.5 * std::pow(V0 * p[Layout::J * s], 1. / dim);
-          largest[0] = std::max(largest[0], position[0] + half_size);
-          largest[1] = std::max(largest[1], position[1] + half_size);
-          ++result.n_points;
-        });
+        const PointLayout<dim> &layout = body.points.layout();
+        body.points.for_each(
+          [&](const unsigned int cell, ConstPointRef<dim> p) {
+            const double         m        = p.mass();
+            const double         V0       = p.volume0();
+            const Point<dim>     position = p.position();
+            const Tensor<1, dim> velocity = p.velocity();
+            Tensor<1, 3>         x, v;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                x[d] = position[d];
+                v[d] = velocity[d];
+              }
+            result.mass += m;
+            result.momentum += m * velocity;
+            first_moment += m * position;
+            result.angular_momentum += m * cross_product_3d(x, v);
+            if (layout.has_affine)
+              {
+                // m C D, whose skew part is a spin
+                const auto   D = transfer.spread(cell, position);
+                const auto   C = p.matrix(layout.affine);
+                Tensor<2, 3> B;
+                for (unsigned int i = 0; i < dim; ++i)
+                  for (unsigned int j = 0; j < dim; ++j)
+                    B[i][j] = C[i][j] * D[j];
+                result.angular_momentum[0] += m * (B[2][1] - B[1][2]);
+                result.angular_momentum[1] += m * (B[0][2] - B[2][0]);
+                result.angular_momentum[2] += m * (B[1][0] - B[0][1]);
+              }
+            result.kinetic += kinetic_energy_of<dim>(p, cell, layout, transfer);
+            result.gravitational -= m * (gravity * Tensor<1, dim>(position));
+            if (body.imposed_velocity.empty())
+              {
+                const MaterialPoint point = load_material_point<dim>(p, layout);
+                result.strain += V0 * body.material->strain_energy(point);
+                result.dissipation += V0 * body.material->dissipation(point);
+              }
+            result.largest_speed =
+              std::max(result.largest_speed, velocity.norm());
+            const double half_size = 0.5 * std::pow(p.volume(), 1. / dim);
+            largest[0] = std::max(largest[0], position[0] + half_size);
+            largest[1] = std::max(largest[1], position[1] + half_size);
+            ++result.n_points;
+          });
       }
     // In 2D the spin has one component.
     if (dim == 2)
@@ -230,10 +191,11 @@ namespace greville
     double sum = 0.;
     for (const Body<dim> &body : bodies)
       if (body.imposed_velocity.empty())
-        body.points.for_each([&](const unsigned int cell, const double *p) {
-          sum +=
-            kinetic_energy_of<dim>(p, cell, body.points.layout(), transfer);
-        });
+        body.points.for_each(
+          [&](const unsigned int cell, ConstPointRef<dim> p) {
+            sum +=
+              kinetic_energy_of<dim>(p, cell, body.points.layout(), transfer);
+          });
     return Utilities::MPI::sum(sum, comm);
   }
 
@@ -249,15 +211,14 @@ namespace greville
     for (const Body<dim> &body : bodies)
       if (body.imposed_velocity.empty())
         {
-          const auto            &layout = body.points.layout();
-          constexpr unsigned int s      = MaterialPoints<dim>::stride();
-          body.points.for_each([&](const unsigned int cell, const double *p) {
-            const MaterialPoint point = material_point<dim>(p, s, layout);
-            sum += kinetic_energy_of<dim>(p, cell, layout, transfer) +
-                   p[PointLayout<dim>::volume0 * s] *
-                     (body.material->strain_energy(point) +
-                      body.material->dissipation(point));
-          });
+          const auto &layout = body.points.layout();
+          body.points.for_each(
+            [&](const unsigned int cell, ConstPointRef<dim> p) {
+              const MaterialPoint point = load_material_point<dim>(p, layout);
+              sum += kinetic_energy_of<dim>(p, cell, layout, transfer) +
+                     p.volume0() * (body.material->strain_energy(point) +
+                                    body.material->dissipation(point));
+            });
         }
     return Utilities::MPI::sum(sum, comm);
   }
@@ -292,8 +253,4 @@ namespace greville
   kinetic_energy<3>(const std::vector<Body<3>> &,
                     const PointTransfer<3> &,
                     const MPI_Comm);
-  template MaterialPoint
-  material_point<2>(const double *, const unsigned int, const PointLayout<2> &);
-  template MaterialPoint
-  material_point<3>(const double *, const unsigned int, const PointLayout<3> &);
 } // namespace greville

@@ -54,11 +54,9 @@ errors_of(const SplineSpace<dim>    &space,
   std::array<double, 4> sums{};
   std::array<double, 2> largest{};
   u.update_ghost_values();
-  points.for_each([&](const unsigned int cell, const double *q) {
-    Point<dim> x;
-    for (unsigned int d = 0; d < dim; ++d)
-      x[d] = q[d * points.stride()];
-    const auto index =
+  points.for_each([&](const unsigned int cell, const auto q) {
+    const Point<dim> x = q.position();
+    const auto       index =
       multi_index<dim>(space.owned_cells()[cell], space.lattice().n_cells());
     for (unsigned int d = 0; d < dim; ++d)
       for (const unsigned int k : {0, 1})
@@ -106,13 +104,14 @@ public:
     placement.jitter               = 0.5;
     points.reinit(space, Layout(0, false, false));
     std::vector<double> numbers(points.layout().size, 0.);
-    numbers[Layout::J] = 1.;
+    const PointRef<dim> numbers_of_point(numbers.data());
+    numbers_of_point.J() = 1.;
     for (const auto &point : place_points<dim>(placement, "Disk", space))
       {
         for (unsigned int d = 0; d < dim; ++d)
-          numbers[Layout::position + d] = point.x[d];
-        numbers[Layout::velocity] = f(point.x);
-        numbers[Layout::mass] = numbers[Layout::volume0] = point.volume;
+          numbers_of_point.position(d) = point.x[d];
+        numbers_of_point.velocity(0) = f(point.x);
+        numbers_of_point.mass() = numbers_of_point.volume0() = point.volume;
         points.insert(point.cell, make_array_view(numbers));
       }
     transfer.reinit(space);

@@ -88,9 +88,7 @@ struct Problem
   total_mass() const
   {
     double sum = 0.;
-    points.for_each([&](const unsigned int, const double *q) {
-      sum += q[PointLayout<dim>::mass * points.stride()];
-    });
+    points.for_each([&](const unsigned int, const auto q) { sum += q.mass(); });
     return Utilities::MPI::sum(sum, MPI_COMM_WORLD);
   }
 
@@ -403,10 +401,8 @@ test_solver(const MultiIndex<dim> &cells,
     }
 
   // Other masses: the factorization serves, unless it may not.
-  problem.points.for_each([&](const unsigned int, double *q) {
-    q[PointLayout<dim>::mass * problem.points.stride()] *=
-      1. +
-      0.02 * pseudo_random(q[PointLayout<dim>::id * problem.points.stride()]);
+  problem.points.for_each([&](const unsigned int, const auto q) {
+    q.mass() *= 1. + 0.02 * pseudo_random(q.id());
   });
   problem.begin(false);
   solver.update(false, problem.total_mass());

@@ -18,9 +18,10 @@ random_points(const SplineSpace<dim> &space,
   MaterialPoints<dim> points;
   points.reinit(space, Layout(0, false, false));
   std::vector<double> numbers(points.layout().size, 0.);
-  numbers[Layout::J] = 1.;
-  const auto  parts  = fillings<dim>(space, filling);
-  const auto &n      = space.lattice().n_cells();
+  const PointRef<dim> point(numbers.data());
+  point.J()         = 1.;
+  const auto  parts = fillings<dim>(space, filling);
+  const auto &n     = space.lattice().n_cells();
   for (unsigned int c = 0; c < parts.size(); ++c)
     {
       const std::uint64_t cell  = space.owned_cells()[c];
@@ -41,14 +42,13 @@ random_points(const SplineSpace<dim> &space,
                      0.4 * pseudo_random(dim * (1000 * cell + k) + d)) /
                       (p + 2);
               place /= p + 2;
-              numbers[Layout::position + d] =
-                space.lattice().lower(d) +
-                space.lattice().cell_size(d) * (index[d] + t);
+              point.position(d) = space.lattice().lower(d) +
+                                  space.lattice().cell_size(d) * (index[d] + t);
             }
-          numbers[Layout::volume0] = 1.;
-          numbers[Layout::mass] =
+          point.volume0() = 1.;
+          point.mass() =
             parts[c] * (1. + 0.5 * pseudo_random(1000 * cell + k)) / count;
-          numbers[Layout::id] = 1000. * cell + k;
+          point.id() = 1000. * cell + k;
           points.insert(c, make_array_view(numbers));
         }
     }

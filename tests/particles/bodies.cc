@@ -37,25 +37,25 @@ public:
   double
   volume() const
   {
-    return integrate([](const double *) { return 1.; });
+    return integrate([](const auto &) { return 1.; });
   }
 
   // Of f over the volume that points have.
   double
-  integrate(const std::function<double(const double *)> &f) const
+  integrate(const std::function<double(ConstPointRef<dim>)> &f) const
   {
     double sum = 0.;
-    body.points.for_each([&](const unsigned int, const double *p) {
-      sum += at(p, Layout::volume0) * at(p, Layout::J) * f(p);
+    body.points.for_each([&](const unsigned int, const auto p) {
+      sum += p.volume0() * p.J() * f(p);
     });
     return Utilities::MPI::sum(sum, space.communicator());
   }
 
   double
-  largest(const std::function<double(const double *)> &f) const
+  largest(const std::function<double(ConstPointRef<dim>)> &f) const
   {
     double result = 0.;
-    body.points.for_each([&](const unsigned int, const double *p) {
+    body.points.for_each([&](const unsigned int, const auto p) {
       const double value = f(p);
       result = std::max(result, value == value ? std::abs(value) : 1e300);
     });
@@ -66,8 +66,8 @@ public:
   in_their_cells() const
   {
     bool ok = true;
-    body.points.for_each([&](const unsigned int cell, const double *p) {
-      ok &= body.points.is_inside(cell, p, body.points.stride());
+    body.points.for_each([&](const unsigned int cell, const auto p) {
+      ok &= body.points.is_inside(cell, p);
     });
     return on_all(ok);
   }
@@ -192,14 +192,14 @@ test_placement()
       body.points_per_direction = {3, 2};
     });
     check("  Gauss points",
-          std::abs(made.integrate([](const double *p) {
-            return std::pow(at(p, 0), 5) * std::pow(at(p, 1), 3);
+          std::abs(made.integrate([](const auto p) {
+            return std::pow(p.position(0), 5) * std::pow(p.position(1), 3);
           }) / (1. / 6. * std::pow(1.5, 4) / 4.) -
                    1.),
           1e-13);
     check("  and no more",
-          std::abs(made.integrate([](const double *p) {
-            return std::pow(at(p, 1), 4);
+          std::abs(made.integrate([](const auto p) {
+            return std::pow(p.position(1), 4);
           }) / (std::pow(1.5, 5) / 5.) -
                    1.) > 1e-5);
     print() << "  points " << made.body.n_points << std::endl;
@@ -211,8 +211,8 @@ test_placement()
       body.points_per_direction = {2};
     });
     check("  Gauss points in 3D",
-          std::abs(made.integrate([](const double *p) {
-            return std::pow(at(p, 0) * at(p, 1) * at(p, 2), 3);
+          std::abs(made.integrate([](const auto p) {
+            return std::pow(p.position(0) * p.position(1) * p.position(2), 3);
           }) / (1. / 64. * std::pow(3., 4)) -
                    1.),
           1e-13);
@@ -226,37 +226,32 @@ test_placement()
     body.imposed_velocity     = "2 * t; t^2";
   });
   check("  equal distances",
-        even.largest([](const double *p) {
-          const double i = at(p, 0) * 6. - 0.5, j = at(p, 1) * 8. - 0.5;
+        even.largest([](const auto p) {
+          const double i = p.position(0) * 6. - 0.5,
+                       j = p.position(1) * 8. - 0.5;
           return std::max(std::abs(i - std::round(i)),
                           std::abs(j - std::round(j)));
         }),
         1e-13);
   check("  volume, mass, J, F, stress, reference, velocity",
-        even.largest([&](const double *p) {
-          double error = std::abs(at(p, Layout::volume0) * 72. - 1.5);
-          error        = std::max(error,
-                           std::abs(at(p, Layout::mass) -
-                                    2000. * at(p, Layout::volume0)));
-          error        = std::max(error, std::abs(at(p, Layout::J) - 1.));
-          for (unsigned int k = 0; k < 5; ++k)
-            error = std::max(error,
-                             std::abs(at(p, Layout::F + k) -
-                                      (k == 1 || k == 2 ? 0. : 1.)));
+        even.largest([&](const auto p) {
+          double error = std::abs(p.volume0() * 72. - 1.5);
+          error = std::max(error, std::abs(p.mass() - 2000. * p.volume0()));
+          error = std::max(error, std::abs(p.J() - 1.));
+          error =
+            std::max(error,
+                     (p.F() - Tensor<2, 3>(unit_symmetric_tensor<3>())).norm());
           for (unsigned int k = 0; k < 4; ++k)
-            error = std::max(error, std::abs(at(p, Layout::stress + k)));
+            error = std::max(error, std::abs(p.stress(k)));
           for (unsigned int d = 0; d < 2; ++d)
-            error = std::max(error,
-                             std::abs(at(p, Layout::reference + d) - at(p, d)));
-          const double x = at(p, 0), y = at(p, 1);
-          error =
-            std::max(error, std::abs(at(p, Layout::velocity) - x - 2. * y));
-          error =
-            std::max(error, std::abs(at(p, Layout::velocity + 1) - x * y));
+            error = std::max(error, std::abs(p.reference(d) - p.position(d)));
+          const double x = p.position(0), y = p.position(1);
+          error = std::max(error, std::abs(p.velocity(0) - x - 2. * y));
+          error = std::max(error, std::abs(p.velocity(1) - x * y));
           for (unsigned int k = Layout::n_fixed;
                k < even.body.points.layout().size;
                ++k)
-            error = std::max(error, std::abs(at(p, k)));
+            error = std::max(error, std::abs(p[k]));
           return error;
         }),
         1e-13);
@@ -301,26 +296,27 @@ test_placement()
       same &= difference(made.body.points, again.body.points) == 0.;
       check("  jitter: any number of processes", on_all(same));
       double largest = 0., inside = 0.;
-      largest = made.largest([](const double *p) {
+      largest = made.largest([](const auto p) {
         double distance = 0.;
         for (unsigned int d = 0; d < 2; ++d)
           {
             // In distances of points
-            const double t = at(p, d) * (d == 0 ? 16. : 18.) - 0.5;
+            const double t = p.position(d) * (d == 0 ? 16. : 18.) - 0.5;
             distance       = std::max(distance, std::abs(t - std::round(t)));
           }
         return distance;
       });
-      inside  = made.largest([](const double *p) {
-        return std::pow(at(p, 0) - 0.5, 2) + std::pow(at(p, 1) - 0.7, 2);
+      inside  = made.largest([](const auto p) {
+        return std::pow(p.position(0) - 0.5, 2) +
+               std::pow(p.position(1) - 0.7, 2);
       });
       check("  jitter: bound", largest, 0.2);
       check("  jitter: reached", largest > 0.19);
       check("  jitter: inside of the shape", inside, 0.2025);
       double checksum = 0.;
-      made.body.points.for_each([&](const unsigned int, const double *p) {
+      made.body.points.for_each([&](const unsigned int, const auto p) {
         for (unsigned int d = 0; d < 2; ++d)
-          checksum += std::cos(at(p, Layout::id) + d) * at(p, d);
+          checksum += std::cos(p.id() + d) * p.position(d);
       });
       print() << "  jitter: points " << made.body.n_points << ", checksum "
               << std::fixed << std::setprecision(6)
@@ -341,22 +337,22 @@ test_stress()
 {
   print() << "Stress" << std::endl;
   // K0: depth below a surface, against gravity along -y, +x and -z.
-  const auto check_K0 = [](const auto                                  &made,
-                           const std::string                           &name,
-                           const unsigned int                           axis,
-                           const std::function<double(const double *)> &depth) {
+  const auto check_K0 = [](const auto        &made,
+                           const std::string &name,
+                           const unsigned int axis,
+                           const auto        &depth) {
     using Layout = typename std::decay_t<decltype(made)>::Layout;
     check("  K0, " + name,
-          made.largest([&](const double *p) {
+          made.largest([&](const auto p) {
             double error = 0.;
             for (unsigned int d = 0; d < 3; ++d)
-              error = std::max(error,
-                               std::abs(at(p, Layout::stress + d) +
-                                        2000. * 10. * depth(p) *
-                                          (d == axis ? 1. : 0.5)) /
-                                 2e4);
+              error =
+                std::max(error,
+                         std::abs(p.stress(d) + 2000. * 10. * depth(p) *
+                                                  (d == axis ? 1. : 0.5)) /
+                           2e4);
             for (unsigned int k = 3; k < Layout::n_stress; ++k)
-              error = std::max(error, std::abs(at(p, Layout::stress + k)));
+              error = std::max(error, std::abs(p.stress(k)));
             return error;
           }),
           1e-13);
@@ -372,29 +368,22 @@ test_stress()
       body.surface = "1.01 + 0.2 * x";
     },
     down);
-  check_K0(slope, "-y", 1, [](const double *p) {
-    return 1.01 + 0.2 * at(p, 0) - at(p, 1);
+  check_K0(slope, "-y", 1, [](const auto p) {
+    return 1.01 + 0.2 * p.position(0) - p.position(1);
   });
   check("    volume is that of the shape",
-        slope.largest([](const double *p) {
-          return at(p, PointLayout<2>::volume0) * at(p, PointLayout<2>::J) *
-                   96. / 1.5 -
-                 1.;
-        }),
+        slope.largest(
+          [](const auto p) { return p.volume0() * p.J() * 96. / 1.5 - 1.; }),
         1e-13);
   check("    J is det F, and below 1",
-        slope.largest([](const double *p) {
-          const double *F = p + PointLayout<2>::F * 4;
-          const double  J = at(p, PointLayout<2>::J);
-          return J < 1.
-                   ? J - (at(F, 0) * at(F, 3) - at(F, 1) * at(F, 2)) * at(F, 4)
-                   : 1.;
+        slope.largest([](const auto p) {
+          const double J = p.J();
+          return J < 1. ? J - determinant(p.F()) : 1.;
         }),
         1e-14);
   check("    mass is density times volume",
-        slope.largest([](const double *p) {
-          return at(p, PointLayout<2>::mass) / (2000. * 1.5 / 96.) - 1.;
-        }),
+        slope.largest(
+          [](const auto p) { return p.mass() / (2000. * 1.5 / 96.) - 1.; }),
         1e-14);
   Tensor<1, 2> right;
   right[0] = 10.;
@@ -408,7 +397,7 @@ test_stress()
              right),
            "+x",
            0,
-           [](const double *p) { return at(p, 0) - 0.25; });
+           [](const auto p) { return p.position(0) - 0.25; });
   Tensor<1, 3> below;
   below[2] = -10.;
   check_K0(Made<3>(
@@ -422,50 +411,41 @@ test_stress()
            "-z",
            2,
            // Above the surface there is none.
-           [](const double *p) { return std::max(0., 1.3 - at(p, 2)); });
+           [](const auto p) { return std::max(0., 1.3 - p.position(2)); });
 
   const Made<3> given({{2, 2, 2}}, [](BodyParameters &body) {
     body.shape  = "box(0, 0, 0, 1, 1.5, 2)";
     body.stress = "1e4 * x; 2e4 * y; 3e4 * z; 1e4 * y; 2e4; 1e4 * x * z";
   });
   check("  formulas",
-        given.largest([](const double *p) {
-          const double x = at(p, 0), y = at(p, 1), z = at(p, 2);
+        given.largest([](const auto p) {
+          const double x = p.position(0), y = p.position(1), z = p.position(2);
           const double stress[6] = {
             1e4 * x, 2e4 * y, 3e4 * z, 1e4 * y, 2e4, 1e4 * x * z};
           double error = 0.;
           for (unsigned int k = 0; k < 6; ++k)
-            error =
-              std::max(error,
-                       std::abs(at(p, PointLayout<3>::stress + k) - stress[k]) /
-                         1e4);
+            error = std::max(error, std::abs(p.stress(k) - stress[k]) / 1e4);
           return error;
         }),
         1e-13);
   // F is that of the stress: the material gives it back.
   check("    and F belongs to it",
-        given.largest([&](const double *p) {
+        given.largest([&](const auto p) {
           MaterialPoint state;
           for (unsigned int i = 0; i < 3; ++i)
             for (unsigned int j = 0; j < 3; ++j)
-              state.F[i][j] = at(p, PointLayout<3>::F + 3 * i + j);
-          state.J         = at(p, PointLayout<3>::J);
+              state.F[i][j] = p[PointLayout<3>::F + 3 * i + j];
+          state.J         = p.J();
           state.increment = unit_symmetric_tensor<3>();
           given.material.update(ArrayView<MaterialPoint>(&state, 1));
           double error = 0.;
           for (unsigned int d = 0; d < 3; ++d)
-            error = std::max(error,
-                             std::abs(state.stress[d][d] -
-                                      at(p, PointLayout<3>::stress + d)) /
-                               1e6);
-          error = std::max(error,
-                           std::abs(state.stress[0][2] -
-                                    at(p, PointLayout<3>::stress + 4)) /
-                             1e6);
-          error = std::max(error,
-                           std::abs(state.stress[1][2] -
-                                    at(p, PointLayout<3>::stress + 5)) /
-                             1e6);
+            error =
+              std::max(error, std::abs(state.stress[d][d] - p.stress(d)) / 1e6);
+          error =
+            std::max(error, std::abs(state.stress[0][2] - p.stress(4)) / 1e6);
+          error =
+            std::max(error, std::abs(state.stress[1][2] - p.stress(5)) / 1e6);
           return error;
         }),
         1e-13);
@@ -497,8 +477,8 @@ test_displacement()
                                             MPI_COMM_WORLD) == 64 &&
           Utilities::MPI::sum<unsigned int>(result.n_moved, MPI_COMM_WORLD) ==
             64);
-  const auto F_of = [](const double *p) {
-    const double X = at(p, Layout::reference), Y = at(p, Layout::reference + 1);
+  const auto F_of = [](const auto p) {
+    const double X = p.reference(0), Y = p.reference(1);
     Tensor<2, 3> F = unit_symmetric_tensor<3>();
     F[0][0] += 0.1 + 0.2 * Y;
     F[0][1] += 0.2 * X;
@@ -507,47 +487,37 @@ test_displacement()
     return F;
   };
   check("  x is X + u, velocities are those of X",
-        made.largest([](const double *p) {
-          const double X = at(p, Layout::reference),
-                       Y = at(p, Layout::reference + 1);
-          return std::abs(at(p, 0) - X - (0.4 + 0.1 * X + 0.2 * X * Y)) +
-                 std::abs(at(p, 1) - Y - (0.3 - 0.1 * Y + 0.1 * X * X * X)) +
-                 std::abs(at(p, Layout::velocity) - X) +
-                 std::abs(at(p, Layout::velocity + 1) - Y);
+        made.largest([](const auto p) {
+          const double X = p.reference(0), Y = p.reference(1);
+          return std::abs(p.position(0) - X - (0.4 + 0.1 * X + 0.2 * X * Y)) +
+                 std::abs(p.position(1) - Y -
+                          (0.3 - 0.1 * Y + 0.1 * X * X * X)) +
+                 std::abs(p.velocity(0) - X) + std::abs(p.velocity(1) - Y);
         }),
         1e-14);
   check("  F is 1 + grad u",
-        made.largest([&](const double *p) {
+        made.largest([&](const auto p) {
           const auto F = F_of(p);
-          return std::abs(at(p, Layout::F) - F[0][0]) +
-                 std::abs(at(p, Layout::F + 1) - F[0][1]) +
-                 std::abs(at(p, Layout::F + 2) - F[1][0]) +
-                 std::abs(at(p, Layout::F + 3) - F[1][1]) +
-                 std::abs(at(p, Layout::F + 4) - 1.);
+          return (p.F() - F).norm();
         }),
         1e-11);
   check("  J is det F",
-        made.largest([&](const double *p) {
-          return at(p, Layout::J) - determinant(F_of(p));
-        }),
+        made.largest(
+          [&](const auto p) { return p.J() - determinant(F_of(p)); }),
         1e-11);
   check("  the stress is that of F",
-        made.largest([&](const double *p) {
+        made.largest([&](const auto p) {
           MaterialPoint state;
           state.F = F_of(p);
           state.J = determinant(state.F);
           made.material.update(ArrayView<MaterialPoint>(&state, 1));
-          return (std::abs(at(p, Layout::stress) - state.stress[0][0]) +
-                  std::abs(at(p, Layout::stress + 1) - state.stress[1][1]) +
-                  std::abs(at(p, Layout::stress + 2) - state.stress[2][2]) +
-                  std::abs(at(p, Layout::stress + 3) - state.stress[0][1])) /
-                 1e6;
+          return ((p.stress() - state.stress).norm()) / 1e6;
         }),
         1e-11);
   check("  volume and mass of the shape",
-        made.largest([](const double *p) {
-          return std::abs(at(p, Layout::volume0) * 256. - 1.5) +
-                 std::abs(at(p, Layout::mass) * 256. / 3000. - 1.);
+        made.largest([](const auto p) {
+          return std::abs(p.volume0() * 256. - 1.5) +
+                 std::abs(p.mass() * 256. / 3000. - 1.);
         }),
         1e-13);
 
@@ -565,11 +535,11 @@ test_displacement()
   body.material   = &fluid;
   make_points(body, made.space, Tensor<1, 2>(), false, false);
   double stress = 0., heat = 0., shear = 1.;
-  body.points.for_each([&](const unsigned int, const double *p) {
+  body.points.for_each([&](const unsigned int, const auto p) {
     for (unsigned int k = 0; k < Layout::n_stress; ++k)
-      stress = std::max(stress, std::abs(at(p, Layout::stress + k)));
-    heat  = std::max(heat, std::abs(at(p, body.points.layout().state)));
-    shear = std::min(shear, at(p, Layout::F + 1));
+      stress = std::max(stress, std::abs(p.stress(k)));
+    heat  = std::max(heat, std::abs(p[body.points.layout().state]));
+    shear = std::min(shear, p.F(0, 1));
   });
   check("  a displacement of a fluid", max_all(0.1 - shear), 1e-9);
   check("    makes no viscous stress, Pa", max_all(stress), 1e-3);
@@ -592,7 +562,6 @@ void
 test_file()
 {
   print() << "Points file" << std::endl;
-  using Layout = PointLayout<2>;
   // Columns in any order, comments, empty lines.
   write("points.csv",
         "# a comment\n\nvolume, colour, y, x\n"
@@ -610,15 +579,16 @@ test_file()
           << std::endl;
   const double x[4] = {0.3, 1., 0., 0.5}, y[4] = {0.2, 1.5, 0., 0.75};
   check("  positions, volumes, masses, ids, velocities",
-        made.largest([&](const double *p) {
-          const unsigned int i = at(p, Layout::id);
+        made.largest([&](const auto p) {
+          const unsigned int i = p.id();
           if (i >= 4)
             return 1.;
-          return std::abs(at(p, 0) - x[i]) + std::abs(at(p, 1) - y[i]) +
-                 std::abs(at(p, Layout::volume0) - 0.1 * (i + 1)) +
-                 std::abs(at(p, Layout::mass) - 200. * (i + 1)) +
-                 std::abs(at(p, Layout::velocity) - x[i]) +
-                 std::abs(at(p, Layout::velocity + 1) - y[i]);
+          return std::abs(p.position(0) - x[i]) +
+                 std::abs(p.position(1) - y[i]) +
+                 std::abs(p.volume0() - 0.1 * (i + 1)) +
+                 std::abs(p.mass() - 200. * (i + 1)) +
+                 std::abs(p.velocity(0) - x[i]) +
+                 std::abs(p.velocity(1) - y[i]);
         }),
         1e-12);
   check("  cells", made.in_their_cells());

@@ -49,9 +49,9 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
       {
         MaterialPoints<dim> some;
         some.reinit(space, points->layout());
-        points->for_each([&](const unsigned int cell, const double *q) {
+        points->for_each([&](const unsigned int cell, const auto q) {
           if (index_of(space, cell)[1] < cells[1] / 2)
-            some.insert(cell, make_array_view(numbers_of(*points, q)));
+            some.insert(cell, make_array_view(numbers_of<dim>(*points, q)));
         });
         *points = some;
       }
@@ -69,9 +69,9 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
   DirectSums<dim> sums(space, 4);
   double          total = 0.;
   for (const MaterialPoints<dim> *points : {&a, &b})
-    points->for_each([&](const unsigned int, const double *q) {
-      const double     m = at(q, Layout::mass);
-      const Point<dim> x = position_of<dim>(q);
+    points->for_each([&](const unsigned int, const auto q) {
+      const double     m = q.mass();
+      const Point<dim> x = q.position();
       double           u = 0., u_free = 0.;
       total += m;
       for_each_function<dim>(space,

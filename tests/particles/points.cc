@@ -51,20 +51,20 @@ test_storage(const MultiIndex<dim> &cells)
             value = 2. + random();
           const Point<dim> x = place();
           for (unsigned int d = 0; d < dim; ++d)
-            values[Layout::position + d] = x[d];
-          values[Layout::id] = list.size();
+            PointRef<dim>(values.data()).position(d) = x[d];
+          PointRef<dim>(values.data()).id() = list.size();
           points.insert(cell_of(x), make_array_view(values));
           list[list.size()] = values;
         }
 
       // Some points get a new place, in some rounds all of a cell.
       std::vector<bool> left(n_cells, false);
-      points.for_each([&](const unsigned int cell, double *p) {
+      points.for_each([&](const unsigned int cell, const auto p) {
         if ((step % 4 == 1 && cell % 3 == step % 3) || random() > 0.5)
           {
             const Point<dim> x = place();
             for (unsigned int d = 0; d < dim; ++d)
-              at(p, d) = list[at(p, Layout::id)][d] = x[d];
+              p.position(d) = list[p.id()][d] = x[d];
             left[cell] = true;
           }
       });
@@ -80,10 +80,10 @@ test_storage(const MultiIndex<dim> &cells)
 
       same &= by_id(points) == list && points.n_points() == list.size();
       std::vector<unsigned int> counts(n_cells, 0);
-      points.for_each([&](const unsigned int cell, const double *p) {
+      points.for_each([&](const unsigned int cell, const auto p) {
         ++counts[cell];
-        cells_ok &= points.is_inside(cell, p, points.stride());
-        cells_ok &= cell_of(position_of<dim>(p)) == cell;
+        cells_ok &= points.is_inside(cell, p);
+        cells_ok &= cell_of(p.position()) == cell;
       });
       std::vector<unsigned int> filled;
       for (unsigned int cell = 0; cell < n_cells; ++cell)
@@ -103,8 +103,8 @@ test_storage(const MultiIndex<dim> &cells)
   // Memory: sorted points take what freshly inserted ones take.
   MaterialPoints<dim> copy;
   copy.reinit(space, layout);
-  points.for_each([&](const unsigned int cell, const double *p) {
-    copy.insert(cell, make_array_view(numbers_of(points, p)));
+  points.for_each([&](const unsigned int cell, const auto p) {
+    copy.insert(cell, make_array_view(numbers_of<dim>(points, p)));
   });
   copy.cells();
   copy.defragment();
@@ -129,22 +129,21 @@ test_storage(const MultiIndex<dim> &cells)
   restored.reinit(space, layout);
   rounded.restore(restored);
   std::map<double, std::vector<double>> originals;
-  points.for_each([&](const unsigned int cell, const double *p) {
-    std::vector<double> values = numbers_of(points, p);
+  points.for_each([&](const unsigned int cell, const auto p) {
+    std::vector<double> values = numbers_of<dim>(points, p);
     values.push_back(cell);
-    originals[at(p, Layout::id)] = values;
+    originals[p.id()] = values;
   });
   double       rounding = 0.;
   bool         kept     = restored.n_points() == points.n_points();
   const double h        = lattice.cell_size(0);
-  restored.for_each([&](const unsigned int cell, const double *p) {
-    const auto &values = originals.at(at(p, Layout::id));
-    kept &= cell == values.back() &&
-            at(p, Layout::mass) == values[Layout::mass] &&
-            at(p, Layout::volume0) == values[Layout::volume0];
+  restored.for_each([&](const unsigned int cell, const auto p) {
+    const auto &values = originals.at(p.id());
+    kept &= cell == values.back() && p.mass() == values[Layout::mass] &&
+            p.volume0() == values[Layout::volume0];
     for (unsigned int k = 0; k < layout.size; ++k)
       rounding = std::max(rounding,
-                          std::abs(at(p, k) - values[k]) /
+                          std::abs(p[k] - values[k]) /
                             (k < dim ? h : std::max(1., std::abs(values[k]))));
   });
   check(name + "a rounded copy", on_all(kept));
@@ -158,8 +157,8 @@ test_storage(const MultiIndex<dim> &cells)
   for (unsigned int step = 0; step < 20; ++step)
     {
       std::vector<double> leaving;
-      points.for_each([&](const unsigned int, double *p) {
-        at(p, 0) = lattice.upper(0) - at(p, 0);
+      points.for_each([&](const unsigned int, const auto p) {
+        p.position(0) = lattice.upper(0) - p.position(0);
       });
       for (unsigned int cell = 0; cell < n_cells; ++cell)
         points.remove_leaving(cell, leaving);
@@ -178,9 +177,9 @@ test_storage(const MultiIndex<dim> &cells)
          lane < MaterialPoints<dim>::width;
          ++lane)
       {
-        double *p = points.group(points.first_group(cell)) + lane;
+        const PointRef<dim> p = points.point(points.first_group(cell), lane);
         for (unsigned int k = 0; k < layout.size; ++k)
-          at(p, k) = 7.;
+          p[k] = 7.;
         corrupted = true;
       }
   const auto before = by_id(points);
@@ -244,11 +243,10 @@ public:
           point.second[d] = x[d];
       }
     std::vector<unsigned int> left;
-    points.for_each([&](const unsigned int cell, double *p) {
+    points.for_each([&](const unsigned int cell, const auto p) {
       for (unsigned int d = 0; d < dim; ++d)
-        at(p, d) = list.at(at(p, Layout::id))[d];
-      if (!points.is_inside(cell, p, points.stride()) &&
-          (left.empty() || left.back() != cell))
+        p.position(d) = list.at(p.id())[d];
+      if (!points.is_inside(cell, p) && (left.empty() || left.back() != cell))
         left.push_back(cell);
     });
     const auto result = transport.move(points, left);
@@ -264,13 +262,13 @@ public:
   verify()
   {
     std::vector<double> found(n_all, 0.);
-    points.for_each([&](const unsigned int cell, const double *p) {
-      const std::uint64_t id = at(p, Layout::id);
+    points.for_each([&](const unsigned int cell, const auto p) {
+      const std::uint64_t id = p.id();
       ok &= id < n_all;
       if (id < n_all)
         found[id] += 1.;
-      ok &= points.is_inside(cell, p, points.stride());
-      ok &= numbers_of(points, p) == list.at(id);
+      ok &= points.is_inside(cell, p);
+      ok &= numbers_of<dim>(points, p) == list.at(id);
     });
     Utilities::MPI::sum(found, MPI_COMM_WORLD, found);
     for (const double n : found)
@@ -394,13 +392,13 @@ test_motion(const MultiIndex<dim> &cells)
   for (const int side : {-1, 1})
     {
       const double h = lattice.cell_size(1);
-      motion.points.for_each([&](const unsigned int, double *p) {
-        at(p, 1) = side < 0 ? lattice.lower(1) - 1e-12 * h
-                            : lattice.upper(1) + 1e-12 * h;
+      motion.points.for_each([&](const unsigned int, const auto p) {
+        p.position(1) = side < 0 ? lattice.lower(1) - 1e-12 * h
+                                 : lattice.upper(1) + 1e-12 * h;
       });
       bool outside = true;
-      motion.points.for_each([&](const unsigned int cell, double *p) {
-        outside &= !motion.points.is_inside(cell, p, motion.points.stride());
+      motion.points.for_each([&](const unsigned int cell, const auto p) {
+        outside &= !motion.points.is_inside(cell, p);
       });
       for (auto &point : motion.list)
         point.second[1] = side < 0 ? lattice.lower(1) : lattice.upper(1);
@@ -423,11 +421,11 @@ test_motion(const MultiIndex<dim> &cells)
     {
       const std::uint64_t gone = (n / 2 + 17 * k) % n;
       double              y    = 0.;
-      motion.points.for_each([&](const unsigned int, double *p) {
-        if (at(p, PointLayout<dim>::id) == gone)
+      motion.points.for_each([&](const unsigned int, const auto p) {
+        if (p.id() == gone)
           {
-            at(p, 0) = targets[k][0];
-            y        = at(p, 1);
+            p.position(0) = targets[k][0];
+            y             = p.position(1);
           }
       });
       const auto result =

@@ -37,37 +37,12 @@ private:
 
 
 template <int dim>
-Point<dim>
-position_of(const double *p)
-{
-  Point<dim> x;
-  for (unsigned int d = 0; d < dim; ++d)
-    x[d] = p[d * MaterialPoints<dim>::stride()];
-  return x;
-}
-
-// Number k of a point.
-inline double &
-at(double *p, const unsigned int k)
-{
-  return p[k * MaterialPoints<2>::stride()];
-}
-
-inline double
-at(const double *p, const unsigned int k)
-{
-  return p[k * MaterialPoints<2>::stride()];
-}
-
-
-
-template <int dim>
 std::vector<double>
-numbers_of(const MaterialPoints<dim> &points, const double *p)
+numbers_of(const MaterialPoints<dim> &points, const ConstPointRef<dim> p)
 {
   std::vector<double> values;
   for (unsigned int k = 0; k < points.layout().size; ++k)
-    values.push_back(at(p, k));
+    values.push_back(p[k]);
   return values;
 }
 
@@ -79,8 +54,8 @@ std::map<std::uint64_t, std::vector<double>>
 by_id(const MaterialPoints<dim> &points)
 {
   std::map<std::uint64_t, std::vector<double>> result;
-  points.for_each([&](const unsigned int, const double *p) {
-    result[at(p, PointLayout<dim>::id)] = numbers_of(points, p);
+  points.for_each([&](const unsigned int, const auto p) {
+    result[p.id()] = numbers_of<dim>(points, p);
   });
   return result;
 }
@@ -109,13 +84,13 @@ random_points(MaterialPoints<dim>    &points,
               const std::uint64_t     seed     = 1,
               const double            left_out = 0.)
 {
-  using Layout = PointLayout<dim>;
   points.reinit(space, layout);
   const auto  &lattice   = space.lattice();
   unsigned int n_in_cell = 1;
   for (unsigned int d = 0; d < dim; ++d)
     n_in_cell *= n[d];
   std::vector<double> values(layout.size);
+  const PointRef<dim> p(values.data());
   for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
     {
       const auto corner = lattice.cell_corner(index_of(space, cell));
@@ -133,22 +108,21 @@ random_points(MaterialPoints<dim>    &points,
             {
               const double h = lattice.cell_size(d) / n[d];
               volume *= h;
-              values[Layout::position + d] =
+              p.position(d) =
                 corner[d] + h * (local[d] + 0.5 + 0.5 * jitter * random());
-              values[Layout::reference + d] = values[Layout::position + d];
+              p.reference(d) = p.position(d);
             }
-          values[Layout::mass]    = volume * (2. + random());
-          values[Layout::volume0] = volume * (1. + 0.1 * random());
-          Tensor<2, 3> F;
-          F[2][2] = 1.;
+          p.mass()       = volume * (2. + random());
+          p.volume0()    = volume * (1. + 0.1 * random());
+          Tensor<2, 3> F = unit_symmetric_tensor<3>();
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
-              F[i][j] = values[Layout::F + i * dim + j] =
-                (i == j ? 1. : 0.) + 0.1 * random();
+              F[i][j] += 0.1 * random();
           if (dim == 2)
-            F[2][2] = values[Layout::F + 4] = 1. + 0.1 * random();
-          values[Layout::J]  = determinant(F);
-          values[Layout::id] = id;
+            F[2][2] += 0.1 * random();
+          p.set_F(F);
+          p.J()  = determinant(F);
+          p.id() = id;
           points.insert(cell, make_array_view(values));
         }
     }
@@ -308,8 +282,9 @@ empty_lanes_are_harmless(const MaterialPoints<dim> &points)
            lane < MaterialPoints<dim>::width;
            ++lane)
         {
-          const double *p = points.group(points.first_group(cell)) + lane;
-          ok &= position_of<dim>(p).distance(center) < 1e-14;
+          const ConstPointRef<dim> p =
+            points.point(points.first_group(cell), lane);
+          ok &= p.position().distance(center) < 1e-14;
           for (unsigned int k = dim; k < points.layout().size; ++k)
             {
               const bool is_F   = k >= Layout::F && k < Layout::F + Layout::n_F;
@@ -317,7 +292,7 @@ empty_lanes_are_harmless(const MaterialPoints<dim> &points)
                                   (is_F && dim == 2 && k == Layout::F + 4) ||
                                   (is_F && k < Layout::F + dim * dim &&
                                    (k - Layout::F) % (dim + 1) == 0);
-              ok &= at(p, k) == (is_one ? 1. : 0.);
+              ok &= p[k] == (is_one ? 1. : 0.);
             }
         }
     }

@@ -33,14 +33,13 @@ template <int dim>
 std::map<unsigned int, std::vector<double>>
 sums_of_cells(const MaterialPoints<dim> &points)
 {
-  using Layout = PointLayout<dim>;
   std::map<unsigned int, std::vector<double>> sums;
-  points.for_each([&](const unsigned int cell, const double *p) {
+  points.for_each([&](const unsigned int cell, const auto p) {
     auto &sum = sums[cell];
     sum.resize(1 + dim, 0.);
-    sum[0] += at(p, Layout::mass);
+    sum[0] += p.mass();
     for (unsigned int d = 0; d < dim; ++d)
-      sum[1 + d] += at(p, Layout::mass) * at(p, Layout::velocity + d);
+      sum[1 + d] += p.mass() * p.velocity(d);
   });
   return sums;
 }
@@ -78,19 +77,18 @@ are_gauss_points(const MaterialPoints<dim> &points,
                  const unsigned int         cell,
                  const unsigned int         n)
 {
-  using Layout = PointLayout<dim>;
   std::vector<double> moments(3, 0.);
   const auto         &space = points.space();
   const auto corner = space.lattice().cell_corner(index_of(space, cell));
   bool       inside = true;
-  points.for_each([&](const unsigned int c, const double *p) {
+  points.for_each([&](const unsigned int c, const auto p) {
     if (c != cell)
       return;
-    const double V = at(p, Layout::volume0) * at(p, Layout::J);
+    const double V = p.volume0() * p.J();
     double       t = 1., t_sum = 0.;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const double s = (at(p, d) - corner[d]) / space.lattice().cell_size(d);
+        const double s = (p[d] - corner[d]) / space.lattice().cell_size(d);
         inside &= s > 0. && s < 1.;
         t *= std::pow(s, 2 * n - 1);
         t_sum += s;
@@ -116,10 +114,9 @@ set_polynomials(MaterialPoints<dim> &points,
                 const bool           of_x)
 {
   using Layout = PointLayout<dim>;
-  points.for_each([&](const unsigned int, double *p) {
+  points.for_each([&](const unsigned int, const auto p) {
     for (unsigned int k = 0; k < Layout::n_stress; ++k)
-      at(p, Layout::stress + k) =
-        polynomial<dim>(position_of<dim>(p), k, degree, of_x);
+      p.stress(k) = polynomial<dim>(p.position(), k, degree, of_x);
   });
 }
 
@@ -131,13 +128,12 @@ stress_error(const MaterialPoints<dim> &points,
 {
   using Layout = PointLayout<dim>;
   double error = 0.;
-  points.for_each([&](const unsigned int, const double *p) {
+  points.for_each([&](const unsigned int, const auto p) {
     for (unsigned int k = 0; k < Layout::n_stress; ++k)
       error =
         std::max(error,
-                 std::abs(
-                   at(p, Layout::stress + k) -
-                   polynomial<dim>(position_of<dim>(p), k, degree, of_x)));
+                 std::abs(p.stress(k) -
+                          polynomial<dim>(p.position(), k, degree, of_x)));
   });
   return max_all(error);
 }
@@ -158,18 +154,17 @@ test_full_cells(const MultiIndex<dim> &cells,
   MaterialPoints<dim>    points, result;
   random_points<dim>(points, space, Layout(1, true, true), n, 0.6);
   // A single point across lies in the middle, like that of a body.
-  points.for_each([&](const unsigned int cell, double *p) {
+  points.for_each([&](const unsigned int cell, const auto p) {
     const auto center = space.lattice().cell_center(index_of(space, cell));
     for (unsigned int d = 0; d < dim; ++d)
       if (n[d] == 1)
-        at(p, d) = center[d];
+        p[d] = center[d];
   });
   set_polynomials(points, degree, of_x);
   // Densities near each other, so that all cells are full.
-  points.for_each([&](const unsigned int, double *p) {
-    at(p, Layout::volume0) /= at(p, Layout::J);
-    at(p, Layout::mass) = at(p, Layout::volume0) * at(p, Layout::J) *
-                          (5. + 0.3 * at(p, Layout::velocity));
+  points.for_each([&](const unsigned int, const auto p) {
+    p.volume0() /= p.J();
+    p.mass() = p.volume0() * p.J() * (5. + 0.3 * p.velocity(0));
   });
   const unsigned int        n_q = 3;
   const Reconstruction<dim> reconstruction(n_q, in_cells, 0.6);
@@ -213,13 +208,13 @@ test_full_cells(const MultiIndex<dim> &cells,
   reconstruction.reconstruct(points, result);
   bool                same = first.n_points() == result.n_points();
   std::vector<double> values;
-  first.for_each([&](const unsigned int, const double *p) {
-    const auto numbers = numbers_of(first, p);
+  first.for_each([&](const unsigned int, const auto p) {
+    const auto numbers = numbers_of<dim>(first, p);
     values.insert(values.end(), numbers.begin(), numbers.end());
   });
   std::size_t k = 0;
-  result.for_each([&](const unsigned int, const double *p) {
-    for (const double number : numbers_of(result, p))
+  result.for_each([&](const unsigned int, const auto p) {
+    for (const double number : numbers_of<dim>(result, p))
       same &= k < values.size() && values[k++] == number;
   });
   check("  again", on_all(same && k == values.size()));
@@ -241,6 +236,7 @@ test_all_quantities(const bool in_cells)
   points.reinit(space, layout);
   const QGauss<dim>   quadrature(4);
   std::vector<double> values(layout.size, 0.);
+  const PointRef<dim> p(values.data());
   const auto          density = [](const Point<dim> &x) {
     return 3. + x[0] - 0.5 * x[1];
   };
@@ -256,14 +252,12 @@ test_all_quantities(const bool in_cells)
         for (unsigned int d = 0; d < dim; ++d)
           {
             // Momentum and force per volume have degree 2.
-            values[Layout::velocity + d] = polynomial<dim>(x, d, 1);
-            values[layout.load + d]      = polynomial<dim>(x, 10 + d, 1);
+            p.velocity(d)           = polynomial<dim>(x, d, 1);
+            values[layout.load + d] = polynomial<dim>(x, 10 + d, 1);
           }
-        values[Layout::J] = 1.25;
-        values[Layout::volume0] =
-          quadrature.weight(q) * cell_volume(space) / 1.25;
-        values[Layout::mass] =
-          density(x) * quadrature.weight(q) * cell_volume(space);
+        p.J()       = 1.25;
+        p.volume0() = quadrature.weight(q) * cell_volume(space) / 1.25;
+        p.mass()    = density(x) * quadrature.weight(q) * cell_volume(space);
         points.insert(cell, make_array_view(values));
       }
   const Reconstruction<dim> reconstruction(2, in_cells, 0.99);
@@ -271,17 +265,16 @@ test_all_quantities(const bool in_cells)
   double error = 0.;
   bool   gauss =
     result.n_points() == space.owned_cells().size() * Utilities::pow(2, dim);
-  result.for_each([&](const unsigned int, const double *p) {
-    const Point<dim> x = position_of<dim>(p);
-    const double     V = at(p, Layout::volume0) * at(p, Layout::J);
-    error = std::max(error, std::abs(at(p, Layout::mass) / V - density(x)));
+  result.for_each([&](const unsigned int, const auto p) {
+    const Point<dim> x = p.position();
+    const double     V = p.volume0() * p.J();
+    error              = std::max(error, std::abs(p.mass() / V - density(x)));
     for (unsigned int d = 0; d < dim; ++d)
       {
+        error =
+          std::max(error, std::abs(p.velocity(d) - polynomial<dim>(x, d, 1)));
         error = std::max(error,
-                         std::abs(at(p, Layout::velocity + d) -
-                                  polynomial<dim>(x, d, 1)));
-        error = std::max(error,
-                         std::abs(at(p, result.layout().load + d) -
+                         std::abs(p[result.layout().load + d] -
                                   polynomial<dim>(x, 10 + d, 1)));
       }
   });
@@ -304,10 +297,9 @@ test_other_cells(const bool in_cells)
   const SplineSpace<dim> space(box.mesh, 2);
   MaterialPoints<dim>    points, result;
   random_points<dim>(points, space, Layout(0, false, true), cube<dim>(3), 0.5);
-  points.for_each([&](const unsigned int, double *p) {
-    at(p, Layout::volume0) =
-      cell_volume(space) / Utilities::pow(3, dim) / at(p, Layout::J);
-    at(p, Layout::mass) = 4. * at(p, Layout::volume0) * at(p, Layout::J);
+  points.for_each([&](const unsigned int, const auto p) {
+    p.volume0() = cell_volume(space) / Utilities::pow(3, dim) / p.J();
+    p.mass()    = 4. * p.volume0() * p.J();
   });
   const auto kind = [&](const unsigned int cell) {
     return space.owned_cells()[cell] % 5;
@@ -316,27 +308,27 @@ test_other_cells(const bool in_cells)
   // as many points as polynomials, 4: nearly all mass on one side.
   MaterialPoints<dim> given;
   given.reinit(space, points.layout());
-  points.for_each([&](const unsigned int cell, const double *p) {
-    auto         values = numbers_of(points, p);
-    const double t =
-      (at(p, 0) - space.lattice().cell_center(index_of(space, cell))[0]) /
+  points.for_each([&](const unsigned int cell, const auto p) {
+    auto                values = numbers_of<dim>(points, p);
+    const PointRef<dim> v(values.data());
+    const double        t =
+      (p.position(0) - space.lattice().cell_center(index_of(space, cell))[0]) /
       space.lattice().cell_size(0);
     if (kind(cell) == 1)
-      values[Layout::volume0] *= 0.79;
+      v.volume0() *= 0.79;
     else if (kind(cell) == 2)
-      values[Layout::volume0] *= 0.81;
+      v.volume0() *= 0.81;
     else if (kind(cell) == 4)
-      values[Layout::mass] *= t > 0.2 ? 1. : 1e-3;
+      v.mass() *= t > 0.2 ? 1. : 1e-3;
     if (kind(cell) == 3)
       {
         // Points in all rows and columns: 5 of 9, 9 of 27.
         unsigned int sum = 0;
-        for (unsigned int k = 0, rest = at(p, Layout::id); k < dim;
-             ++k, rest /= 3)
+        for (unsigned int k = 0, rest = p.id(); k < dim; ++k, rest /= 3)
           sum += rest % 3;
         if (sum % dim != 0)
           return;
-        values[Layout::volume0] *= 3.;
+        v.volume0() *= 3.;
       }
     given.insert(cell, make_array_view(values));
   });
@@ -353,11 +345,12 @@ test_other_cells(const bool in_cells)
       else
         kept &= result.n_points(cell) == given.n_points(cell);
     }
-  result.for_each([&](const unsigned int cell, const double *p) {
+  result.for_each([&](const unsigned int cell, const auto p) {
     if (kind(cell) == 0 || kind(cell) == 2)
       return;
-    const auto found = before.find(at(p, Layout::id));
-    kept &= found != before.end() && found->second == numbers_of(result, p);
+    const auto found = before.find(p.id());
+    kept &=
+      found != before.end() && found->second == numbers_of<dim>(result, p);
   });
   harmless = empty_lanes_are_harmless(result);
   const std::string name =

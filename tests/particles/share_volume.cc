@@ -41,14 +41,14 @@ test(const unsigned int p)
   MaterialPoints<dim> points;
   random_points<dim>(
     points, space, Layout(1, false, false), cube<dim>(2), 0.9, 3, 0.3);
-  points.for_each([](const unsigned int, double *q) {
-    at(q, Layout::volume0) = 1.5 + at(q, Layout::volume0) / 10.;
-    at(q, Layout::J)       = 1.01;
+  points.for_each([](const unsigned int, const auto q) {
+    q.volume0() = 1.5 + q.volume0() / 10.;
+    q.J()       = 1.01;
   });
   const auto sums = [&]() {
     std::array<double, 3> result{};
-    points.for_each([&](const unsigned int, const double *q) {
-      const double V = at(q, Layout::volume0), J = at(q, Layout::J);
+    points.for_each([&](const unsigned int, const auto q) {
+      const double V = q.volume0(), J = q.J();
       result[0] += V * J;
       result[1] += V * J * J;
       result[2] = std::max(result[2], std::abs(J - 1.01));
@@ -62,16 +62,16 @@ test(const unsigned int p)
   check(name + ", the same everywhere stays", sums()[2], 1e-15);
 
   // What is compressed everywhere is left alone.
-  points.for_each([](const unsigned int, double *q) {
-    at(q, Layout::J) = 0.9 + 0.1 * pseudo_random(at(q, Layout::id));
+  points.for_each([](const unsigned int, const auto q) {
+    q.J() = 0.9 + 0.1 * pseudo_random(q.id());
   });
   const auto compressed = by_id(points);
   transfer.share_volume(points, 0.7);
   check(name + ", compressed points keep theirs",
         on_all(by_id(points) == compressed));
 
-  points.for_each([](const unsigned int, double *q) {
-    at(q, Layout::J) = 1. + 0.2 * pseudo_random(at(q, Layout::id));
+  points.for_each([](const unsigned int, const auto q) {
+    q.J() = 1. + 0.2 * pseudo_random(q.id());
   });
   const auto before = by_id(points);
   const auto start  = sums();
@@ -82,14 +82,14 @@ test(const unsigned int p)
     space.initialize_vector(*vector);
   const unsigned int n_functions =
     Utilities::pow<unsigned int>(p + 1, int(dim));
-  points.for_each([&](const unsigned int cell, const double *q) {
+  points.for_each([&](const unsigned int cell, const auto q) {
     for (unsigned int a = 0; a < n_functions; ++a)
       {
         const unsigned int i = space.cell_functions(cell)[a];
-        const double       V = at(q, Layout::volume0) *
-                         function_value(space, cell, a, position_of<dim>(q));
+        const double       V =
+          q.volume0() * function_value(space, cell, a, q.position());
         volumes.local_element(i) += V;
-        const double J = at(q, Layout::J);
+        const double J = q.J();
         changes.local_element(i) += V * J;
         torn.local_element(i) += V * std::max(J - 1., 0.);
         sizes.local_element(i) += V * std::abs(J - 1.);
@@ -109,19 +109,19 @@ test(const unsigned int p)
   transfer.share_volume(points, 0.3);
   double error = 0.;
   bool   same  = true;
-  points.for_each([&](const unsigned int cell, const double *q) {
-    const auto &old = before.at(at(q, Layout::id));
+  points.for_each([&](const unsigned int cell, const auto q) {
+    const auto &old = before.at(q.id());
     double      J   = old[Layout::J];
     for (unsigned int a = 0; a < n_functions; ++a)
       {
         const unsigned int i = space.cell_functions(cell)[a];
         J += 0.3 * torn.local_element(i) *
              (changes.local_element(i) - old[Layout::J]) *
-             function_value(space, cell, a, position_of<dim>(q));
+             function_value(space, cell, a, q.position());
       }
-    error = std::max(error, std::abs(at(q, Layout::J) - J));
+    error = std::max(error, std::abs(q.J() - J));
     for (unsigned int k = 0; k < points.layout().size; ++k)
-      same &= k == Layout::J || at(q, k) == old[k];
+      same &= k == Layout::J || q[k] == old[k];
   });
   check(name + ", J as defined", max_all(error), 1e-13);
   check(name + ", nothing else changes", on_all(same));

@@ -122,37 +122,6 @@ largest(const VectorField<dim> &field)
 
 
 
-template <int dim>
-Tensor<2, dim>
-matrix_of(const double *p, const unsigned int first)
-{
-  Tensor<2, dim> A;
-  for (unsigned int i = 0; i < dim; ++i)
-    for (unsigned int j = 0; j < dim; ++j)
-      A[i][j] = at(p, first + i * dim + j);
-  return A;
-}
-
-
-
-template <int dim>
-SymmetricTensor<2, 3>
-stress_of(const double *p)
-{
-  SymmetricTensor<2, 3> sigma;
-  for (unsigned int d = 0; d < 3; ++d)
-    sigma[d][d] = at(p, PointLayout<dim>::stress + d);
-  sigma[0][1] = at(p, PointLayout<dim>::stress + 3);
-  if (dim == 3)
-    {
-      sigma[0][2] = at(p, PointLayout<dim>::stress + 4);
-      sigma[1][2] = at(p, PointLayout<dim>::stress + 5);
-    }
-  return sigma;
-}
-
-
-
 // Mass, momentum, internal force and force of loads against direct sums.
 template <int dim>
 void
@@ -172,18 +141,18 @@ test_points_to_grid(const SplineSpace<dim> &space, const bool affine)
   DirectSums<dim>     sums(space, 1 + 3 * dim);
   std::vector<double> totals(1 + 2 * dim, 0.);
   for (const MaterialPoints<dim> *points : {&a, &b})
-    points->for_each([&](const unsigned int, const double *values) {
+    points->for_each([&](const unsigned int, const auto values) {
       const auto      &layout = points->layout();
-      const Point<dim> x      = position_of<dim>(values);
-      const double     m      = at(values, Layout::mass);
-      const double     V = at(values, Layout::volume0) * at(values, Layout::J);
-      const auto       sigma = stress_of<dim>(values);
+      const Point<dim> x      = values.position();
+      const double     m      = values.mass();
+      const double     V      = values.volume0() * values.J();
+      const auto       sigma  = values.stress();
       totals[0] += m;
       for (unsigned int i = 0; i < dim; ++i)
         {
-          totals[1 + i] += m * at(values, Layout::velocity + i);
+          totals[1 + i] += m * values.velocity(i);
           if (layout.has_load)
-            totals[1 + dim + i] += m * at(values, layout.load + i);
+            totals[1 + dim + i] += m * values[layout.load + i];
         }
       for_each_function<dim>(space,
                              x,
@@ -194,21 +163,20 @@ test_points_to_grid(const SplineSpace<dim> &space, const bool affine)
                                sums(f, 0) += m * N;
                                for (unsigned int i = 0; i < dim; ++i)
                                  {
-                                   double v = at(values, Layout::velocity + i);
+                                   double v        = values.velocity(i);
                                    double internal = 0.;
                                    for (unsigned int j = 0; j < dim; ++j)
                                      {
                                        if (layout.has_affine)
-                                         v += at(values,
-                                                 layout.affine + i * dim + j) *
-                                              (xi[j] - x[j]);
+                                         v +=
+                                           values[layout.affine + i * dim + j] *
+                                           (xi[j] - x[j]);
                                        internal -= V * sigma[i][j] * dN[j];
                                      }
                                    sums(f, 1 + i) += m * v * N;
                                    double load = internal;
                                    if (layout.has_load)
-                                     load +=
-                                       m * N * at(values, layout.load + i);
+                                     load += m * N * values[layout.load + i];
                                    sums(f, 1 + dim + i) += load;
                                  }
                              });
@@ -352,16 +320,15 @@ test_pass(const MaterialPoints<dim> &start,
   double                    error  = 0.;
   double                    signal = 0.;
   std::vector<unsigned int> left;
-  points.for_each([&](const unsigned int cell, const double *p) {
-    std::vector<double> expected = before.at(at(p, Layout::id));
-    Point<dim>          x;
-    for (unsigned int d = 0; d < dim; ++d)
-      x[d] = expected[d];
-    const auto     field_v = evaluate(space, 1, x);
-    const auto     field_w = same ? field_v : evaluate(space, 2, x);
-    const auto     field_a = evaluate(space, 3, x);
-    Tensor<1, dim> D;
-    Tensor<2, dim> B;
+  points.for_each([&](const unsigned int cell, const auto p) {
+    std::vector<double> expected = before.at(p.id());
+    const PointRef<dim> e(expected.data());
+    const Point<dim>    x       = e.position();
+    const auto          field_v = evaluate(space, 1, x);
+    const auto          field_w = same ? field_v : evaluate(space, 2, x);
+    const auto          field_a = evaluate(space, 3, x);
+    Tensor<1, dim>      D;
+    Tensor<2, dim>      B;
     for_each_function<dim>(space,
                            x,
                            [&](const std::uint64_t f,
@@ -382,14 +349,14 @@ test_pass(const MaterialPoints<dim> &start,
     Tensor<1, dim> velocity;
     for (unsigned int i = 0; i < dim; ++i)
       {
-        double &v_i = expected[Layout::velocity + i];
+        double &v_i = e.velocity(i);
         if (kick)
           v_i = apic ? field_v.first[i]
                      : 0.8 * (v_i + 0.07 * field_a.first[i]) +
                          0.2 * field_v.first[i];
         velocity[i] = v_i;
         if (move)
-          expected[Layout::position + i] += 0.05 * field_v.first[i];
+          e.position(i) += 0.05 * field_v.first[i];
         if (kick && apic)
           for (unsigned int j = 0; j < dim; ++j)
             expected[layout.affine + i * dim + j] = B[i][j] / D[j];
@@ -398,34 +365,21 @@ test_pass(const MaterialPoints<dim> &start,
       {
         MaterialPoint state;
         state.increment = unit_symmetric_tensor<3>();
-        state.F[2][2]   = expected[Layout::F + 4]; // in 2D
+        state.F         = e.F();
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
-            {
-              state.increment[i][j] += 0.05 * field_w.second[i][j];
-              state.F[i][j] = expected[Layout::F + i * dim + j];
-            }
+            state.increment[i][j] += 0.05 * field_w.second[i][j];
         state.F  = state.increment * state.F;
-        state.J  = determinant(state.increment) * expected[Layout::J];
+        state.J  = determinant(state.increment) * e.J();
         state.dt = 0.05;
-        for (unsigned int i = 0; i < dim; ++i)
-          for (unsigned int j = 0; j < dim; ++j)
-            expected[Layout::F + i * dim + j] = state.F[i][j];
-        expected[Layout::J] = state.J;
+        e.set_F(state.F);
+        e.J() = state.J;
         material.update(ArrayView<MaterialPoint>(&state, 1));
-        for (unsigned int d = 0; d < 3; ++d)
-          expected[Layout::stress + d] = state.stress[d][d];
-        expected[Layout::stress + 3] = state.stress[0][1];
-        if (dim == 3)
-          {
-            expected[Layout::stress + 4] = state.stress[0][2];
-            expected[Layout::stress + 5] = state.stress[1][2];
-          }
-        expected[Layout::wave_modulus] = state.wave_modulus;
-        signal                         = std::max(signal,
-                          std::sqrt(state.wave_modulus * state.J *
-                                    expected[Layout::volume0] /
-                                    expected[Layout::mass]) +
+        e.set_stress(state.stress);
+        e.wave_modulus() = state.wave_modulus;
+        signal           = std::max(signal,
+                          std::sqrt(state.wave_modulus * state.J * e.volume0() /
+                                    e.mass()) +
                             velocity.norm());
       }
     for (unsigned int k = 0; k < layout.size; ++k)
@@ -440,10 +394,9 @@ test_pass(const MaterialPoints<dim> &start,
                              : is_affine && apic
                                ? std::max(1., 1. / D[(k - layout.affine) % dim])
                                : 1.;
-        error = std::max(error, std::abs(at(p, k) - expected[k]) / scale);
+        error = std::max(error, std::abs(p[k] - expected[k]) / scale);
       }
-    if (!points.is_inside(cell, p, points.stride()) &&
-        (left.empty() || left.back() != cell))
+    if (!points.is_inside(cell, p) && (left.empty() || left.back() != cell))
       left.push_back(cell);
   });
   error =
@@ -488,10 +441,10 @@ test_pass(const MaterialPoints<dim> &start,
     }
   // Stress in units of Young's modulus
   for (auto *set : {&points, &others})
-    set->for_each([&](const unsigned int, double *p) {
+    set->for_each([&](const unsigned int, const auto p) {
       for (unsigned int k = 0; k < Layout::n_stress; ++k)
-        at(p, Layout::stress + k) *= 1e-6;
-      at(p, Layout::wave_modulus) *= 1e-6;
+        p.stress(k) *= 1e-6;
+      p.wave_modulus() *= 1e-6;
     });
   separate_error = std::max(separate_error, difference(points, others));
   return max_all(error);
@@ -564,8 +517,8 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
       update.flip                          = flip;
       update.material                      = &material;
       transfer.grid_to_points(points, update);
-      points.for_each([&](const unsigned int, const double *q) {
-        const auto    &old = before.at(at(q, Layout::id));
+      points.for_each([&](const unsigned int, const auto q) {
+        const auto    &old = before.at(q.id());
         Point<dim>     x;
         Tensor<2, dim> F;
         for (unsigned int i = 0; i < dim; ++i)
@@ -581,22 +534,18 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
         for (unsigned int i = 0; i < dim; ++i)
           {
             blend = std::max(blend,
-                             std::abs(at(q, Layout::velocity + i) -
+                             std::abs(q.velocity(i) -
                                       flip * (old[Layout::velocity + i] +
                                               0.25 * a_x[i]) -
                                       (1. - flip) * v_x[i]));
-            blend = std::max(blend, std::abs(at(q, i) - x[i] - T * v_x[i]));
+            blend =
+              std::max(blend, std::abs(q.position(i) - x[i] - T * v_x[i]));
           }
-        gradient =
-          std::max(gradient, (matrix_of<dim>(q, Layout::F) - f * F).norm());
-        volume = std::max(volume,
-                          std::abs(at(q, Layout::J) -
-                                   determinant(f) * old[Layout::J]));
+        gradient = std::max(gradient, (q.matrix(Layout::F) - f * F).norm());
+        volume =
+          std::max(volume, std::abs(q.J() - determinant(f) * old[Layout::J]));
         // J stays the determinant of F.
-        volume = std::max(volume,
-                          std::abs(at(q, Layout::J) -
-                                   determinant(matrix_of<dim>(q, Layout::F)) *
-                                     (dim == 2 ? at(q, Layout::F + 4) : 1.)));
+        volume = std::max(volume, std::abs(q.J() - determinant(q.F())));
       });
     }
   check("    linear fields, FLIP and PIC", max_all(blend), 1e-13);
@@ -611,18 +560,9 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
     update.velocity     = &v;
     update.apic         = true;
     transfer.grid_to_points(points, update);
-    points.for_each([&](const unsigned int, const double *q) {
-      affine = std::max(affine,
-                        (matrix_of<dim>(q, points.layout().affine) - A).norm());
-      affine = std::max(affine,
-                        (A * position_of<dim>(q) + b -
-                         [&]() {
-                           Tensor<1, dim> u;
-                           for (unsigned int d = 0; d < dim; ++d)
-                             u[d] = at(q, Layout::velocity + d);
-                           return u;
-                         }())
-                          .norm());
+    points.for_each([&](const unsigned int, const auto q) {
+      affine = std::max(affine, (q.matrix(points.layout().affine) - A).norm());
+      affine = std::max(affine, (A * q.position() + b - q.velocity()).norm());
     });
   }
   check("    APIC: C of a linear velocity", max_all(affine), 1e-11);
@@ -648,8 +588,8 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
   update.material                      = &material;
   transfer.grid_to_points(points, update);
   double error = 0., slope = 0.;
-  points.for_each([&](const unsigned int, const double *q) {
-    const auto    &old = before.at(at(q, Layout::id));
+  points.for_each([&](const unsigned int, const auto q) {
+    const auto    &old = before.at(q.id());
     Tensor<2, dim> F, f;
     double         value = 1.;
     for (unsigned int i = 0; i < dim; ++i)
@@ -662,8 +602,9 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
         }
     for (unsigned int i = 0; i < dim; ++i)
       error =
-        std::max(error, std::abs(at(q, i) - old[i] - 0.01 * (i + 1.) * value));
-    slope = std::max(slope, (matrix_of<dim>(q, Layout::F) - f * F).norm());
+        std::max(error,
+                 std::abs(q.position(i) - old[i] - 0.01 * (i + 1.) * value));
+    slope = std::max(slope, (q.matrix(Layout::F) - f * F).norm());
   });
   check("    monomials of order p", max_all(error), 1e-13);
   check("    and their gradients", max_all(slope), 1e-12);
@@ -686,19 +627,18 @@ test_round_trip(const SplineSpace<dim> &space)
   // Momentum, and angular momentum with xy, xz, yz.
   const auto momenta = [&]() {
     std::vector<double> result(dim + 3, 0.);
-    points.for_each([&](const unsigned int cell, const double *p) {
-      const Point<dim> x = position_of<dim>(p);
+    points.for_each([&](const unsigned int cell, const auto p) {
+      const Point<dim> x = p.position();
       const auto       D = transfer.spread(cell, x);
-      const auto       C = matrix_of<dim>(p, points.layout().affine);
-      const double     m = at(p, Layout::mass);
+      const auto       C = p.matrix(points.layout().affine);
+      const double     m = p.mass();
       for (unsigned int i = 0; i < dim; ++i)
         {
-          const double v_i = at(p, Layout::velocity + i);
+          const double v_i = p.velocity(i);
           result[i] += m * v_i;
           for (unsigned int j = 0; j < i; ++j)
-            result[dim + i + j - 1] +=
-              m * (x[j] * v_i - x[i] * at(p, Layout::velocity + j) +
-                   D[j] * C[i][j] - D[i] * C[j][i]);
+            result[dim + i + j - 1] += m * (x[j] * v_i - x[i] * p.velocity(j) +
+                                            D[j] * C[i][j] - D[i] * C[j][i]);
         }
     });
     Utilities::MPI::sum(result, MPI_COMM_WORLD, result);
@@ -746,14 +686,12 @@ test_stiffness(const SplineSpace<dim> &space, const Material &material)
   MaterialPoints<dim> start;
   random_points<dim>(
     start, space, Layout(0, false, false), cube<dim>(2), 0.9, 5, 0.2);
-  start.for_each([&](const unsigned int, double *p) {
-    at(p, Layout::wave_modulus) = lambda + 2. * moduli.shear;
+  start.for_each([&](const unsigned int, const auto p) {
+    p.wave_modulus() = lambda + 2. * moduli.shear;
     for (unsigned int k = 0; k < Layout::n_stress; ++k)
-      at(p, Layout::stress + k) = 0.;
-    for (unsigned int k = 0; k < Layout::n_F; ++k)
-      at(p, Layout::F + k) =
-        (k < dim * dim ? k % (dim + 1) == 0 : true) ? 1. : 0.;
-    at(p, Layout::J) = 1.;
+      p.stress(k) = 0.;
+    p.set_F(unit_symmetric_tensor<3>());
+    p.J() = 1.;
   });
   PointTransfer<dim> transfer;
   transfer.reinit(space);
@@ -803,7 +741,7 @@ test_stiffness(const SplineSpace<dim> &space, const Material &material)
 
   // Points that got stiffer count as much.
   start.for_each(
-    [&](const unsigned int, double *p) { at(p, Layout::wave_modulus) *= 3.; });
+    [&](const unsigned int, const auto p) { p.wave_modulus() *= 3.; });
   transfer.add_stiffness(start, {lambda, moduli.shear}, u, sum, true);
   transfer.add_stiffness(start, {3. * lambda, 3. * moduli.shear}, u, Ku, true);
   double scaled = 0.;
@@ -856,7 +794,7 @@ test_bad_points(const SplineSpace<dim> &space, const Material &material)
   MaterialPoints<dim> start;
   random_points<dim>(
     start, space, Layout(0, false, false), cube<dim>(2), 0.9, 6, 0.3);
-  start.for_each([&](const unsigned int, double *p) { at(p, Layout::J) = 1.; });
+  start.for_each([&](const unsigned int, const auto p) { p.J() = 1.; });
   Tensor<2, dim> A;
   A[0][0]                  = 1.;
   const VectorField<dim> u = linear_field(space, A, Tensor<1, dim>());
@@ -883,11 +821,11 @@ test_bad_points(const SplineSpace<dim> &space, const Material &material)
         {
           points       = start;
           bool is_here = false;
-          points.for_each([&](const unsigned int, double *p) {
-            if (at(p, Layout::id) == last)
+          points.for_each([&](const unsigned int, const auto p) {
+            if (p.id() == last)
               {
-                at(p, k) = value;
-                is_here  = true;
+                p[k]    = value;
+                is_here = true;
               }
           });
           update.velocity = &u;

@@ -85,9 +85,10 @@ main(int argc, char **argv)
       check("  momentum", std::abs(end.momentum[d]) / 75., 1e-12);
     double gap[2] = {-4., 4.}; // between the innermost points of both pieces
     for (const auto &body : bar.bodies())
-      body.points.for_each([&](const unsigned int, const double *p) {
-        double &side = gap[p[0] > 2.];
-        side         = p[0] > 2. ? std::min(side, p[0]) : std::max(side, p[0]);
+      body.points.for_each([&](const unsigned int, const auto p) {
+        double &side = gap[p.position(0) > 2.];
+        side         = p.position(0) > 2. ? std::min(side, p.position(0))
+                                          : std::max(side, p.position(0));
       });
     check("  pieces are apart",
           Utilities::MPI::min(gap[1], MPI_COMM_WORLD) -

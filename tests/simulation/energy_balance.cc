@@ -55,13 +55,9 @@ namespace
       {
         if (is_kicked && run->n_steps() % kick_every == kick_every - 1)
           for (auto &body : run->bodies())
-            {
-              const unsigned int s = body.points.stride();
-              body.points.for_each([&](const unsigned int, double *p) {
-                p[(PointLayout<2>::velocity + 1) * s] +=
-                  0.005 * p[(PointLayout<2>::position + 1) * s];
-              });
-            }
+            body.points.for_each([&](const unsigned int, const auto p) {
+              p.velocity(1) += 0.005 * p.position(1);
+            });
         run->step();
         const auto s = run->statistics();
         largest      = std::max(largest, s.kinetic + s.strain);

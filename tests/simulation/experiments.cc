@@ -69,15 +69,12 @@ main(int argc, char **argv)
             "Top = sliding"})
       .add("Loads", {"Gravity = 0; -9.81"}));
   water.run();
-  using Layout = PointLayout<2>;
   double n = 0., n_without = 0., volume0 = 0., volume = 0.;
   for (const auto &body : water->bodies())
     {
-      const unsigned int s = body.points.stride();
-      body.points.for_each([&](const unsigned int, const double *q) {
-        const double V0 = q[Layout::volume0 * s], V = V0 * q[Layout::J * s];
-        const double p =
-          -0.5 * (q[Layout::stress * s] + q[(Layout::stress + 1) * s]);
+      body.points.for_each([&](const unsigned int, const auto q) {
+        const double V0 = q.volume0(), V = q.volume();
+        const double p = -0.5 * (q.stress(0) + q.stress(1));
         ++n;
         n_without += p <= 0.;
         volume0 += V0;
@@ -112,10 +109,8 @@ main(int argc, char **argv)
     std::map<double, double> stress;
     for (const auto &body : bar->bodies())
       {
-        const unsigned int s = body.points.stride();
-        body.points.for_each([&](const unsigned int, const double *q) {
-          stress[q[PointLayout<2>::reference * s]] =
-            q[PointLayout<2>::stress * s];
+        body.points.for_each([&](const unsigned int, const auto q) {
+          stress[q.reference(0)] = q.stress(0);
         });
       }
     double jump = 0., largest = 0., last = stress.begin()->second;

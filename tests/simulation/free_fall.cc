@@ -5,7 +5,6 @@ template <int dim>
 void
 test(const std::string &name, const Text &text, const bool half_steps = true)
 {
-  using Layout = PointLayout<dim>;
   Simulated<dim> run(text);
   run.run();
   const double t = run->time(), dt = run->last_step();
@@ -15,20 +14,16 @@ test(const std::string &name, const Text &text, const bool half_steps = true)
   std::uint64_t n     = 0;
   for (const auto &body : run->bodies())
     {
-      const unsigned int s = body.points.stride();
-      body.points.for_each([&](const unsigned int, const double *p) {
+      body.points.for_each([&](const unsigned int, const auto p) {
         for (unsigned int d = 0; d < dim; ++d)
           worst = std::max(worst,
-                           std::abs(p[(Layout::position + d) * s] -
-                                    p[(Layout::reference + d) * s] -
+                           std::abs(p.position(d) - p.reference(d) -
                                     (d == 0   ? 0.02 * t
                                      : d == 1 ? fall
                                               : 0.)));
-        for (unsigned int k = 0; k < Layout::n_F; ++k)
-          worst =
-            std::max(worst,
-                     std::abs(p[(Layout::F + k) * s] -
-                              (k % (dim + 1) == 0 || (dim == 2 && k == 4))));
+        worst =
+          std::max(worst,
+                   (p.F() - Tensor<2, 3>(unit_symmetric_tensor<3>())).norm());
         ++n;
       });
     }

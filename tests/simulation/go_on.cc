@@ -18,11 +18,9 @@ namespace
       simulated->step();
     if (failing > 0)
       {
-        Body<2>           &body   = simulated->bodies()[0];
-        const unsigned int stride = body.points.stride();
-        body.points.for_each([&](const unsigned int, double *p) {
-          p[PointLayout<2>::velocity * stride] = 1e6;
-        });
+        Body<2> &body = simulated->bodies()[0];
+        body.points.for_each(
+          [&](const unsigned int, const auto p) { p.velocity(0) = 1e6; });
         std::string message;
         try
           {

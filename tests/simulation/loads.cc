@@ -67,15 +67,12 @@ main(int argc, char **argv)
     double worst = 0., momentum = 0.;
     for (const auto &body : run->bodies())
       {
-        const unsigned int s = body.points.stride();
-        body.points.for_each([&](const unsigned int, const double *p) {
+        body.points.for_each([&](const unsigned int, const auto p) {
           if (body.name == "ram")
             worst =
-              std::max(worst,
-                       std::abs(p[0] - p[PointLayout<2>::reference * s] - 0.1));
+              std::max(worst, std::abs(p.position(0) - p.reference(0) - 0.1));
           else
-            momentum +=
-              p[PointLayout<2>::mass * s] * p[PointLayout<2>::velocity * s];
+            momentum += p.mass() * p.velocity(0);
         });
       }
     check("imposed velocity", max_all(worst), 1e-12);

@@ -12,25 +12,19 @@ namespace
     double sum = 0.;
     for (const auto &body : run->bodies())
       if (body.imposed_velocity.empty())
-        body.points.for_each([&](const unsigned int, const double *p) {
-          sum += function(p, body.points.stride());
-        });
+        body.points.for_each(
+          [&](const unsigned int, const auto p) { sum += function(p); });
     return Utilities::MPI::sum(sum, MPI_COMM_WORLD);
   }
 
   double
   mean_settlement(Simulated<2> &run)
   {
-    using Layout = PointLayout<2>;
     return sum_of_points(run,
-                         [](const double *p, const unsigned int s) {
-                           return p[Layout::mass * s] *
-                                  (p[(Layout::reference + 1) * s] -
-                                   p[(Layout::position + 1) * s]);
+                         [](const auto p) {
+                           return p.mass() * (p.reference(1) - p.position(1));
                          }) /
-           sum_of_points(run, [](const double *p, const unsigned int s) {
-             return p[Layout::mass * s];
-           });
+           sum_of_points(run, [](const auto p) { return p.mass(); });
   }
 } // namespace
 
@@ -142,15 +136,11 @@ main(int argc, char **argv)
     {
       Simulated<2> run(chamber.with("Scheme", {"Mass = " + mass}));
       run.run();
-      using Layout = PointLayout<2>;
       const double volume =
-        sum_of_points(run, [](const double *p, const unsigned int s) {
-          return p[Layout::volume0 * s] * p[Layout::J * s];
-        });
-      const double behind =
-        sum_of_points(run, [](const double *p, const unsigned int) {
-          return double(p[Layout::position] < 0.65 - 0.00625);
-        });
+        sum_of_points(run, [](const auto p) { return p.volume0() * p.J(); });
+      const double behind = sum_of_points(run, [](const auto p) {
+        return double(p.position(0) < 0.65 - 0.00625);
+      });
       check(mass + ": volume that the piston leaves",
             std::abs(volume / 0.15 - 1.),
             0.05);

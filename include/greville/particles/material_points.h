@@ -4,71 +4,13 @@
 #include <deal.II/base/aligned_vector.h>
 #include <deal.II/base/array_view.h>
 
+#include <greville/particles/point_ref.h>
 #include <greville/spline/spline_space.h>
 
-#include <string>
 #include <vector>
 
 namespace greville
 {
-  /**
-   * Where the numbers of a material point lie. Each is counted in doubles from
-   * the begin of the point; symmetric tensors are stored as xx, yy, zz, xy (in
-   * 3D then xz, yz), the deformation gradient row by row, in 2D followed by
-   * F_zz.
-   */
-  template <int dim>
-  struct PointLayout
-  {
-    static constexpr unsigned int n_stress = dim == 2 ? 4 : 6;
-    static constexpr unsigned int n_F      = dim == 2 ? 5 : 9;
-
-    /// x, m.
-    static constexpr unsigned int position = 0;
-    /// v, m / s.
-    static constexpr unsigned int velocity = position + dim;
-    /// m, kg (in 2D per metre of thickness).
-    static constexpr unsigned int mass = velocity + dim;
-    /// V0, volume of the stress-free state, m^3 (in 2D m^2).
-    static constexpr unsigned int volume0 = mass + 1;
-    /// J = V / V0.
-    static constexpr unsigned int J = volume0 + 1;
-    /// Cauchy stress, Pa.
-    static constexpr unsigned int stress = J + 1;
-    /// rho c^2 of the fastest wave, Pa (MaterialPoint::wave_modulus).
-    static constexpr unsigned int wave_modulus = stress + n_stress;
-    /// Deformation gradient from the stress-free state.
-    static constexpr unsigned int F = wave_modulus + 1;
-    /// The initial position, m.
-    static constexpr unsigned int reference = F + n_F;
-    /// A number that no other point of the body has.
-    static constexpr unsigned int id = reference + dim;
-    /// Number of doubles that every point has.
-    static constexpr unsigned int n_fixed = id + 1;
-
-    PointLayout() = default;
-
-    /**
-     * @p n_state history variables, and where asked for the affine matrix of
-     * APIC (dim x dim, row by row, 1 / s) and an acceleration by loads (dim
-     * numbers, m / s^2).
-     */
-    PointLayout(const unsigned int n_state,
-                const bool         has_affine,
-                const bool         has_load);
-
-    unsigned int n_state    = 0;
-    bool         has_affine = false;
-    bool         has_load   = false;
-    unsigned int state      = n_fixed;
-    unsigned int affine     = n_fixed;
-    unsigned int load       = n_fixed;
-    /// Number of doubles of a point.
-    unsigned int size = n_fixed;
-  };
-
-
-
   /**
    * The material points of one body on this process, sorted by cells.
    *
@@ -176,39 +118,36 @@ namespace greville
     }
 
     /**
-     * Call @p action(cell, values) for all points, with a strided pointer:
-     * number k of the point is values[k * stride()].
+     * Call @p action(cell, point) for all points, with a PointRef or a
+     * ConstPointRef.
      */
-    template <typename Action>
-    void
-    for_each(const Action &action) const
-    {
-      for (const unsigned int cell : cells())
-        {
-          unsigned int n = n_in_first_group(cell);
-          for (unsigned int g = heads[cell]; g != none; g = links[g], n = width)
-            for (unsigned int lane = 0; lane < n; ++lane)
-              action(cell, group(g) + lane);
-        }
-    }
-
     template <typename Action>
     void
     for_each(const Action &action)
     {
-      for (const unsigned int cell : cells())
-        {
-          unsigned int n = n_in_first_group(cell);
-          for (unsigned int g = heads[cell]; g != none; g = links[g], n = width)
-            for (unsigned int lane = 0; lane < n; ++lane)
-              action(cell, group(g) + lane);
-        }
+      for_each_of<PointRef<dim>>(*this, action);
     }
 
-    static constexpr unsigned int
-    stride()
+    template <typename Action>
+    void
+    for_each(const Action &action) const
     {
-      return width;
+      for_each_of<ConstPointRef<dim>>(*this, action);
+    }
+
+    /**
+     * The point in a lane of a group.
+     */
+    PointRef<dim>
+    point(const unsigned int g, const unsigned int lane)
+    {
+      return PointRef<dim>(group(g) + lane, width);
+    }
+
+    ConstPointRef<dim>
+    point(const unsigned int g, const unsigned int lane) const
+    {
+      return ConstPointRef<dim>(group(g) + lane, width);
     }
 
     /**
@@ -226,13 +165,11 @@ namespace greville
     remove_leaving(const unsigned int cell, std::vector<double> &leaving);
 
     /**
-     * Whether @p position lies in the half-open box of a cell; at the upper
-     * walls of the grid in the closed one. False for what is no number.
+     * Whether a point lies in the half-open box of a cell; at the upper walls
+     * of the grid in the closed one. False for what is no number.
      */
     bool
-    is_inside(const unsigned int cell,
-              const double      *position,
-              const unsigned int stride) const;
+    is_inside(const unsigned int cell, const ConstPointRef<dim> point) const;
 
     /**
      * Make the lanes without a point harmless again.
@@ -253,6 +190,20 @@ namespace greville
     memory_consumption() const;
 
   private:
+    template <typename Ref, typename Points, typename Action>
+    static void
+    for_each_of(Points &points, const Action &action)
+    {
+      for (const unsigned int cell : points.cells())
+        {
+          unsigned int n = points.n_in_first_group(cell);
+          for (unsigned int g = points.heads[cell]; g != none;
+               g = points.links[g], n = width)
+            for (unsigned int lane = 0; lane < n; ++lane)
+              action(cell, Ref(points.group(g) + lane, width));
+        }
+    }
+
     unsigned int
     new_group();
 

@@ -163,16 +163,6 @@ namespace greville
       for (int k = 0; k < count; ++k)
         store(values[k], group + (first + k) * simd_width);
     }
-
-    /**
-     * Where entry (i, j) of a symmetric tensor is stored.
-     */
-    template <int dim>
-    constexpr int
-    stress_index(const int i, const int j)
-    {
-      return i == j ? i : (dim == 2 ? 3 : 2 + i + j);
-    }
   } // namespace internal
 } // namespace greville
 

@@ -81,15 +81,6 @@ namespace greville
   free_energy(const std::vector<Body<dim>> &bodies,
               const PointTransfer<dim>     &transfer,
               const MPI_Comm                comm);
-
-  /**
-   * The numbers of a point as its material sees them.
-   */
-  template <int dim>
-  MaterialPoint
-  material_point(const double           *values,
-                 const unsigned int      stride,
-                 const PointLayout<dim> &layout);
 } // namespace greville
 
 #endif
