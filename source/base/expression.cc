@@ -171,7 +171,7 @@ namespace greville
                          const std::string              &parameter,
                          const std::vector<std::string> &variables,
                          const std::vector<Function>    &functions)
-    : parser(std::make_unique<Parser>())
+    : parser(std::make_shared<Parser>())
   {
     parser->text      = text;
     parser->parameter = parameter;
@@ -205,13 +205,6 @@ namespace greville
         parser->fail("is wrong: " + message_of(error) + ".");
       }
   }
-
-  Expression::Expression(Expression &&) noexcept = default;
-
-  Expression &
-  Expression::operator=(Expression &&) noexcept = default;
-
-  Expression::~Expression() = default;
 
 
 

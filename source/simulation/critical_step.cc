@@ -49,8 +49,9 @@ namespace greville
 
   template <int dim>
   void
-  CriticalStep<dim>::choose_unknowns(const GridMass<dim> &mass,
-                                     const Walls<dim>    &walls)
+  CriticalStep<dim>::choose_unknowns(const GridMass<dim>    &mass,
+                                     const Walls<dim>       &walls,
+                                     const HighestMode<dim> &mode)
   {
     const SplineSpace<dim> &space  = mass.space();
     const VectorType       &lumped = mass.lumped();
@@ -82,7 +83,8 @@ namespace greville
             unknowns[d].push_back(i);
             const double r = noise(space.owned_functions()[i], d);
             random.push_back(m * r);
-            const double b = has_last ? last_force[d].local_element(i) : 0.;
+            const double b =
+              mode.is_known ? mode.force[d].local_element(i) : 0.;
             start.push_back(b);
             squares[0] += m * r * r;
             squares[1] += b * b / m;
@@ -142,7 +144,7 @@ namespace greville
     std::array<double, 3> c{{1., 0., 0.}};
     if (!mass.is_exact())
       {
-        if (scheme.stress_update == "USL")
+        if (scheme.stress_update == StressUpdate::USL)
           c = {{2., -1., 0.}};
         else if (!scheme.apic)
           c = {{0.,
@@ -184,7 +186,6 @@ namespace greville
     const double                          elastic,
     const double                          viscous)
   {
-    ++products;
     write_field(source, x);
     bool overwrite = true;
     for (const Body<dim> *body : bodies)
@@ -207,16 +208,6 @@ namespace greville
 
 
   template <int dim>
-  void
-  CriticalStep<dim>::begin_with(const VectorField<dim> &force)
-  {
-    last_force = force;
-    has_last   = true;
-  }
-
-
-
-  template <int dim>
   double
   CriticalStep<dim>::estimate(
     GridMass<dim>                                  &mass,
@@ -224,7 +215,8 @@ namespace greville
     const std::vector<const Body<dim> *>           &all_bodies,
     const std::vector<const MaterialPoints<dim> *> &mass_points,
     const Walls<dim>                               &walls,
-    const StepScheme                               &scheme)
+    const StepScheme                               &scheme,
+    HighestMode<dim>                               &mode)
   {
     std::vector<const Body<dim> *> bodies;
     bool                           is_viscous = false;
@@ -242,7 +234,7 @@ namespace greville
       return std::numeric_limits<double>::infinity();
 
     const MPI_Comm comm = mass.space().communicator();
-    choose_unknowns(mass, walls);
+    choose_unknowns(mass, walls, mode);
     const std::size_t  n      = start.size();
     const double       factor = mass.is_diagonal() ? 1. + scheme.damping
                                                    : std::pow(1. + scheme.damping, 2);
@@ -272,8 +264,8 @@ namespace greville
     std::vector<double> x(n), y(n);
     if (is_viscous)
       {
-        step = last_step;
-        if (!(last_step > 0.))
+        step = mode.step;
+        if (!(mode.step > 0.))
           {
             B(x, start);
             const double square = dot(x, start, comm);
@@ -311,13 +303,13 @@ namespace greville
           break;
       }
 
-    has_last  = std::isfinite(step);
-    last_step = has_last ? step : 0.;
-    if (has_last)
+    mode.is_known = std::isfinite(step);
+    mode.step     = mode.is_known ? step : 0.;
+    if (mode.is_known)
       {
-        for (VectorType &component : last_force)
+        for (VectorType &component : mode.force)
           mass.space().initialize_vector(component);
-        write_field(last_force, start);
+        write_field(mode.force, start);
       }
     return step;
   }

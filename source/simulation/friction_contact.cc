@@ -187,10 +187,12 @@ namespace greville
 
   template <int dim>
   void
-  FrictionContact<dim>::add(VectorField<dim> &velocity,
-                            VectorField<dim> &acceleration,
-                            const double      dt)
+  FrictionContact<dim>::add(VectorField<dim>  &velocity,
+                            VectorField<dim>  &acceleration,
+                            const double       dt,
+                            std::vector<bool> &slid)
   {
+    slid.resize(contacts.size(), false);
     iterations = most = rounds = 0;
     double fastest = 0., fastest_into_wall = 0.;
     for (const Contact &contact : contacts)
@@ -209,13 +211,14 @@ namespace greville
                1e-14 * Utilities::MPI::max(fastest, comm));
 
     bool touches = false;
-    for (Contact &contact : contacts)
+    for (unsigned int k = 0; k < contacts.size(); ++k)
       {
+        Contact   &contact = contacts[k];
         const bool is_touched =
           speed_into_wall(contact, velocity) > smallest_speed;
-        contact.state      = !is_touched    ? State::apart
-                             : contact.slid ? State::slides
-                                            : State::sticks;
+        contact.state      = !is_touched ? State::apart
+                             : slid[k]   ? State::slides
+                                         : State::sticks;
         contact.n_released = contact.n_stopped = 0;
         touches                                = touches || is_touched;
       }
@@ -227,8 +230,8 @@ namespace greville
     do
       solve(velocity);
     while (update(velocity, smallest_speed));
-    for (Contact &contact : contacts)
-      contact.slid = contact.state == State::slides;
+    for (unsigned int k = 0; k < contacts.size(); ++k)
+      slid[k] = contacts[k].state == State::slides;
 
     for (unsigned int c = 0; c < dim; ++c)
       {

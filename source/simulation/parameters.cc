@@ -2,6 +2,7 @@
 #include <greville/base/parameters.h>
 #include <greville/simulation/consistent_mass.h>
 #include <greville/simulation/parameters.h>
+#include <greville/simulation/time_integrator.h>
 
 #include <algorithm>
 #include <array>
@@ -153,7 +154,7 @@ namespace greville
                   "with velocities of the grid made anew from the points "
                   "(MUSL).",
                   prm,
-                  Patterns::Selection("USL|USF|MUSL"));
+                  Patterns::Selection(time_integrator_names()));
     add_parameter("Transfer",
                   transfer,
                   "How points take their velocity from the grid.",

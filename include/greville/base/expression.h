@@ -35,11 +35,6 @@ namespace greville
                const std::string              &parameter,
                const std::vector<std::string> &variables,
                const std::vector<Function>    &functions = {});
-    Expression(Expression &&) noexcept;
-    Expression &
-    operator=(Expression &&) noexcept;
-    ~Expression();
-
     /**
      * The value for the @p values of the variables. Throws dealii::ExcMessage,
      * with the parameter and the values of the variables, where it is not
@@ -50,7 +45,7 @@ namespace greville
 
   private:
     class Parser;
-    std::unique_ptr<Parser> parser;
+    std::shared_ptr<Parser> parser; // copies share it
   };
 
   /**

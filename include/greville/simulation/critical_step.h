@@ -2,16 +2,30 @@
 #define greville_simulation_critical_step_h
 
 #include <greville/simulation/grid_mass.h>
+#include <greville/simulation/state.h>
 
 namespace greville
 {
+  /**
+   * When stresses are updated: with the new velocity of the grid (USL), before
+   * the forces are summed up (USF), or with the velocity of the kicked points
+   * (MUSL).
+   */
+  enum class StressUpdate
+  {
+    USL,
+    USF,
+    MUSL
+  };
+
+
+
   /**
    * What a step does with velocities, as far as its stability depends on it.
    */
   struct StepScheme
   {
-    /// USL, USF or MUSL.
-    std::string stress_update = "USL";
+    StressUpdate stress_update = StressUpdate::USL;
     /// 1: FLIP, 0: PIC.
     double flip = 1.;
     bool   apic = false;
@@ -70,7 +84,8 @@ namespace greville
   public:
     /**
      * Collective. Infinite where nothing is stiff or viscous. @p mass is that
-     * of the current positions of @p bodies, and of @p mass_points.
+     * of the current positions of @p bodies, and of @p mass_points. Begins
+     * with the last @p mode, and overwrites it.
      */
     double
     estimate(GridMass<dim>                                  &mass,
@@ -78,30 +93,17 @@ namespace greville
              const std::vector<const Body<dim> *>           &bodies,
              const std::vector<const MaterialPoints<dim> *> &mass_points,
              const Walls<dim>                               &walls,
-             const StepScheme                               &scheme);
-
-    /**
-     * Let the next estimate begin with @p force instead of the last
-     * eigenvector: one that a mode which grows has much of.
-     */
-    void
-    begin_with(const VectorField<dim> &force);
-
-    /**
-     * Products with stiffness matrices so far.
-     */
-    unsigned int
-    n_products() const
-    {
-      return products;
-    }
+             const StepScheme                               &scheme,
+             HighestMode<dim>                               &mode);
 
   private:
     /**
      * The functions that take part, and the force to begin with.
      */
     void
-    choose_unknowns(const GridMass<dim> &mass, const Walls<dim> &walls);
+    choose_unknowns(const GridMass<dim>    &mass,
+                    const Walls<dim>       &walls,
+                    const HighestMode<dim> &mode);
 
     void
     read_field(std::vector<double>    &values,
@@ -138,12 +140,6 @@ namespace greville
     std::array<std::vector<unsigned int>, dim> unknowns;
     VectorField<dim>                           source, target, product;
     std::vector<double>                        start;
-
-    // The last eigenvector as a force, in all owned functions.
-    VectorField<dim> last_force;
-    bool             has_last  = false;
-    double           last_step = 0.;
-    unsigned int     products  = 0;
   };
 } // namespace greville
 

@@ -44,28 +44,16 @@ namespace greville
 
     /**
      * Collective. Change the new velocity, and the acceleration that led to it
-     * in the time @p dt. Throws dealii::ExcMessage where a solve does not
-     * converge.
+     * in the time @p dt. @p slid has the contacts that slid in the last step,
+     * which are tried as such first: overwritten by those that slide in this
+     * one; empty before the first. Throws dealii::ExcMessage where a solve does
+     * not converge.
      */
     void
-    add(VectorField<dim> &velocity,
-        VectorField<dim> &acceleration,
-        const double      dt);
-
-    /**
-     * Remember what steps hand to the next one, and go back to it.
-     */
-    void
-    remember()
-    {
-      remembered = contacts;
-    }
-
-    void
-    go_back()
-    {
-      contacts = remembered;
-    }
+    add(VectorField<dim>  &velocity,
+        VectorField<dim>  &acceleration,
+        const double       dt,
+        std::vector<bool> &slid);
 
     /**
      * Iterations of all solves of the last add(), and of the one that needed
@@ -99,7 +87,6 @@ namespace greville
       unsigned int           wall       = 0;
       unsigned int           function   = 0; // local number
       State                  state      = State::apart;
-      bool                   slid       = false;            // in the last step
       unsigned int           n_released = 0, n_stopped = 0; // in this step
       dealii::Tensor<1, dim> load;                          // where it slides
     };
@@ -127,7 +114,7 @@ namespace greville
 
     const Walls<dim>          &walls;
     ConsistentMass<dim>       &mass;
-    std::vector<Contact>       contacts, remembered;
+    std::vector<Contact>       contacts;
     std::vector<unsigned char> normals; // bits of components that touch
     VectorField<dim>           change, load, reaction;
     unsigned int               iterations = 0, most = 0, rounds = 0;

@@ -1,0 +1,178 @@
+#ifndef greville_simulation_central_differences_h
+#define greville_simulation_central_differences_h
+
+#include <greville/simulation/damping.h>
+#include <greville/simulation/friction_contact.h>
+#include <greville/simulation/move_points.h>
+#include <greville/simulation/obstacles.h>
+#include <greville/simulation/step_size.h>
+#include <greville/simulation/time_integrator.h>
+#include <greville/simulation/velocity_filter.h>
+
+namespace greville
+{
+  /**
+   * Explicit steps. A step from t_n to t_(n+1) = t_n + dt, with the sums of
+   * PointTransfer at the positions x_n, is
+   *
+   *   M, P, F     from the points                             (points to grid)
+   *   M v  = P    the velocity of the grid
+   *   M a  = F    with gravity, then damped
+   *   v'   = v + dt' a, filtered (consistent mass, see VelocityFilter), and
+   *          contact with friction walls
+   *   points are kicked by a (FLIP) or take v' (PIC, APIC), and are moved by v'
+   *   F, J, stress from the gradient of w                     (grid to points)
+   *
+   * with w = v' (USL); w = M^-1 P', P' from the velocities of the kicked points
+   * at x_n (MUSL); or w = v, before F is summed up (USF). Coefficients at walls
+   * and at obstacles, see Obstacles, are held in all of these. What v leaves
+   * out of the points' momentum there, since it is held, is taken from the
+   * points with the kick, see GridMass::held_residual(): else they would keep
+   * it for ever.
+   *
+   * With velocities at half steps, dt' is the mean of dt and the step before
+   * it, in the first step dt / 2: central differences, of second order, where
+   * v belongs to t_(n-1/2), v' to t_(n+1/2). USF then deforms over the step
+   * before, to which v belongs: F, J and stress of a finished step are those of
+   * t_n. With full steps dt' = dt: symplectic Euler, of first order.
+   *
+   * Automatic steps with consistent mass (not USF, which has updated the points
+   * by then) are rejected where they show a mode that they are too long for:
+   * the critical step can fall from one step to the next, where points have
+   * left a hole.
+   *
+   * (D. Sulsky, Z. Chen, H. Schreyer, A particle method for history-dependent
+   * materials, 1994; S. Bardenhagen, Energy conservation error in the material
+   * point method for solid mechanics, 2002.)
+   */
+  template <int dim>
+  class CentralDifferences : public TimeIntegrator<dim>
+  {
+  public:
+    CentralDifferences(const StressUpdate          order,
+                       const IntegratorParts<dim> &parts);
+
+    double
+    propose_step(State<dim> &state) override;
+
+    void
+    advance(State<dim> &state, const double dt) override;
+
+  private:
+    /**
+     * Points to grid, and the solves for velocity and acceleration.
+     */
+    void
+    find_acceleration(State<dim> &state);
+
+    /**
+     * Find what touches obstacles, and hold it: guesses of velocity and
+     * acceleration get the values there. Without @p with_force, the forces of
+     * the points are not known yet.
+     */
+    void
+    touch_obstacles(const State<dim> &state, const bool with_force);
+
+    void
+    add_gravity(const double t);
+
+    /**
+     * M field = sum for pairs of them; the fields hold guesses and the values
+     * at walls.
+     */
+    void
+    solve(const std::vector<VectorField<dim> *>       &fields,
+          const std::vector<const VectorField<dim> *> &sums,
+          const std::vector<double>                   &shares = {});
+
+    /**
+     * Filter the new velocity, and add what that takes to the acceleration.
+     */
+    void
+    filter_velocity();
+
+    /**
+     * Friction walls change the new velocity and the acceleration.
+     */
+    void
+    add_contact(State<dim> &state);
+
+    /**
+     * Points shall not keep what the held velocity leaves out of theirs: add
+     * it, with the opposite sign, to the acceleration that kicks them.
+     */
+    void
+    take_held_residual();
+
+    /**
+     * Work that loads, walls and obstacles do in this step.
+     */
+    void
+    add_work(State<dim> &state);
+
+    /**
+     * Work of Cundall's damping in this step.
+     */
+    void
+    add_work_of_damping(State<dim> &state);
+
+    /**
+     * One pass over the points. Null pointers leave out a part.
+     */
+    void
+    update(State<dim>             &state,
+           const VectorField<dim> *kick,
+           const VectorField<dim> *velocity,
+           const VectorField<dim> *deformation,
+           const bool              move);
+
+    /**
+     * MUSL: the velocity of the points that have been kicked.
+     */
+    void
+    map_kicked_points(State<dim> &state);
+
+    /**
+     * Those of the new state, of all processes.
+     */
+    Signals
+    signals() const;
+
+    /**
+     * The fraction of the velocity that FLIP keeps in a step.
+     */
+    double
+    flip_share(const State<dim> &state, const double velocity_step) const;
+
+    const StressUpdate          order;
+    const SimulationParameters &parameters;
+    Discretization<dim>        &discretization;
+    GridMass<dim>              &mass;
+    ConsistentMass<dim> *const  consistent; // if the mass is
+    const Walls<dim>           &walls;
+    Loads<dim>                 &loads;
+    StepLog                    &log;
+    const bool                  apic, half_steps;
+
+    std::unique_ptr<FrictionContact<dim>> contact; // consistent mass
+    std::unique_ptr<Obstacles<dim>>       obstacles;
+    VelocityFilter<dim>                   filter; // consistent mass
+    Damping<dim>                          damping;
+    StepSize<dim>                         step_size;
+
+    /**
+     * The step that is being tried.
+     */
+    struct Trial
+    {
+      double           step = 0., velocity_step = 0., deformation_step = 0.;
+      VectorField<dim> force, velocity, acceleration, new_velocity;
+      PointMotion      motion;
+      unsigned int     n_iterations = 0, n_all_iterations = 0;
+    };
+    Trial            trial;
+    VectorField<dim> work_field;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,200 @@
+#ifndef greville_simulation_discretization_h
+#define greville_simulation_discretization_h
+
+#include <greville/particles/point_transport.h>
+#include <greville/particles/reconstruction.h>
+#include <greville/simulation/consistent_mass.h>
+#include <greville/simulation/loads.h>
+#include <greville/simulation/state.h>
+#include <greville/simulation/step_log.h>
+
+namespace greville
+{
+  /**
+   * What distinguishes the runs of a sweep.
+   */
+  struct SimulationCase
+  {
+    std::vector<unsigned int> cells;
+    unsigned int              degree = 2;
+    std::string               mass;
+    std::string               quadrature;
+  };
+
+
+
+  /**
+   * The grid: mesh, spaces of B-splines, walls and mass, and what goes between
+   * the grid and the points of a state. Sums over points are made once for each
+   * State::points_stamp.
+   */
+  template <int dim>
+  class Discretization
+  {
+  public:
+    /**
+     * Collective. Processes get the same share of points and cells. Parameters
+     * and log are kept by reference. Throws dealii::ExcMessage where parameters
+     * are wrong.
+     */
+    Discretization(const SimulationParameters &parameters,
+                   const SimulationCase       &run_case,
+                   const Loads<dim>           &loads,
+                   StepLog                    &log,
+                   const MPI_Comm              comm);
+
+    MPI_Comm
+    communicator() const
+    {
+      return comm;
+    }
+
+    DistributedTriangulation<dim> &
+    triangulation()
+    {
+      return mesh;
+    }
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return grid_mass->space();
+    }
+
+    /**
+     * The smallest edge of a cell, m.
+     */
+    double
+    cell_size() const;
+
+    const Walls<dim> &
+    walls() const
+    {
+      return grid_walls;
+    }
+
+    GridMass<dim> &
+    mass()
+    {
+      return *grid_mass;
+    }
+
+    const GridMass<dim> &
+    mass() const
+    {
+      return *grid_mass;
+    }
+
+    /**
+     * The mass as what it is; null with other masses.
+     */
+    ConsistentMass<dim> *
+    consistent_mass() const
+    {
+      return consistent;
+    }
+
+    PointTransfer<dim> &
+    transfer()
+    {
+      return point_transfer;
+    }
+
+    const PointTransfer<dim> &
+    transfer() const
+    {
+      return point_transfer;
+    }
+
+    PointTransport<dim> &
+    transport()
+    {
+      return point_transport;
+    }
+
+    /**
+     * Make room for a field.
+     */
+    void
+    initialize(VectorField<dim> &field) const;
+
+    /**
+     * Collective. Sum up mass and momentum of the points, and assemble the
+     * mass, unless those of State::points_stamp are there; and the @p force, if
+     * it is given. Returns what has been summed over: the points of bodies that
+     * feel forces, or their reconstruction.
+     */
+    const std::vector<const MaterialPoints<dim> *> &
+    sum(const State<dim> &state, VectorField<dim> *force = nullptr);
+
+    /**
+     * Collective. The momentum of points that have been kicked where they are:
+     * the mass stays.
+     */
+    void
+    sum_momentum(const State<dim> &state);
+
+    /**
+     * The sums.
+     */
+    const VectorType &
+    lumped_mass() const
+    {
+      return lumped;
+    }
+
+    const VectorField<dim> &
+    momentum() const
+    {
+      return point_momentum;
+    }
+
+    /**
+     * Collective. Solve M x = sum for pairs of them, see GridMass::solve().
+     * Returns the most iterations of a field. Throws StepFailed where the
+     * solver does not converge.
+     */
+    unsigned int
+    solve(const std::vector<VectorField<dim> *>       &x,
+          const std::vector<const VectorField<dim> *> &sums,
+          const std::vector<double>                   &shares = {});
+
+    /**
+     * Collective. Bring points that have left the cells @p left_cells[body] to
+     * their new cells and processes, and count them. Returns what is wrong with
+     * them on this process.
+     */
+    std::string
+    transport_points(State<dim>                                   &state,
+                     const std::vector<std::vector<unsigned int>> &left_cells);
+
+  private:
+    /**
+     * What is summed over; reconstructed if @p anew.
+     */
+    const std::vector<const MaterialPoints<dim> *> &
+    quadrature_points(const State<dim> &state, const bool anew);
+
+    const SimulationParameters    &parameters;
+    StepLog                       &log;
+    MPI_Comm                       comm;
+    DistributedTriangulation<dim>  mesh;
+    Walls<dim>                     grid_walls;
+    std::unique_ptr<GridMass<dim>> grid_mass;
+    ConsistentMass<dim>           *consistent = nullptr; // if it is one
+    PointTransfer<dim>             point_transfer;
+    PointTransport<dim>            point_transport;
+
+    // Points that integrals are summed over.
+    bool                                     sums_over_points;
+    Reconstruction<dim>                      reconstruction;
+    std::vector<MaterialPoints<dim>>         reconstructed;
+    std::vector<const MaterialPoints<dim> *> summed;
+
+    VectorType       lumped;
+    VectorField<dim> point_momentum;
+    std::uint64_t    stamp_of_sums = 0; // of no state
+  };
+} // namespace greville
+
+#endif

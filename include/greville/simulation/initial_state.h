@@ -1,0 +1,31 @@
+#ifndef greville_simulation_initial_state_h
+#define greville_simulation_initial_state_h
+
+#include <greville/simulation/discretization.h>
+
+namespace greville
+{
+  /**
+   * Collective. Give each process the same share of the points, which the
+   * parameters describe, and of the cells of @p mesh.
+   */
+  template <int dim>
+  void
+  balance_load(DistributedTriangulation<dim> &mesh,
+               const SimulationParameters    &parameters,
+               const Loads<dim>              &loads);
+
+  /**
+   * Collective. The bodies with their points, at rest on the grid. Throws
+   * dealii::ExcMessage where two bodies fill the same cells, by half a cell or
+   * more, where an initial displacement moves points out of the grid, and where
+   * no body feels forces.
+   */
+  template <int dim>
+  State<dim>
+  make_initial_state(const SimulationParameters &parameters,
+                     const Loads<dim>           &loads,
+                     Discretization<dim>        &discretization);
+} // namespace greville
+
+#endif

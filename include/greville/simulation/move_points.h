@@ -1,0 +1,55 @@
+#ifndef greville_simulation_move_points_h
+#define greville_simulation_move_points_h
+
+#include <greville/simulation/state.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * What came of points of all bodies on this process.
+   */
+  struct PointMotion
+  {
+    /// Signals::fastest and Signals::wave, m / s.
+    double fastest_signal = 0., fastest_wave = 0.;
+    /// By body: cells that at least one point has left.
+    std::vector<std::vector<unsigned int>> left_cells;
+    /// What is wrong with a point, empty if nothing is.
+    std::string problem;
+
+    /**
+     * Take over what came of the same points before.
+     */
+    void
+    merge(const PointMotion &before);
+  };
+
+  /**
+   * Give bodies that are moved their velocity at time @p t, s.
+   */
+  template <int dim>
+  void
+  impose_velocities(std::vector<Body<dim>> &bodies, const double t);
+
+  /**
+   * Collective. One pass over the points of all bodies, without those that the
+   * @p update does not change. Its material is that of each body.
+   */
+  template <int dim>
+  PointMotion
+  update_points(std::vector<Body<dim>> &bodies,
+                PointTransfer<dim>     &transfer,
+                PointUpdate<dim>        update);
+
+  /**
+   * Collective. Points of fluids share their changes of volume, every ten steps
+   * and slowly against waves that cross a cell of the size @p h.
+   */
+  template <int dim>
+  void
+  share_volume(State<dim> &state, PointTransfer<dim> &transfer, const double h);
+} // namespace greville
+
+#endif

@@ -1,0 +1,51 @@
+#ifndef greville_simulation_step_errors_h
+#define greville_simulation_step_errors_h
+
+#include <deal.II/base/mpi.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace greville
+{
+  /**
+   * Thrown by TimeIntegrator::advance() where a shorter step is to be tried.
+   */
+  class StepRejected : public std::runtime_error
+  {
+  public:
+    using std::runtime_error::runtime_error;
+  };
+
+
+
+  /**
+   * Thrown where a step fails whatever its length. It leaves the state behind
+   * as it is then, so that the caller has to go back.
+   */
+  class StepFailed : public std::runtime_error
+  {
+  public:
+    /**
+     * Where materials can be the cause, @p by_materials tells messages to say
+     * what is known of them.
+     */
+    StepFailed(const std::string &message, const bool by_materials = true)
+      : std::runtime_error(message)
+      , by_materials(by_materials)
+    {}
+
+    const bool by_materials;
+  };
+
+  /**
+   * Collective. Throw StepFailed on all processes, with the message of the
+   * first process whose @p message is not empty, if there is one.
+   */
+  void
+  fail_on_all(const std::string &message,
+              const MPI_Comm     comm,
+              const bool         by_materials = true);
+} // namespace greville
+
+#endif

@@ -1,0 +1,51 @@
+#ifndef greville_simulation_step_log_h
+#define greville_simulation_step_log_h
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * What the parts of a simulation report besides their results: the seconds
+   * that they take on this process, and warnings.
+   */
+  struct StepLog
+  {
+    std::map<std::string, double> seconds;
+    std::vector<std::string>      warnings;
+  };
+
+
+
+  /**
+   * Adds the time of its life to a part.
+   */
+  class PartTimer
+  {
+  public:
+    PartTimer(StepLog &log, const std::string &part)
+      : sum(log.seconds[part])
+      , begin(std::chrono::steady_clock::now())
+    {}
+
+    PartTimer(const PartTimer &) = delete;
+    PartTimer &
+    operator=(const PartTimer &) = delete;
+
+    ~PartTimer()
+    {
+      sum +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
+          .count();
+    }
+
+  private:
+    double                               &sum;
+    std::chrono::steady_clock::time_point begin;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,89 @@
+#ifndef greville_simulation_time_integrator_h
+#define greville_simulation_time_integrator_h
+
+#include <greville/simulation/discretization.h>
+
+#include <functional>
+
+namespace greville
+{
+  /**
+   * A scheme that takes a State from t to t + dt. It owns what it needs to try
+   * a step; all that a step hands to the next one is in the state, so that a
+   * copy of the state is enough to go back.
+   *
+   * A new integrator is a class that derives from this one, and one line in the
+   * list of source/simulation/time_integrator.cc; or a call of
+   * add_time_integrator() in a program.
+   */
+  template <int dim>
+  class TimeIntegrator
+  {
+  public:
+    virtual ~TimeIntegrator() = default;
+
+    /**
+     * Collective. The length of the next step, s. Estimates in the state are
+     * renewed where they are due, and after a step that has been rejected
+     * (StateWithoutBodies::n_rejections). Throws dealii::ExcMessage where
+     * parameters do not give a step.
+     */
+    virtual double
+    propose_step(State<dim> &state) = 0;
+
+    /**
+     * Collective. The state at t + @p dt, with the points in their cells.
+     *
+     * Throws StepRejected before positions, velocities, stresses, time and
+     * counters have changed: only guesses may be better ones then. So a scheme
+     * that iterates does so on fields of its own, or on a copy of the state,
+     * and commits what has converged. Throws StepFailed where a solver does not
+     * converge, or a point breaks or leaves the grid.
+     */
+    virtual void
+    advance(State<dim> &state, const double dt) = 0;
+  };
+
+
+
+  /**
+   * What integrators are made with. All are kept by reference.
+   */
+  template <int dim>
+  struct IntegratorParts
+  {
+    const SimulationParameters &parameters;
+    Discretization<dim>        &discretization;
+    Loads<dim>                 &loads;
+    const State<dim>           &initial;
+    StepLog                    &log;
+  };
+
+  template <int dim>
+  using MakeTimeIntegrator = std::function<std::unique_ptr<TimeIntegrator<dim>>(
+    const IntegratorParts<dim> &parts)>;
+
+  /**
+   * The names of all integrators, separated by '|'.
+   */
+  std::string
+  time_integrator_names();
+
+  /**
+   * Add one to the list, before parameters are read.
+   */
+  template <int dim>
+  void
+  add_time_integrator(const std::string             &name,
+                      const MakeTimeIntegrator<dim> &make);
+
+  /**
+   * An integrator by name. Throws dealii::ExcMessage for an unknown one.
+   */
+  template <int dim>
+  std::unique_ptr<TimeIntegrator<dim>>
+  make_time_integrator(const std::string          &name,
+                       const IntegratorParts<dim> &parts);
+} // namespace greville
+
+#endif

@@ -1,0 +1,483 @@
+#include <greville/base/errors.h>
+#include <greville/simulation/central_differences.h>
+#include <greville/simulation/energy_guard.h>
+#include <greville/simulation/step_errors.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Accelerations that change velocities by this fraction of the norm of all
+    // velocities in a step are solved for to the tolerance times that change.
+    constexpr double negligible_kick = 1e-6;
+  } // namespace
+
+
+
+  template <int dim>
+  CentralDifferences<dim>::CentralDifferences(const StressUpdate          order,
+                                              const IntegratorParts<dim> &parts)
+    : order(order)
+    , parameters(parts.parameters)
+    , discretization(parts.discretization)
+    , mass(discretization.mass())
+    , consistent(discretization.consistent_mass())
+    , walls(discretization.walls())
+    , loads(parts.loads)
+    , log(parts.log)
+    , apic(parameters.scheme.transfer == "APIC")
+    , half_steps(parameters.time.velocities == "half steps")
+    , damping(parameters.loads, discretization)
+    , step_size(parameters.time,
+                discretization,
+                std::any_of(parts.initial.bodies.begin(),
+                            parts.initial.bodies.end(),
+                            [](const Body<dim> &body) {
+                              return !body.imposed_velocity.empty();
+                            }),
+                log)
+  {
+    if (consistent && walls.have_friction())
+      contact = std::make_unique<FrictionContact<dim>>(walls, *consistent);
+    if (consistent)
+      filter.reinit(mass.space());
+    for (const Body<dim> &body : parts.initial.bodies)
+      if (!body.imposed_velocity.empty() && !obstacles)
+        {
+          obstacles = std::make_unique<Obstacles<dim>>();
+          obstacles->reinit(mass.space());
+        }
+    for (auto *field : {&trial.force,
+                        &trial.velocity,
+                        &trial.acceleration,
+                        &trial.new_velocity,
+                        &work_field})
+      discretization.initialize(*field);
+  }
+
+
+
+  template <int dim>
+  double
+  CentralDifferences<dim>::flip_share(const State<dim> &state,
+                                      const double      velocity_step) const
+  {
+    const SchemeParameters &scheme = parameters.scheme;
+    if (scheme.transfer == "PIC" || scheme.flip == 0.)
+      return 0.;
+    if (scheme.flip == 1.)
+      return 1.;
+    const double time = scheme.flip_time > 0.
+                          ? scheme.flip_time
+                          : discretization.cell_size() / state.first_signal;
+    return std::pow(scheme.flip, velocity_step / time);
+  }
+
+
+
+  template <int dim>
+  double
+  CentralDifferences<dim>::propose_step(State<dim> &state)
+  {
+    StepScheme scheme;
+    scheme.stress_update = order;
+    scheme.apic          = apic;
+    // Smaller shares have the shorter step, and dt is not known yet.
+    scheme.flip =
+      std::min(parameters.scheme.flip, flip_share(state, state.velocity_step));
+    scheme.damping = damping.factor(state.time);
+    return step_size.propose(state, scheme);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::solve(
+    const std::vector<VectorField<dim> *>       &fields,
+    const std::vector<const VectorField<dim> *> &sums,
+    const std::vector<double>                   &shares)
+  {
+    const unsigned int n = discretization.solve(fields, sums, shares);
+    trial.n_iterations   = std::max(trial.n_iterations, n);
+    trial.n_all_iterations += n;
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::touch_obstacles(const State<dim> &state,
+                                           const bool        with_force)
+  {
+    if (!obstacles)
+      return;
+    obstacles->touch(mass,
+                     discretization.lumped_mass(),
+                     discretization.momentum(),
+                     with_force ? &trial.force : nullptr,
+                     loads.gravity(state.time));
+    if (!with_force || order != StressUpdate::USF)
+      obstacles->set_velocity(trial.velocity, false);
+    obstacles->set_acceleration(trial.acceleration, trial.velocity);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_gravity(const double t)
+  {
+    const VectorType    &lumped = discretization.lumped_mass();
+    const Tensor<1, dim> g      = loads.gravity(t);
+    for (unsigned int d = 0; d < dim; ++d)
+      if (g[d] != 0.)
+        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+          trial.force[d].local_element(i) += g[d] * lumped.local_element(i);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::find_acceleration(State<dim> &state)
+  {
+    impose_velocities(state.bodies, state.time + 0.5 * trial.step);
+    if (obstacles)
+      obstacles->update(state.bodies,
+                        discretization.transfer(),
+                        state.velocity_time,
+                        state.velocity_time + trial.velocity_step);
+    {
+      const PartTimer timer(log, "loads");
+      std::string     message;
+      try
+        {
+          loads.set(state.bodies, state.time);
+        }
+      catch (const std::exception &exception)
+        {
+          message = message_of(exception);
+        }
+      if (loads.act_on_points())
+        fail_on_all(message, discretization.communicator(), false);
+    }
+
+    // Velocity and acceleration come from one solve, unless the stress depends
+    // on the velocity.
+    const bool stress_first = order == StressUpdate::USF;
+    discretization.sum(state, stress_first ? nullptr : &trial.force);
+    trial.velocity     = state.velocity;
+    trial.acceleration = state.acceleration;
+    walls.hold_velocity(trial.velocity, state.velocity_time);
+    walls.hold_acceleration(trial.acceleration,
+                            state.velocity_time,
+                            trial.velocity_step);
+    touch_obstacles(state, !stress_first);
+    if (stress_first)
+      {
+        solve({&trial.velocity}, {&discretization.momentum()});
+        walls.stop(trial.velocity);
+        update(state, nullptr, nullptr, &trial.velocity, false);
+        discretization.sum(state, &trial.force);
+        touch_obstacles(state, true);
+        add_gravity(state.time);
+        solve({&trial.acceleration}, {&trial.force});
+      }
+    else
+      {
+        add_gravity(state.time);
+        // Forces of round-off need no solve.
+        const double dt = trial.velocity_step;
+        solve({&trial.velocity, &trial.acceleration},
+              {&discretization.momentum(), &trial.force},
+              {1., dt > 0. ? negligible_kick / dt : 0.});
+      }
+    damping.damp(trial.acceleration, trial.force, state.time);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::filter_velocity()
+  {
+    if (!consistent || parameters.scheme.filter == 0.)
+      return;
+    const PartTimer timer(log, "filter");
+    filter.set_mass(discretization.lumped_mass());
+    VectorField<dim> &correction = work_field;
+    filter.apply(correction,
+                 trial.new_velocity,
+                 parameters.scheme.filter,
+                 trial.step);
+    consistent->extend(correction);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        VectorType &z = correction[d];
+        for (unsigned int i = 0; i < z.locally_owned_size(); ++i)
+          if ((mass.held_components(i) >> d) & 1)
+            z.local_element(i) = 0.;
+        trial.new_velocity[d] += z;
+        trial.acceleration[d].add(1. / trial.velocity_step, z);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_contact(State<dim> &state)
+  {
+    if (!contact)
+      {
+        walls.add_contact(trial.new_velocity,
+                          trial.acceleration,
+                          trial.velocity_step);
+        // Obstacles go first.
+        if (obstacles)
+          {
+            obstacles->set_velocity(trial.new_velocity, true);
+            obstacles->set_acceleration(trial.acceleration, trial.velocity);
+          }
+        return;
+      }
+    const PartTimer timer(log, "contact");
+    try
+      {
+        contact->add(trial.new_velocity,
+                     trial.acceleration,
+                     trial.velocity_step,
+                     state.slid);
+      }
+    catch (const std::exception &exception)
+      {
+        // All processes know it.
+        throw StepFailed(message_of(exception));
+      }
+    trial.n_iterations =
+      std::max(trial.n_iterations, contact->most_iterations());
+    trial.n_all_iterations += contact->n_iterations();
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::take_held_residual()
+  {
+    if (parameters.scheme.transfer != "FLIP" || !(trial.velocity_step > 0.))
+      return;
+    mass.held_residual(work_field, discretization.momentum(), trial.velocity);
+    for (unsigned int d = 0; d < dim; ++d)
+      trial.acceleration[d].add(-1. / trial.velocity_step, work_field[d]);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_work(State<dim> &state)
+  {
+    double power =
+      power_of_loads<dim>(state, discretization, loads, trial.new_velocity);
+    if ((walls.move() || obstacles) && trial.velocity_step > 0.)
+      power += power_of_walls<dim>(discretization,
+                                   trial.force,
+                                   trial.acceleration,
+                                   trial.new_velocity,
+                                   work_field);
+    state.energy.add_work(trial.step * power);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_work_of_damping(State<dim> &state)
+  {
+    if (damping.factor(state.time) == 0.)
+      return;
+    const PartTimer timer(log, "energy");
+
+    // P + P' of the points. That of APIC is of the grid.
+    const double      dt   = trial.velocity_step;
+    const double      flip = apic ? 0. : flip_share(state, dt);
+    VectorField<dim> &sum = trial.velocity, &momenta = work_field;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        sum[d].equ(1. - flip, trial.new_velocity[d]);
+        sum[d].add(flip * dt, trial.acceleration[d]);
+        if (apic)
+          {
+            momenta[d] = sum[d];
+            momenta[d].scale(discretization.lumped_mass());
+          }
+      }
+    if (!apic)
+      discretization.transfer().multiply_mass(discretization.sum(state),
+                                              sum,
+                                              momenta);
+    for (unsigned int d = 0; d < dim; ++d)
+      momenta[d].add(1. + flip, discretization.momentum()[d]);
+    state.energy.add_damping(dt *
+                             damping.power(momenta, trial.force, state.time));
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::update(State<dim>             &state,
+                                  const VectorField<dim> *kick,
+                                  const VectorField<dim> *velocity,
+                                  const VectorField<dim> *deformation,
+                                  const bool              move)
+  {
+    const PartTimer  timer(log, "grid to points");
+    PointUpdate<dim> update;
+    update.acceleration  = kick;
+    update.velocity      = velocity;
+    update.deformation   = deformation;
+    update.move          = move;
+    update.velocity_step = trial.velocity_step;
+    update.step          = move ? trial.step : trial.deformation_step;
+    update.flip          = flip_share(state, trial.velocity_step);
+    update.apic          = apic;
+
+    PointMotion motion =
+      update_points(state.bodies, discretization.transfer(), update);
+    motion.merge(trial.motion);
+    trial.motion = std::move(motion);
+    if (kick || move)
+      state.points_have_changed();
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::map_kicked_points(State<dim> &state)
+  {
+    discretization.sum_momentum(state);
+    work_field = trial.new_velocity;
+    walls.hold_velocity(work_field, state.velocity_time + trial.velocity_step);
+    if (obstacles)
+      obstacles->set_velocity(work_field, true);
+    solve({&work_field}, {&discretization.momentum()});
+    walls.stop(work_field);
+  }
+
+
+
+  template <int dim>
+  Signals
+  CentralDifferences<dim>::signals() const
+  {
+    const SplineSpace<dim> &space    = discretization.space();
+    double                  rates[3] = {trial.motion.fastest_signal,
+                                        trial.motion.fastest_wave,
+                                        0.};
+    for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
+      if (!consistent || consistent->extension()[i] == Extension<dim>::stable)
+        {
+          double rate = 0.;
+          for (unsigned int d = 0; d < dim; ++d)
+            rate += std::abs(trial.new_velocity[d].local_element(i)) /
+                    space.lattice().cell_size(d);
+          rates[2] = std::max(rates[2], rate);
+        }
+    Utilities::MPI::max(ArrayView<const double>(rates, 3),
+                        discretization.communicator(),
+                        ArrayView<double>(rates, 3));
+    Signals result;
+    result.fastest       = rates[0];
+    result.wave          = rates[1];
+    result.crossing_rate = rates[2];
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::advance(State<dim> &state, const double dt)
+  {
+    trial.step             = dt;
+    trial.velocity_step    = half_steps ? 0.5 * (state.step + dt) : dt;
+    trial.deformation_step = half_steps ? state.step : dt;
+    trial.motion           = PointMotion();
+    if (state.n_rejections == 0)
+      trial.n_iterations = trial.n_all_iterations = 0;
+    find_acceleration(state);
+
+    // A given step is taken, and so is one that has been rejected before.
+    if (consistent && parameters.time.step.empty() &&
+        order != StressUpdate::USF)
+      {
+        if (state.n_rejections == 0 &&
+            step_size.shows_faster_mode(state, trial.acceleration, dt))
+          {
+            std::swap(state.acceleration, trial.acceleration);
+            state.estimates.mode.is_known = true;
+            state.estimates.mode.force    = trial.force;
+            throw StepRejected("accelerations show a mode of the grid that is "
+                               "too fast");
+          }
+        step_size.remember(state, trial.acceleration, dt);
+      }
+
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        trial.new_velocity[d] = trial.velocity[d];
+        trial.new_velocity[d].add(trial.velocity_step, trial.acceleration[d]);
+      }
+    filter_velocity();
+    add_contact(state);
+    take_held_residual();
+    add_work(state);
+    add_work_of_damping(state);
+
+    const VectorField<dim> *const a = &trial.acceleration;
+    const VectorField<dim> *const v = &trial.new_velocity;
+    switch (order)
+      {
+        case StressUpdate::USL:
+          update(state, a, v, v, true);
+          break;
+        case StressUpdate::USF:
+          update(state, a, v, nullptr, true);
+          break;
+        case StressUpdate::MUSL:
+          update(state, a, v, nullptr, false);
+          map_kicked_points(state);
+          update(state, nullptr, v, &work_field, true);
+          break;
+      }
+    const std::string problem =
+      discretization.transport_points(state, trial.motion.left_cells);
+    fail_on_all(trial.motion.problem.empty() ? problem : trial.motion.problem,
+                discretization.communicator());
+
+    state.signals = signals();
+    std::swap(state.velocity, trial.new_velocity);
+    std::swap(state.acceleration, trial.acceleration);
+    state.time += dt;
+    state.velocity_time += trial.velocity_step;
+    state.step          = dt;
+    state.velocity_step = trial.velocity_step;
+    state.n_iterations  = trial.n_iterations;
+    state.n_all_iterations += trial.n_all_iterations;
+    ++state.n_steps;
+  }
+
+
+
+  template class CentralDifferences<2>;
+  template class CentralDifferences<3>;
+} // namespace greville

@@ -1,0 +1,106 @@
+#include <greville/simulation/damping.h>
+#include <greville/simulation/statistics.h>
+
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  Damping<dim>::Damping(const LoadParameters      &parameters,
+                        const Discretization<dim> &discretization)
+    : parameters(parameters)
+    , discretization(discretization)
+  {}
+
+
+
+  template <int dim>
+  double
+  Damping<dim>::taken(const VectorField<dim> &force,
+                      const double            alpha,
+                      const unsigned int      i,
+                      const unsigned int      d) const
+  {
+    const double m = discretization.lumped_mass().local_element(i);
+    const double P = discretization.momentum()[d].local_element(i);
+    if (!(m > 0.) || P == 0. ||
+        (discretization.mass().held_components(i) & (1 << d)))
+      return 0.;
+    return alpha * std::copysign(std::abs(force[d].local_element(i)) / m, P);
+  }
+
+
+
+  template <int dim>
+  void
+  Damping<dim>::damp(VectorField<dim>       &acceleration,
+                     const VectorField<dim> &force,
+                     const double            t) const
+  {
+    const double alpha = factor(t);
+    if (alpha == 0.)
+      return;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
+        acceleration[d].local_element(i) -= taken(force, alpha, i, d);
+  }
+
+
+
+  template <int dim>
+  double
+  Damping<dim>::power(const VectorField<dim> &momenta,
+                      const VectorField<dim> &force,
+                      const double            t) const
+  {
+    const double alpha = factor(t);
+    double       power = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
+        power -= 0.5 * taken(force, alpha, i, d) * momenta[d].local_element(i);
+    return power;
+  }
+
+
+
+  template <int dim>
+  void
+  Damping<dim>::damp_kinetically(State<dim> &state) const
+  {
+    if (!parameters.kinetic || !acts(state.time))
+      return;
+    const double kinetic = kinetic_energy<dim>(state.bodies,
+                                               discretization.transfer(),
+                                               discretization.communicator());
+    if (!(kinetic < state.last_kinetic))
+      {
+        state.last_kinetic = kinetic;
+        return;
+      }
+    state.last_kinetic = 0.;
+    // The energy is that of all processes.
+    if (Utilities::MPI::this_mpi_process(discretization.communicator()) == 0)
+      state.energy.add_damping(-kinetic);
+    for (Body<dim> &body : state.bodies)
+      {
+        if (!body.imposed_velocity.empty())
+          continue;
+        const auto &layout = body.points.layout();
+        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+          for (unsigned int d = 0; d < dim; ++d)
+            p.velocity(d) = 0.;
+          if (layout.has_affine)
+            for (unsigned int k = 0; k < dim * dim; ++k)
+              p[layout.affine + k] = 0.;
+        });
+      }
+    state.points_have_changed();
+  }
+
+
+
+  template class Damping<2>;
+  template class Damping<3>;
+} // namespace greville

@@ -1,0 +1,277 @@
+#include <greville/base/errors.h>
+#include <greville/base/memory.h>
+#include <greville/simulation/discretization.h>
+#include <greville/simulation/initial_state.h>
+#include <greville/simulation/step_errors.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Steps between two sortings of the groups of points.
+    constexpr unsigned int defragment_every = 200;
+
+
+
+    template <int dim>
+    MultiIndex<dim>
+    to_multi_index(const std::vector<unsigned int> &numbers)
+    {
+      MultiIndex<dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = numbers[d];
+      return result;
+    }
+
+
+
+    template <int dim>
+    Point<dim>
+    to_point(const std::vector<double> &numbers)
+    {
+      Point<dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = numbers[d];
+      return result;
+    }
+
+
+
+    /**
+     * Throw where parameters contradict each other.
+     */
+    void
+    check_case(const SimulationParameters &parameters,
+               const SimulationCase       &run_case,
+               const unsigned int          dim)
+    {
+      AssertThrow(parameters.general.dimension == dim &&
+                    run_case.cells.size() == dim,
+                  ExcMessage("The parameters are those of a simulation in " +
+                             std::to_string(parameters.general.dimension) +
+                             "D, not " + std::to_string(dim) + "D."));
+      AssertThrow(!(parameters.scheme.transfer == "APIC" &&
+                    run_case.quadrature != "points"),
+                  ExcMessage("'Scheme/Transfer' = APIC goes with "
+                             "'Scheme/Quadrature' = points, not <" +
+                             run_case.quadrature + ">."));
+      AssertThrow(
+        parameters.scheme.transfer != "APIC" || run_case.mass == "lumped",
+        ExcMessage("'Scheme/Transfer' = APIC goes with 'Scheme/Mass' "
+                   "= lumped, not <" +
+                   run_case.mass +
+                   ">: the momentum of APIC is the right-hand side of "
+                   "a lumped solve. With the exact mass, PIC already "
+                   "is a projection that keeps linear fields."));
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  Discretization<dim>::Discretization(const SimulationParameters &parameters,
+                                      const SimulationCase       &run_case,
+                                      const Loads<dim>           &loads,
+                                      StepLog                    &log,
+                                      const MPI_Comm              comm)
+    : parameters(parameters)
+    , log(log)
+    , comm(comm)
+    , mesh(comm, Triangulation<dim>::none, mesh_settings<dim>)
+    , grid_walls(parameters.walls)
+    , sums_over_points(run_case.quadrature == "points")
+    , reconstruction(run_case.degree + 1,
+                     run_case.quadrature == "taylor-least-squares",
+                     parameters.scheme.full_cell)
+  {
+    check_case(parameters, run_case, dim);
+    double n_cells = 1.;
+    for (const unsigned int n : run_case.cells)
+      n_cells *= n;
+    check_memory_of_cells(n_cells,
+                          dim,
+                          run_case.cells == parameters.grid.cells
+                            ? "The parameter 'Grid/Cells'"
+                            : "The parameter 'Sweep/Cells'",
+                          comm);
+    create_box_mesh<dim>(mesh,
+                         to_point<dim>(parameters.grid.lower),
+                         to_point<dim>(parameters.grid.upper),
+                         to_multi_index<dim>(run_case.cells));
+    balance_load(mesh, parameters, loads);
+
+    grid_mass = make_grid_mass<dim>(
+      run_case.mass, run_case.degree, mesh, parameters, grid_walls);
+    consistent = dynamic_cast<ConsistentMass<dim> *>(grid_mass.get());
+    grid_walls.reinit(space());
+    grid_walls.check_paths(space(), parameters.time.end);
+    point_transfer.reinit(space());
+    point_transport.reinit(mesh, space());
+    space().initialize_vector(lumped);
+    initialize(point_momentum);
+  }
+
+
+
+  template <int dim>
+  double
+  Discretization<dim>::cell_size() const
+  {
+    double h = space().lattice().cell_size(0);
+    for (unsigned int d = 1; d < dim; ++d)
+      h = std::min(h, space().lattice().cell_size(d));
+    return h;
+  }
+
+
+
+  template <int dim>
+  void
+  Discretization<dim>::initialize(VectorField<dim> &field) const
+  {
+    for (VectorType &component : field)
+      space().initialize_vector(component);
+  }
+
+
+
+  template <int dim>
+  const std::vector<const MaterialPoints<dim> *> &
+  Discretization<dim>::quadrature_points(const State<dim> &state,
+                                         const bool        anew)
+  {
+    summed.clear();
+    reconstructed.resize(state.bodies.size());
+    for (unsigned int b = 0; b < state.bodies.size(); ++b)
+      {
+        const Body<dim> &body = state.bodies[b];
+        if (!body.imposed_velocity.empty())
+          continue;
+        if (!sums_over_points && anew)
+          reconstruction.reconstruct(body.points, reconstructed[b]);
+        summed.push_back(sums_over_points ? &body.points : &reconstructed[b]);
+      }
+    return summed;
+  }
+
+
+
+  template <int dim>
+  const std::vector<const MaterialPoints<dim> *> &
+  Discretization<dim>::sum(const State<dim> &state, VectorField<dim> *force)
+  {
+    const bool is_current = stamp_of_sums == state.points_stamp;
+    if (is_current && !force)
+      return quadrature_points(state, false);
+    stamp_of_sums = 0;
+    {
+      const PartTimer timer(log, "points to grid");
+      // Reconstructions have stress and loads, which may have changed.
+      point_transfer.points_to_grid(quadrature_points(state, true),
+                                    is_current ? nullptr : &lumped,
+                                    is_current ? nullptr : &point_momentum,
+                                    force);
+    }
+    if (!is_current)
+      {
+        const PartTimer timer(log, "mass");
+        grid_mass->update(lumped, summed, point_transfer);
+      }
+    stamp_of_sums = state.points_stamp;
+    return summed;
+  }
+
+
+
+  template <int dim>
+  void
+  Discretization<dim>::sum_momentum(const State<dim> &state)
+  {
+    const PartTimer timer(log, "points to grid");
+    stamp_of_sums = 0;
+    point_transfer.points_to_grid(quadrature_points(state, true),
+                                  &lumped,
+                                  &point_momentum,
+                                  nullptr);
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  Discretization<dim>::solve(const std::vector<VectorField<dim> *>       &x,
+                             const std::vector<const VectorField<dim> *> &sums,
+                             const std::vector<double> &shares)
+  {
+    const PartTimer timer(log, "solve");
+    try
+      {
+        grid_mass->solve(x, sums, shares);
+      }
+    catch (const std::exception &exception)
+      {
+        // All processes know it.
+        throw StepFailed(message_of(exception));
+      }
+    return grid_mass->n_iterations();
+  }
+
+
+
+  template <int dim>
+  std::string
+  Discretization<dim>::transport_points(
+    State<dim> &state, const std::vector<std::vector<unsigned int>> &left_cells)
+  {
+    const PartTimer timer(log, "transport");
+    std::string     problem;
+    std::uint64_t   n_points  = 0;
+    std::uint64_t   counts[3] = {0, 0, 0}; // all, free, removed
+    for (unsigned int b = 0; b < state.bodies.size(); ++b)
+      {
+        Body<dim> &body   = state.bodies[b];
+        const auto result = point_transport.move(body.points, left_cells[b]);
+        n_points += body.n_points;
+        counts[0] += body.points.n_points();
+        if (body.imposed_velocity.empty())
+          counts[1] += body.points.n_points();
+        counts[2] += result.n_removed;
+        state.n_sent += result.n_sent;
+        if (result.n_removed > 0 && problem.empty() &&
+            (parameters.scheme.outside == "error" ||
+             !std::isfinite(result.outside_position.norm())))
+          {
+            std::ostringstream message;
+            message << "point " << result.outside << " of the body '"
+                    << body.name << "' has left the grid: it is at ("
+                    << result.outside_position << ") m";
+            problem = message.str();
+          }
+        if (state.n_steps % defragment_every == defragment_every - 1)
+          body.points.defragment();
+      }
+    state.points_have_changed();
+    Utilities::MPI::sum(ArrayView<const std::uint64_t>(counts, 3),
+                        comm,
+                        ArrayView<std::uint64_t>(counts, 3));
+    state.n_free = counts[1];
+    state.n_removed += counts[2];
+    AssertThrow(counts[0] + state.n_removed == n_points,
+                ExcMessage(
+                  "Points got lost: there are " + std::to_string(counts[0]) +
+                  " and " + std::to_string(state.n_removed) +
+                  " were removed, of " + std::to_string(n_points) + "."));
+    return problem;
+  }
+
+
+
+  template class Discretization<2>;
+  template class Discretization<3>;
+} // namespace greville

@@ -1,0 +1,209 @@
+#include <greville/base/errors.h>
+#include <greville/simulation/initial_state.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * A body without points.
+     */
+    template <int dim>
+    Body<dim>
+    make_body(const std::string &name, const SimulationParameters &parameters)
+    {
+      Body<dim> body;
+      body.name       = name;
+      body.parameters = parameters.bodies.at(name).get();
+      body.material = parameters.materials.at(body.parameters->material).get();
+      return body;
+    }
+
+
+
+    /**
+     * The first of some bodies that has points in a cell.
+     */
+    template <int dim>
+    unsigned int
+    body_at(const unsigned int            cell,
+            const std::vector<Body<dim>> &bodies,
+            const unsigned int            n_bodies)
+    {
+      for (unsigned int b = 0; b < n_bodies; ++b)
+        if (bodies[b].points.n_points(cell) > 0)
+          return b;
+      return 0;
+    }
+
+
+
+    /**
+     * Throw where two bodies fill the same cells.
+     */
+    template <int dim>
+    void
+    check_overlap(const std::vector<Body<dim>> &bodies,
+                  const SplineSpace<dim>       &space)
+    {
+      double cell_volume = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        cell_volume *= space.lattice().cell_size(d);
+
+      // Fractions of cells: where the bodies before fill more than what this
+      // one leaves, two of them are in the same place.
+      const unsigned int  n_cells = space.owned_cells().size();
+      std::vector<double> before(n_cells, 0.), own(n_cells);
+      for (unsigned int b = 0; b < bodies.size(); ++b)
+        {
+          const auto &points = bodies[b].points;
+          std::fill(own.begin(), own.end(), 0.);
+          points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
+            own[cell] += p.volume() / cell_volume;
+          });
+          std::ostringstream message;
+          for (unsigned int cell = 0; cell < n_cells; ++cell)
+            {
+              own[cell] = std::min(own[cell], 1.);
+              if (own[cell] + before[cell] > 1.5 && message.str().empty())
+                message << "'Body " << bodies[b].name
+                        << "' is in the same place as 'Body "
+                        << bodies[body_at(cell, bodies, b)].name
+                        << "', for instance at ("
+                        << space.lattice().cell_center(
+                             multi_index<dim>(space.owned_cells()[cell],
+                                              space.lattice().n_cells()))
+                        << ") m: the mass would be counted twice. In shapes, "
+                           "difference(a, b) cuts one body out of another.";
+              before[cell] = std::min(own[cell] + before[cell], 1.);
+            }
+          throw_on_all(message.str(), space.communicator());
+        }
+    }
+
+
+
+    /**
+     * The fastest of a body's points on this process.
+     */
+    template <int dim>
+    void
+    add_signals(Signals                &signals,
+                const Body<dim>        &body,
+                const SplineSpace<dim> &space)
+    {
+      const Moduli moduli = body.material->moduli();
+      const double c      = std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) /
+                                 body.material->density);
+      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        double v2 = 0., rate = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double v = p.velocity(d);
+            v2 += v * v;
+            rate += std::abs(v) / space.lattice().cell_size(d);
+          }
+        signals.fastest       = std::max(signals.fastest, c + std::sqrt(v2));
+        signals.crossing_rate = std::max(signals.crossing_rate, rate);
+      });
+      signals.wave = std::max(signals.wave, c);
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  balance_load(DistributedTriangulation<dim> &mesh,
+               const SimulationParameters    &parameters,
+               const Loads<dim>              &loads)
+  {
+    if (Utilities::MPI::n_mpi_processes(mesh.get_communicator()) == 1)
+      return;
+    // The work of a point is about four times that of an empty cell.
+    const SplineSpace<dim>    cells(mesh, 1);
+    std::vector<unsigned int> weights(cells.owned_cells().size(), 1);
+    for (const std::string &name : parameters.general.bodies)
+      {
+        Body<dim> body = make_body<dim>(name, parameters);
+        make_points(body, cells, loads.gravity(0.), false, false);
+        for (const unsigned int cell : body.points.cells())
+          weights[cell] += 4 * body.points.n_points(cell);
+      }
+    const auto connection =
+      mesh.signals.weight.connect([&](const auto &cell, const auto) {
+        return weights[cells.cell_number(cell)];
+      });
+    mesh.repartition();
+    connection.disconnect();
+  }
+
+
+
+  template <int dim>
+  State<dim>
+  make_initial_state(const SimulationParameters &parameters,
+                     const Loads<dim>           &loads,
+                     Discretization<dim>        &discretization)
+  {
+    const MPI_Comm          comm  = discretization.communicator();
+    const SplineSpace<dim> &space = discretization.space();
+    State<dim>              state;
+    Signals                 signals;
+    for (const std::string &name : parameters.general.bodies)
+      {
+        Body<dim>  body  = make_body<dim>(name, parameters);
+        const auto left  = make_points(body,
+                                      space,
+                                      loads.gravity(0.),
+                                      parameters.scheme.transfer == "APIC",
+                                      loads.act_on_points());
+        const auto moved = discretization.transport().move(body.points, left);
+        AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
+                    ExcMessage("The parameter 'Body " + name +
+                               "/Displacement' moves points out of the grid."));
+        if (body.imposed_velocity.empty())
+          state.n_free += body.n_points;
+        add_signals(signals, body, space);
+        state.bodies.push_back(std::move(body));
+      }
+    signals.fastest       = Utilities::MPI::max(signals.fastest, comm);
+    signals.crossing_rate = Utilities::MPI::max(signals.crossing_rate, comm);
+    signals.wave          = Utilities::MPI::max(signals.wave, comm);
+    state.signals         = signals;
+    state.first_signal    = signals.fastest;
+    check_overlap(state.bodies, space);
+    AssertThrow(state.n_free > 0,
+                ExcMessage("All bodies have an 'Imposed velocity': there is "
+                           "none that feels forces."));
+    discretization.initialize(state.velocity);
+    discretization.initialize(state.acceleration);
+    state.points_have_changed();
+    return state;
+  }
+
+
+
+  template void
+  balance_load(DistributedTriangulation<2> &,
+               const SimulationParameters &,
+               const Loads<2> &);
+  template void
+  balance_load(DistributedTriangulation<3> &,
+               const SimulationParameters &,
+               const Loads<3> &);
+  template State<2>
+  make_initial_state(const SimulationParameters &,
+                     const Loads<2> &,
+                     Discretization<2> &);
+  template State<3>
+  make_initial_state(const SimulationParameters &,
+                     const Loads<3> &,
+                     Discretization<3> &);
+} // namespace greville

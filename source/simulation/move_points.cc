@@ -1,0 +1,148 @@
+#include <greville/simulation/move_points.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Steps between two exchanges of volume, and what of a difference they
+    // take in the time that a wave needs for a cell.
+    constexpr unsigned int share_every = 10;
+    constexpr double       share_rate  = 0.025;
+
+
+
+    /**
+     * Points with an imposed velocity go on by @p dt. Returns the cells that
+     * they leave, and their largest speed.
+     */
+    template <int dim>
+    std::pair<std::vector<unsigned int>, double>
+    move_rigidly(MaterialPoints<dim> &points, const double dt)
+    {
+      std::vector<unsigned int> left;
+      double                    speed = 0.;
+      points.for_each([&](const unsigned int cell, PointRef<dim> p) {
+        double square = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double v = p.velocity(d);
+            p.position(d) += dt * v;
+            square += v * v;
+          }
+        speed = std::max(speed, std::sqrt(square));
+        if (!points.is_inside(cell, p) && (left.empty() || left.back() != cell))
+          left.push_back(cell);
+      });
+      return {left, speed};
+    }
+  } // namespace
+
+
+
+  void
+  PointMotion::merge(const PointMotion &before)
+  {
+    fastest_signal = std::max(fastest_signal, before.fastest_signal);
+    fastest_wave   = std::max(fastest_wave, before.fastest_wave);
+    if (!before.problem.empty())
+      problem = before.problem;
+  }
+
+
+
+  template <int dim>
+  void
+  impose_velocities(std::vector<Body<dim>> &bodies, const double t)
+  {
+    for (Body<dim> &body : bodies)
+      if (!body.imposed_velocity.empty())
+        {
+          Tensor<1, dim> v;
+          for (unsigned int d = 0; d < dim; ++d)
+            v[d] = body.imposed_velocity[d](ArrayView<const double>(&t, 1));
+          body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+            for (unsigned int d = 0; d < dim; ++d)
+              p.velocity(d) = v[d];
+          });
+        }
+  }
+
+
+
+  template <int dim>
+  PointMotion
+  update_points(std::vector<Body<dim>> &bodies,
+                PointTransfer<dim>     &transfer,
+                PointUpdate<dim>        update)
+  {
+    PointMotion motion;
+    motion.left_cells.resize(bodies.size());
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      {
+        Body<dim> &body = bodies[b];
+        if (!body.imposed_velocity.empty())
+          {
+            if (!update.move)
+              continue;
+            const auto [left, speed] = move_rigidly(body.points, update.step);
+            motion.left_cells[b]     = left;
+            motion.fastest_signal    = std::max(motion.fastest_signal, speed);
+            continue;
+          }
+        update.material          = body.material;
+        const PointReport report = transfer.grid_to_points(body.points, update);
+        motion.fastest_signal =
+          std::max(motion.fastest_signal, report.fastest_signal);
+        motion.fastest_wave =
+          std::max(motion.fastest_wave, report.fastest_wave);
+        if (update.move)
+          motion.left_cells[b] = report.left_cells;
+        if (report.bad_point >= 0 && motion.problem.empty())
+          motion.problem = "point " + std::to_string(report.bad_point) +
+                           " of the body '" + body.name +
+                           "': " + report.bad_reason;
+      }
+    return motion;
+  }
+
+
+
+  template <int dim>
+  void
+  share_volume(State<dim> &state, PointTransfer<dim> &transfer, const double h)
+  {
+    state.time_to_share += state.step;
+    if (state.n_steps % share_every != 0)
+      return;
+    for (Body<dim> &body : state.bodies)
+      if (body.material->shares_volume() && body.imposed_velocity.empty())
+        {
+          const double c =
+            std::sqrt(body.material->moduli().bulk / body.material->density);
+          transfer.share_volume(body.points,
+                                -std::expm1(-share_rate * c *
+                                            state.time_to_share / h));
+        }
+    state.time_to_share = 0.;
+  }
+
+
+
+  template void
+  impose_velocities(std::vector<Body<2>> &, const double);
+  template void
+  impose_velocities(std::vector<Body<3>> &, const double);
+  template PointMotion
+  update_points(std::vector<Body<2>> &, PointTransfer<2> &, PointUpdate<2>);
+  template PointMotion
+  update_points(std::vector<Body<3>> &, PointTransfer<3> &, PointUpdate<3>);
+  template void
+  share_volume(State<2> &, PointTransfer<2> &, const double);
+  template void
+  share_volume(State<3> &, PointTransfer<3> &, const double);
+} // namespace greville

@@ -1,0 +1,90 @@
+#include <greville/simulation/central_differences.h>
+#include <greville/simulation/time_integrator.h>
+
+#include <utility>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    using Entry = std::pair<std::string, MakeTimeIntegrator<dim>>;
+
+    template <int dim>
+    Entry<dim>
+    central_differences(const std::string &name, const StressUpdate order)
+    {
+      return {name, [order](const IntegratorParts<dim> &parts) {
+                return std::make_unique<CentralDifferences<dim>>(order, parts);
+              }};
+    }
+
+    // All integrators, one line each.
+    template <int dim>
+    std::vector<Entry<dim>> &
+    integrators()
+    {
+      static std::vector<Entry<dim>> list = {
+        central_differences<dim>("USL", StressUpdate::USL),
+        central_differences<dim>("USF", StressUpdate::USF),
+        central_differences<dim>("MUSL", StressUpdate::MUSL)};
+      return list;
+    }
+  } // namespace
+
+
+
+  std::string
+  time_integrator_names()
+  {
+    std::string names;
+    const auto  add = [&](const std::string &name) {
+      if (("|" + names + "|").find("|" + name + "|") == std::string::npos)
+        names += (names.empty() ? "" : "|") + name;
+    };
+    for (const auto &entry : integrators<2>())
+      add(entry.first);
+    for (const auto &entry : integrators<3>())
+      add(entry.first);
+    return names;
+  }
+
+
+
+  template <int dim>
+  void
+  add_time_integrator(const std::string             &name,
+                      const MakeTimeIntegrator<dim> &make)
+  {
+    integrators<dim>().emplace_back(name, make);
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<TimeIntegrator<dim>>
+  make_time_integrator(const std::string          &name,
+                       const IntegratorParts<dim> &parts)
+  {
+    for (const Entry<dim> &entry : integrators<dim>())
+      if (entry.first == name)
+        return entry.second(parts);
+    AssertThrow(false,
+                ExcMessage("'Scheme/Stress update' = <" + name +
+                           "> is none of " + time_integrator_names() + "."));
+    return nullptr;
+  }
+
+
+
+  template void
+  add_time_integrator(const std::string &, const MakeTimeIntegrator<2> &);
+  template void
+  add_time_integrator(const std::string &, const MakeTimeIntegrator<3> &);
+  template std::unique_ptr<TimeIntegrator<2>>
+  make_time_integrator(const std::string &, const IntegratorParts<2> &);
+  template std::unique_ptr<TimeIntegrator<3>>
+  make_time_integrator(const std::string &, const IntegratorParts<3> &);
+} // namespace greville

@@ -1,0 +1,102 @@
+// A time integrator of a program's own, by name, without a change of the
+// library: symplectic Euler that proposes too long a step and rejects it. With
+// the accepted steps it has the bits of USL.
+#include <greville/simulation/move_points.h>
+
+#include "simulation.h"
+
+namespace
+{
+  template <int dim>
+  class Euler : public TimeIntegrator<dim>
+  {
+  public:
+    explicit Euler(const IntegratorParts<dim> &parts)
+      : discretization(parts.discretization)
+    {
+      for (auto *field : {&force, &velocity, &acceleration})
+        discretization.initialize(*field);
+    }
+
+    double
+    propose_step(State<dim> &state) override
+    {
+      const double dt = (0.1 - state.time) / (20. - state.n_steps);
+      return 4. * dt / (1 << state.n_rejections);
+    }
+
+    void
+    advance(State<dim> &state, const double dt) override
+    {
+      if (dt > 0.006)
+        throw StepRejected("the step is too long");
+      discretization.sum(state, &force);
+      discretization.solve({&velocity, &acceleration},
+                           {&discretization.momentum(), &force});
+      for (unsigned int d = 0; d < dim; ++d)
+        velocity[d].add(dt, acceleration[d]);
+
+      PointUpdate<dim> update;
+      update.acceleration  = &acceleration;
+      update.velocity      = &velocity;
+      update.deformation   = &velocity;
+      update.move          = true;
+      update.step          = dt;
+      update.velocity_step = dt;
+      const PointMotion motion =
+        update_points(state.bodies, discretization.transfer(), update);
+      const std::string problem =
+        discretization.transport_points(state, motion.left_cells);
+      fail_on_all(motion.problem + problem, discretization.communicator());
+      std::swap(state.velocity, velocity);
+      state.time += dt;
+      state.step = dt;
+      ++state.n_steps;
+    }
+
+  private:
+    Discretization<dim> &discretization;
+    VectorField<dim>     force, velocity, acceleration;
+  };
+
+
+
+  std::vector<double>
+  run(const std::string &name)
+  {
+    Simulated<2> simulated(
+      block_2d("box(0.2, 0.2, 0.6, 0.6)", 10)
+        .with("Body body", {"Velocity = 0.2 * x; -0.5 * y"})
+        .with("Scheme", {"Stress update = " + name})
+        .with("Time",
+              {"End = 0.1", "Step = 0.005", "Velocities at = full steps"}));
+    simulated.run();
+    check("steps to the end", simulated->n_steps() == 20);
+    const Statistics<2> row = simulated->statistics();
+    return {row.kinetic, row.strain, row.center[0], row.center[1]};
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  add_time_integrator<2>("euler", [](const IntegratorParts<2> &parts) {
+    return std::make_unique<Euler<2>>(parts);
+  });
+  check("the same bits", run("euler") == run("USL"));
+
+  bool is_refused = false;
+  try
+    {
+      run("leapfrog");
+    }
+  catch (const std::exception &error)
+    {
+      is_refused =
+        message_of(error).find("USL|USF|MUSL|euler") != std::string::npos;
+    }
+  check("an unknown name is answered with the list", is_refused);
+}
