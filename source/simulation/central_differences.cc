@@ -1,6 +1,5 @@
 #include <greville/base/errors.h>
 #include <greville/simulation/central_differences.h>
-#include <greville/simulation/energy_guard.h>
 #include <greville/simulation/step_errors.h>
 
 #include <algorithm>
@@ -172,8 +171,8 @@ namespace greville
     // on the velocity.
     const bool stress_first = order == StressUpdate::USF;
     discretization.sum(state, stress_first ? nullptr : &trial.force);
-    trial.velocity     = state.velocity;
-    trial.acceleration = state.acceleration;
+    trial.velocity = state.velocity;
+    std::swap(trial.acceleration, state.acceleration);
     walls.hold_velocity(trial.velocity, state.velocity_time);
     walls.hold_acceleration(trial.acceleration,
                             state.velocity_time,
@@ -284,14 +283,33 @@ namespace greville
   void
   CentralDifferences<dim>::add_work(State<dim> &state)
   {
-    double power =
-      power_of_loads<dim>(state, discretization, loads, trial.new_velocity);
-    if ((walls.move() || obstacles) && trial.velocity_step > 0.)
-      power += power_of_walls<dim>(discretization,
-                                   trial.force,
-                                   trial.acceleration,
-                                   trial.new_velocity,
-                                   work_field);
+    const VectorType    &lumped = discretization.lumped_mass();
+    const Tensor<1, dim> g      = loads.gravity(state.time);
+    double               power  = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      if (g[d] != 0.)
+        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+          power += g[d] * lumped.local_element(i) *
+                   trial.new_velocity[d].local_element(i);
+    if (loads.act_on_points())
+      for (const Body<dim> &body : state.bodies)
+        if (body.imposed_velocity.empty())
+          {
+            const unsigned int load = body.points.layout().load;
+            body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+              for (unsigned int d = 0; d < dim; ++d)
+                power += p.mass() * p[load + d] * p.velocity(d);
+            });
+          }
+    // Walls and obstacles give what a = (v' - v) / dt' needs beyond the force.
+    if ((walls.have_moving() || obstacles) && trial.velocity_step > 0.)
+      {
+        mass.held_residual(work_field, trial.force, trial.acceleration);
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+            power -= lumped.local_element(i) * work_field[d].local_element(i) *
+                     trial.new_velocity[d].local_element(i);
+      }
     state.energy.add_work(trial.step * power);
   }
 

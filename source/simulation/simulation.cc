@@ -71,6 +71,7 @@ namespace greville
   {
     AssertDimension(state.bodies.size(), current.bodies.size());
     current = state;
+    discretization.mass().forget();
     good.take(current);
   }
 

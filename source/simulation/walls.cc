@@ -133,7 +133,7 @@ namespace greville
 
   template <int dim>
   bool
-  Walls<dim>::move() const
+  Walls<dim>::have_moving() const
   {
     for (const std::string &name : type)
       if (name == "moving")

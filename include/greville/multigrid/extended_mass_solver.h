@@ -55,6 +55,15 @@ namespace greville
           const std::vector<double>                   &shares = {});
 
     /**
+     * Let the next update() factorize.
+     */
+    void
+    forget()
+    {
+      is_due = true;
+    }
+
+    /**
      * Factorizations so far.
      */
     unsigned int

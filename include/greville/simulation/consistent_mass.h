@@ -110,6 +110,14 @@ namespace greville
     double
     fragment_fraction() const;
 
+    void
+    forget() override
+    {
+      for (auto *const solver : {solver_of_all.get(), solver_of_held.get()})
+        if (solver)
+          solver->forget();
+    }
+
     unsigned int
     n_factorizations() const override
     {

@@ -74,12 +74,6 @@ namespace greville
     }
 
     GridMass<dim> &
-    mass()
-    {
-      return *grid_mass;
-    }
-
-    const GridMass<dim> &
     mass() const
     {
       return *grid_mass;

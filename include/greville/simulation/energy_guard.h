@@ -41,30 +41,6 @@ namespace greville
     const Discretization<dim> &discretization;
     StepLog                   &log;
   };
-
-  /**
-   * The power of gravity and of the loads of points on this process, W (2D: W /
-   * m), in a step that ends with the velocity @p v of the grid. Points have
-   * that of its begin.
-   */
-  template <int dim>
-  double
-  power_of_loads(const State<dim>          &state,
-                 const Discretization<dim> &discretization,
-                 const Loads<dim>          &loads,
-                 const VectorField<dim>    &v);
-
-  /**
-   * Collective. The power of walls and obstacles: they give what the @p
-   * acceleration needs beyond the @p force. @p residual is overwritten.
-   */
-  template <int dim>
-  double
-  power_of_walls(const Discretization<dim> &discretization,
-                 const VectorField<dim>    &force,
-                 const VectorField<dim>    &acceleration,
-                 const VectorField<dim>    &v,
-                 VectorField<dim>          &residual);
 } // namespace greville
 
 #endif

@@ -116,6 +116,14 @@ namespace greville
     }
 
     /**
+     * Forget the factorizations of earlier matrices: results then depend on the
+     * points alone, to the bit and not only to the tolerance of the solver.
+     */
+    virtual void
+    forget()
+    {}
+
+    /**
      * Factorizations so far.
      */
     virtual unsigned int

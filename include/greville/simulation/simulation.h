@@ -54,7 +54,9 @@ namespace greville
     }
 
     /**
-     * Collective. Go on from a copy of state() of this simulation.
+     * Collective. Go on from a copy of state() of this simulation. What follows
+     * depends on the copy alone: it has the same bits each time, on the same
+     * number of processes.
      */
     void
     set_state(const State<dim> &state);

@@ -35,7 +35,7 @@ namespace greville
      * Collective. The state at t + @p dt, with the points in their cells.
      *
      * Throws StepRejected before positions, velocities, stresses, time and
-     * counters have changed: only guesses may be better ones then. So a scheme
+     * counters have changed: only guesses may have. So a scheme
      * that iterates does so on fields of its own, or on a copy of the state,
      * and commits what has converged. Throws StepFailed where a solver does not
      * converge, or a point breaks or leaves the grid.

@@ -65,7 +65,7 @@ namespace greville
      * Whether there are moving walls.
      */
     bool
-    move() const;
+    have_moving() const;
 
     /**
      * Whether there are friction walls, and this one is.
