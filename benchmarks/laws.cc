@@ -78,15 +78,14 @@ namespace
           const double                    size,
           const std::string              &what)
   {
-    ParameterAcceptor::clear();
-    const auto  material = make_material(name, "Material", "Model");
-    std::string text     = "subsection Material\n";
+    const auto       material = make_material(name, "Model");
+    ParameterHandler prm;
+    material->declare(prm);
+    std::string text;
     for (const std::string &setting : settings)
       text += "set " + setting + "\n";
-    ParameterAcceptor::declare_all_parameters();
-    ParameterAcceptor::prm.parse_input_from_string(text + "end\n");
-    ParameterAcceptor::parse_all_parameters();
-    material->reinit();
+    prm.parse_input_from_string(text);
+    material->reinit("Material");
 
     // As many points at once as a kernel of the simulation takes.
     constexpr unsigned int n = 256, group = 4, n_steps = 200, n_pairs = 9;

@@ -62,17 +62,11 @@ namespace
   template <int dim>
   void
   measure(const SimulationParameters &parameters,
-          const std::string          &mass,
           const unsigned int          first,
           const unsigned int          last)
   {
     const MPI_Comm  comm = MPI_COMM_WORLD;
-    Simulation<dim> simulation(parameters,
-                               {parameters.grid.cells,
-                                parameters.grid.degree,
-                                mass,
-                                parameters.scheme.quadrature},
-                               comm);
+    Simulation<dim> simulation(parameters, comm);
     const auto      advance = [&](const unsigned int until) {
       while (simulation.n_steps() < until)
         {
@@ -102,7 +96,7 @@ namespace
     const auto all_points = Utilities::MPI::min_max_avg(n_points, comm);
 
     JsonWriter json;
-    json.add("mass", mass)
+    json.add("mass", parameters.scheme.mass)
       .add("processes", Utilities::MPI::n_mpi_processes(comm))
       .add("steps", last - first)
       .add("cpu", Utilities::MPI::max(cpu, comm))
@@ -142,15 +136,16 @@ main(int argc, char **argv)
     }
   try
     {
-      const SimulationParameters parameters(argv[1]);
-      const unsigned int         first =
+      SimulationParameters parameters(argv[1]);
+      parameters.scheme.mass = argv[2];
+      const unsigned int first =
         argc == 5 ? Utilities::string_to_int(argv[3]) : 10;
       const unsigned int last =
         argc == 5 ? Utilities::string_to_int(argv[4]) : 110;
       if (parameters.general.dimension == 2)
-        measure<2>(parameters, argv[2], first, last);
+        measure<2>(parameters, first, last);
       else
-        measure<3>(parameters, argv[2], first, last);
+        measure<3>(parameters, first, last);
     }
   catch (const std::exception &exception)
     {

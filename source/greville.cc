@@ -1,4 +1,3 @@
-#include <greville/base/parameters.h>
 #include <greville/base/program.h>
 #include <greville/simulation/run.h>
 
@@ -13,9 +12,6 @@ main(int argc, char **argv)
   program.run = [](const std::string &file) {
     greville::run_simulations(file, MPI_COMM_WORLD);
   };
-  program.print_parameters = [](std::ostream &out) {
-    const greville::SimulationParameters parameters;
-    greville::print_parameter_reference(out, "greville");
-  };
+  program.print_parameters = greville::SimulationParameters::print_reference;
   return greville::run_program(program, argc, argv);
 }

@@ -14,8 +14,10 @@ main(int argc, char **argv)
     greville::MassBenchmark().run(file);
   };
   program.print_parameters = [](std::ostream &out) {
-    const greville::MassBenchmark benchmark;
-    greville::print_parameter_reference(out, "mass_benchmark");
+    greville::MassBenchmark  benchmark;
+    dealii::ParameterHandler prm;
+    benchmark.declare(prm);
+    greville::print_parameter_reference(out, "mass_benchmark", prm);
   };
   return greville::run_program(program, argc, argv);
 }

@@ -1,4 +1,3 @@
-#include <deal.II/base/parameter_acceptor.h>
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
@@ -387,12 +386,11 @@ namespace greville
 
 
   void
-  parse_parameter_file(const std::string                &file,
+  parse_parameter_file(ParameterHandler                 &prm,
+                       const std::string                &file,
                        const std::vector<ParameterLine> &lines)
   {
-    ParameterAcceptor::declare_all_parameters();
-    check_parameter_lines(ParameterAcceptor::prm, lines);
-    ParameterAcceptor::prm.parse_input(file);
-    ParameterAcceptor::parse_all_parameters();
+    check_parameter_lines(prm, lines);
+    prm.parse_input(file);
   }
 } // namespace greville

@@ -1,5 +1,3 @@
-#include <deal.II/base/parameter_acceptor.h>
-
 #include <greville/base/errors.h>
 #include <greville/base/expression.h>
 #include <greville/base/parameters.h>
@@ -87,11 +85,12 @@ namespace greville
 
 
   void
-  print_parameter_reference(std::ostream &out, const std::string &program)
+  print_parameter_reference(std::ostream           &out,
+                            const std::string      &program,
+                            const ParameterHandler &prm)
   {
-    ParameterAcceptor::declare_all_parameters();
     std::stringstream json;
-    ParameterAcceptor::prm.print_parameters(json, ParameterHandler::JSON);
+    prm.print_parameters(json, ParameterHandler::JSON);
     boost::property_tree::ptree tree;
     boost::property_tree::read_json(json, tree);
 

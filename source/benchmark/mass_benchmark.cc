@@ -20,74 +20,71 @@ namespace greville
 {
   using namespace dealii;
 
-  MassBenchmarkParameters::MassBenchmarkParameters()
-    : ParameterAcceptor("Benchmark")
+  void
+  MassBenchmarkParameters::declare(ParameterHandler &prm)
   {
-    add_parameter("Dimensions",
-                  dimensions,
-                  "Dimensions to run, one after the other.",
-                  prm,
-                  Patterns::List(Patterns::Integer(2, 3), 1));
-    add_parameter("Orders",
-                  orders,
-                  "Orders p of the splines.",
-                  prm,
-                  Patterns::List(Patterns::Integer(1, 5), 1));
-    add_parameter("Cells",
-                  cells,
-                  "Numbers of cells per direction (times 'Cell ratio'). Lists "
-                  "for several dimensions are separated by ';'. Unit: cells.");
-    add_parameter("Solvers",
-                  solvers,
-                  "Solvers: " + MassSolver<2>::names() + ".");
-    add_parameter("Smoothers",
-                  smoothers,
-                  "Smoothers to run each p-multigrid solver with: " +
-                    smoother_names() + ". Empty: the one of p-multigrid.");
-    add_parameter("Cycles",
-                  cycles,
-                  "Cycles to run each p-multigrid solver with: V|W|F. Empty: "
-                  "the one of p-multigrid.");
-    add_parameter("Restrictions",
-                  restrictions,
-                  "Restrictions to run each p-multigrid solver with: " +
-                    OrderTransfer<2>::restrictions() +
-                    ". Empty: the one of p-multigrid.");
-    add_parameter("Prolongations",
-                  prolongations,
-                  "Prolongations to run each p-multigrid solver with: " +
-                    OrderTransfer<2>::prolongations() +
-                    ". Empty: the one of p-multigrid.");
-    add_parameter("Coarsenings",
-                  coarsenings,
-                  "Coarsenings to run each p-multigrid solver with: " +
-                    OrderHierarchy<2>::coarsenings() +
-                    ". Empty: the one of p-multigrid.");
-    add_parameter("Published iterations",
-                  published,
-                  "Tables to compare with in the first of the dimensions: "
-                  "solver:FILE, relative to the parameter file; lines of FILE "
-                  "are cells,iterations at "
-                  "p1,p2,...");
-    add_parameter("Repetitions",
-                  repetitions,
-                  "Each solve runs so many times; the median of each time is "
-                  "reported. Unit: solves.",
-                  prm,
-                  Patterns::Integer(1, 1000));
-    add_parameter("Operator throughput",
-                  throughput,
-                  "Measure unknowns per second of the matrix-free and the "
-                  "assembled operator and of the tensor-product inverse, and "
-                  "the memory bandwidth.");
-    add_parameter("Print times",
-                  print_times,
-                  "Print what differs from run to run and from machine to "
-                  "machine: the machine, the progress line, the tables of "
-                  "times.");
-    add_parameter("Output directory",
-                  output_directory,
-                  "Where results go. Empty: output/NAME for NAME.prm.");
+    prm.add_parameter("Dimensions",
+                      dimensions,
+                      "Dimensions to run, one after the other.",
+                      Patterns::List(Patterns::Integer(2, 3), 1));
+    prm.add_parameter("Orders",
+                      orders,
+                      "Orders p of the splines.",
+                      Patterns::List(Patterns::Integer(1, 5), 1));
+    prm.add_parameter(
+      "Cells",
+      cells,
+      "Numbers of cells per direction (times 'Cell ratio'). Lists for several "
+      "dimensions are separated by ';'. Unit: cells.");
+    prm.add_parameter("Solvers",
+                      solvers,
+                      "Solvers: " + MassSolver<2>::names() + ".");
+    prm.add_parameter("Smoothers",
+                      smoothers,
+                      "Smoothers to run each p-multigrid solver with: " +
+                        smoother_names() + ". Empty: the one of p-multigrid.");
+    prm.add_parameter("Cycles",
+                      cycles,
+                      "Cycles to run each p-multigrid solver with: V|W|F. "
+                      "Empty: the one of p-multigrid.");
+    prm.add_parameter("Restrictions",
+                      restrictions,
+                      "Restrictions to run each p-multigrid solver with: " +
+                        OrderTransfer<2>::restrictions() +
+                        ". Empty: the one of p-multigrid.");
+    prm.add_parameter("Prolongations",
+                      prolongations,
+                      "Prolongations to run each p-multigrid solver with: " +
+                        OrderTransfer<2>::prolongations() +
+                        ". Empty: the one of p-multigrid.");
+    prm.add_parameter("Coarsenings",
+                      coarsenings,
+                      "Coarsenings to run each p-multigrid solver with: " +
+                        OrderHierarchy<2>::coarsenings() +
+                        ". Empty: the one of p-multigrid.");
+    prm.add_parameter("Published iterations",
+                      published,
+                      "Tables to compare with in the first of the dimensions: "
+                      "solver:FILE, relative to the parameter file; lines of "
+                      "FILE are cells,iterations at p1,p2,...");
+    prm.add_parameter("Repetitions",
+                      repetitions,
+                      "Each solve runs so many times; the median of each time "
+                      "is reported. Unit: solves.",
+                      Patterns::Integer(1, 1000));
+    prm.add_parameter(
+      "Operator throughput",
+      throughput,
+      "Measure unknowns per second of the matrix-free and the assembled "
+      "operator and of the tensor-product inverse, and the memory bandwidth.");
+    prm.add_parameter(
+      "Print times",
+      print_times,
+      "Print what differs from run to run and from machine to machine: the "
+      "machine, the progress line, the tables of times.");
+    prm.add_parameter("Output directory",
+                      output_directory,
+                      "Where results go. Empty: output/NAME for NAME.prm.");
   }
 
 
@@ -95,6 +92,18 @@ namespace greville
   MassBenchmark::MassBenchmark()
     : out(std::cout, Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
   {}
+
+
+
+  void
+  MassBenchmark::declare(ParameterHandler &prm)
+  {
+    declare_section(prm, "Benchmark", parameters);
+    declare_section(prm, "Problem", problem_parameters);
+    declare_section(prm, "Solver", solver_parameters);
+    declare_section(prm, "p-multigrid", multigrid_parameters);
+    declare_section(prm, "Smoother", smoother_parameters);
+  }
 
 
 
@@ -161,7 +170,10 @@ namespace greville
   void
   MassBenchmark::run(const std::string &file)
   {
+    ParameterHandler prm;
+    declare(prm);
     parse_parameter_file(
+      prm,
       file,
       read_parameter_lines(file, "Benchmark", {"Simulation"}, "greville"));
     const std::filesystem::path path(file);
@@ -173,8 +185,7 @@ namespace greville
     // The copy lies elsewhere: its files have absolute names.
     std::ostringstream used;
     {
-      ParameterHandler &prm = ParameterAcceptor::prm;
-      std::string       absolute;
+      std::string absolute;
       for (const std::string &entry : parameters.published)
         {
           const std::size_t colon = entry.find(':');

@@ -13,71 +13,63 @@ namespace greville
 {
   using namespace dealii;
 
-  MassProblemParameters::MassProblemParameters()
-    : ParameterAcceptor("Problem")
+  void
+  MassProblemParameters::declare(ParameterHandler &prm)
   {
-    add_parameter("Lower corner",
-                  lower,
-                  "Corner of the box with the smallest coordinates; 2D takes "
-                  "the first two. Unit: m.",
-                  prm,
-                  Patterns::List(Patterns::Double(), 2, 3));
-    add_parameter("Upper corner",
-                  upper,
-                  "Corner with the largest coordinates. Unit: m.",
-                  prm,
-                  Patterns::List(Patterns::Double(), 2, 3));
-    add_parameter("Cell ratio",
-                  cell_ratio,
-                  "The box has this multiple of the number of cells in each "
-                  "direction. Unit: none.",
-                  prm,
-                  Patterns::List(Patterns::Integer(1), 2, 3));
-    add_parameter("Density",
-                  density,
-                  "Density as an expression of x, y, z; not negative, zero in "
-                  "holes, as in if(x<0.5,1,0). Unit: kg/m^dim.");
-    add_parameter("Acceleration",
-                  acceleration,
-                  "The force is density times this expression of x, y, z, "
-                  "which is then the solution, up to its projection. Unit: "
-                  "m/s^2.");
-    add_parameter("Points",
-                  bodies,
-                  "Bodies of material points with this density, one after the "
-                  "other: box fills the grid, column stands on the floor (the "
-                  "lower wall in the last direction) away from all other "
-                  "walls, disk (2D) and ball (3D) are round, in the middle, "
-                  "and touch no wall. Empty: the density itself, without "
-                  "points.",
-                  prm,
-                  Patterns::List(Patterns::Selection("box|column|disk|ball"),
-                                 0));
-    add_parameter("Points per direction",
-                  points_per_direction,
-                  "Material points per cell in each direction; several numbers "
-                  "one after the other. Unit: none.",
-                  prm,
-                  Patterns::List(Patterns::Integer(2, 4), 1));
-    add_parameter("Jitter",
-                  jitter,
-                  "Each material point is moved at random by at most this part "
-                  "of half the distance between points; 0: a lattice. Unit: "
-                  "none.",
-                  prm,
-                  Patterns::Double(0., 1.));
-    add_parameter("Filling threshold",
-                  filling_threshold,
-                  "Cells of which material points fill this part are "
-                  "well-filled. B-splines without a cell that is surrounded by "
-                  "such cells are extended from those with one; 0: all cells "
-                  "with points count. Unit: none.",
-                  prm,
-                  Patterns::Double(0.));
-    add_parameter("Extension",
-                  extend,
-                  "Extended B-splines for material points; without, the matrix "
-                  "of all functions that see a point.");
+    prm.add_parameter("Lower corner",
+                      lower,
+                      "Corner of the box with the smallest coordinates; 2D "
+                      "takes the first two. Unit: m.",
+                      Patterns::List(Patterns::Double(), 2, 3));
+    prm.add_parameter("Upper corner",
+                      upper,
+                      "Corner with the largest coordinates. Unit: m.",
+                      Patterns::List(Patterns::Double(), 2, 3));
+    prm.add_parameter("Cell ratio",
+                      cell_ratio,
+                      "The box has this multiple of the number of cells in "
+                      "each direction. Unit: none.",
+                      Patterns::List(Patterns::Integer(1), 2, 3));
+    prm.add_parameter("Density",
+                      density,
+                      "Density as an expression of x, y, z; not negative, zero "
+                      "in holes, as in if(x<0.5,1,0). Unit: kg/m^dim.");
+    prm.add_parameter(
+      "Acceleration",
+      acceleration,
+      "The force is density times this expression of x, y, z, which is then "
+      "the solution, up to its projection. Unit: m/s^2.");
+    prm.add_parameter(
+      "Points",
+      bodies,
+      "Bodies of material points with this density, one after the other: box "
+      "fills the grid, column stands on the floor (the lower wall in the last "
+      "direction) away from all other walls, disk (2D) and ball (3D) are "
+      "round, in the middle, and touch no wall. Empty: the density itself, "
+      "without points.",
+      Patterns::List(Patterns::Selection("box|column|disk|ball"), 0));
+    prm.add_parameter("Points per direction",
+                      points_per_direction,
+                      "Material points per cell in each direction; several "
+                      "numbers one after the other. Unit: none.",
+                      Patterns::List(Patterns::Integer(2, 4), 1));
+    prm.add_parameter(
+      "Jitter",
+      jitter,
+      "Each material point is moved at random by at most this part of half the "
+      "distance between points; 0: a lattice. Unit: none.",
+      Patterns::Double(0., 1.));
+    prm.add_parameter(
+      "Filling threshold",
+      filling_threshold,
+      "Cells of which material points fill this part are well-filled. "
+      "B-splines without a cell that is surrounded by such cells are extended "
+      "from those with one; 0: all cells with points count. Unit: none.",
+      Patterns::Double(0.));
+    prm.add_parameter("Extension",
+                      extend,
+                      "Extended B-splines for material points; without, the "
+                      "matrix of all functions that see a point.");
   }
 
 

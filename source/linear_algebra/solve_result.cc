@@ -4,21 +4,19 @@ namespace greville
 {
   using namespace dealii;
 
-  SolverParameters::SolverParameters(const std::string &section)
-    : ParameterAcceptor(section)
+  void
+  SolverParameters::declare(ParameterHandler &prm)
   {
-    add_parameter("Tolerance",
-                  tolerance,
-                  "Iterations end when the Euclidean norm of the residual has "
-                  "fallen to this part of that of the right-hand side. Unit: "
-                  "none.",
-                  prm,
-                  Patterns::Double(1e-15, 1.));
-    add_parameter("Maximum iterations",
-                  max_iterations,
-                  "A solver that needs more has not converged. Unit: "
-                  "iterations.",
-                  prm,
-                  Patterns::Integer(1));
+    prm.add_parameter(
+      "Tolerance",
+      tolerance,
+      "Iterations end when the Euclidean norm of the residual has fallen to "
+      "this part of that of the right-hand side. Unit: none.",
+      Patterns::Double(1e-15, 1.));
+    prm.add_parameter(
+      "Maximum iterations",
+      max_iterations,
+      "A solver that needs more has not converged. Unit: iterations.",
+      Patterns::Integer(1));
   }
 } // namespace greville

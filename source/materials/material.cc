@@ -16,16 +16,15 @@ namespace greville
     struct Entry
     {
       const char *name;
-      std::unique_ptr<Material> (*make)(const std::string &section);
+      std::unique_ptr<Material> (*make)();
     };
 
     template <typename Law>
     Entry
     entry()
     {
-      return {Law::name,
-              [](const std::string &section) -> std::unique_ptr<Material> {
-                return std::make_unique<Law>(section);
+      return {Law::name, []() -> std::unique_ptr<Material> {
+                return std::make_unique<Law>();
               }};
     }
 
@@ -46,14 +45,13 @@ namespace greville
 
 
 
-  Material::Material(const std::string &section)
-    : ParameterAcceptor(section)
+  void
+  Material::declare(ParameterHandler &prm)
   {
-    add_parameter("Density",
-                  density,
-                  "Density in the stress-free state. Unit: kg / m^3.",
-                  prm,
-                  positive());
+    prm.add_parameter("Density",
+                      density,
+                      "Density in the stress-free state. Unit: kg / m^3.",
+                      positive());
   }
 
 
@@ -70,13 +68,11 @@ namespace greville
 
 
   std::unique_ptr<Material>
-  make_material(const std::string &name,
-                const std::string &section,
-                const std::string &parameter)
+  make_material(const std::string &name, const std::string &parameter)
   {
     for (const Entry &material : materials())
       if (name == material.name)
-        return material.make(section);
+        return material.make();
     AssertThrow(false,
                 ExcMessage("The parameter '" + parameter + "' is '" + name +
                            "'; it has to be one of " + material_names() + "."));

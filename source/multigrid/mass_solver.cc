@@ -12,17 +12,18 @@ namespace greville
 {
   using namespace dealii;
 
-  MassSolverParameters::MassSolverParameters(const std::string &section)
-    : SolverParameters(section)
+  void
+  MassSolverParameters::declare(ParameterHandler &prm)
   {
-    add_parameter("Operator",
-                  operator_kind,
-                  "How M is applied: by the assembled matrix, matrix-free, or "
-                  "(automatic) by the matrix in cg and cg-jacobi, as other "
-                  "codes do, and matrix-free in all others. Smoothers that "
-                  "need the matrix have it assembled in any case.",
-                  prm,
-                  Patterns::Selection("automatic|assembled|matrix-free"));
+    SolverParameters::declare(prm);
+    prm.add_parameter(
+      "Operator",
+      operator_kind,
+      "How M is applied: by the assembled matrix, matrix-free, or (automatic) "
+      "by the matrix in cg and cg-jacobi, as other codes do, and matrix-free "
+      "in all others. Smoothers that need the matrix have it assembled in any "
+      "case.",
+      Patterns::Selection("automatic|assembled|matrix-free"));
   }
 
 

@@ -8,78 +8,65 @@ namespace greville
 {
   using namespace dealii;
 
-  PMultigridParameters::PMultigridParameters(const std::string &section,
-                                             const std::string &coarsening,
-                                             const std::string &restriction,
-                                             const std::string &smoother)
-    : ParameterAcceptor(section)
-    , coarsening(coarsening)
-    , restriction(restriction)
-    , smoother(smoother)
+  void
+  PMultigridParameters::declare(ParameterHandler &prm)
   {
-    add_parameter("Coarsening",
-                  this->coarsening,
-                  "The orders of the levels: p, p-1, ..., 1 (one by one), p, "
-                  "p-2, ..., 1 (by two), p, 1 (direct), or p alone (none).",
-                  prm,
-                  Patterns::Selection(OrderHierarchy<2>::coarsenings()));
-    add_parameter(
-      "Cycle", cycle, "The cycle.", prm, Patterns::Selection("V|W|F"));
-    add_parameter("Prolongation",
-                  prolongation,
-                  "From an order to the next higher one: L2 projection with "
-                  "the lumped mass matrix, or with the exact one (1D banded "
-                  "solves).",
-                  prm,
-                  Patterns::Selection(OrderTransfer<2>::prolongations()));
-    add_parameter("Restriction",
-                  this->restriction,
-                  "From an order to the next lower one: L2 projection of the "
-                  "residual, lumped or exact, or the transpose of the "
-                  "prolongation, which makes the cycle symmetric.",
-                  prm,
-                  Patterns::Selection(OrderTransfer<2>::restrictions()));
-    add_parameter("Transfer weight",
-                  weighting,
-                  "The weight of the L2 products in the transfer.",
-                  prm,
-                  Patterns::Selection(OrderTransfer<2>::weightings()));
-    add_parameter("Smoother",
-                  this->smoother,
-                  "The smoother of all levels but the coarsest, or of the "
-                  "only level where Coarsening is none.",
-                  prm,
-                  Patterns::Selection(smoother_names()));
-    add_parameter("Pre-smoothing steps",
-                  pre_smoothing,
-                  "nu1, smoothing steps before the coarse correction. Unit: "
-                  "steps.",
-                  prm,
-                  Patterns::Integer(0, 100));
-    add_parameter("Post-smoothing steps",
-                  post_smoothing,
-                  "nu2, smoothing steps after the coarse correction. Unit: "
-                  "steps.",
-                  prm,
-                  Patterns::Integer(0, 100));
-    add_parameter("Coarse tolerance",
-                  coarse_tolerance,
-                  "Relative residual of the conjugate gradients at p = 1. "
-                  "Where p = 1 is the only level, the solver's tolerance "
-                  "applies. Unit: none.",
-                  prm,
-                  Patterns::Double(0., 1.));
-    add_parameter("Coarse maximum iterations",
-                  coarse_max_iterations,
-                  "The conjugate gradients at p = 1 end after so many "
-                  "iterations at the latest. Unit: iterations.",
-                  prm,
-                  Patterns::Integer(1));
-    add_parameter("Coarse preconditioner",
-                  coarse_preconditioner,
-                  "Preconditioner of the conjugate gradients at p = 1.",
-                  prm,
-                  Patterns::Selection("none|jacobi|tensor-product"));
+    prm.add_parameter(
+      "Coarsening",
+      coarsening,
+      "The orders of the levels: p, p-1, ..., 1 (one by one), p, p-2, ..., 1 "
+      "(by two), p, 1 (direct), or p alone (none).",
+      Patterns::Selection(OrderHierarchy<2>::coarsenings()));
+    prm.add_parameter("Cycle",
+                      cycle,
+                      "The cycle.",
+                      Patterns::Selection("V|W|F"));
+    prm.add_parameter(
+      "Prolongation",
+      prolongation,
+      "From an order to the next higher one: L2 projection with the lumped "
+      "mass matrix, or with the exact one (1D banded solves).",
+      Patterns::Selection(OrderTransfer<2>::prolongations()));
+    prm.add_parameter("Restriction",
+                      restriction,
+                      "From an order to the next lower one: L2 projection of "
+                      "the residual, lumped or exact, or the transpose of the "
+                      "prolongation, which makes the cycle symmetric.",
+                      Patterns::Selection(OrderTransfer<2>::restrictions()));
+    prm.add_parameter("Transfer weight",
+                      weighting,
+                      "The weight of the L2 products in the transfer.",
+                      Patterns::Selection(OrderTransfer<2>::weightings()));
+    prm.add_parameter("Smoother",
+                      smoother,
+                      "The smoother of all levels but the coarsest, or of the "
+                      "only level where Coarsening is none.",
+                      Patterns::Selection(smoother_names()));
+    prm.add_parameter(
+      "Pre-smoothing steps",
+      pre_smoothing,
+      "nu1, smoothing steps before the coarse correction. Unit: steps.",
+      Patterns::Integer(0, 100));
+    prm.add_parameter(
+      "Post-smoothing steps",
+      post_smoothing,
+      "nu2, smoothing steps after the coarse correction. Unit: steps.",
+      Patterns::Integer(0, 100));
+    prm.add_parameter(
+      "Coarse tolerance",
+      coarse_tolerance,
+      "Relative residual of the conjugate gradients at p = 1. Where p = 1 is "
+      "the only level, the solver's tolerance applies. Unit: none.",
+      Patterns::Double(0., 1.));
+    prm.add_parameter("Coarse maximum iterations",
+                      coarse_max_iterations,
+                      "The conjugate gradients at p = 1 end after so many "
+                      "iterations at the latest. Unit: iterations.",
+                      Patterns::Integer(1));
+    prm.add_parameter("Coarse preconditioner",
+                      coarse_preconditioner,
+                      "Preconditioner of the conjugate gradients at p = 1.",
+                      Patterns::Selection("none|jacobi|tensor-product"));
   }
 
 

@@ -14,95 +14,81 @@ namespace greville
 {
   using namespace dealii;
 
-  SmootherParameters::SmootherParameters(const std::string &section,
-                                         const unsigned int overlap)
-    : ParameterAcceptor(section)
-    , overlap(overlap)
+  void
+  SmootherParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(
-      "Drop tolerance",
-      drop_tolerance,
-      "ilut: entries below this fraction of the norm of their row are "
-      "dropped. Unit: none.",
-      prm,
-      Patterns::Double(0., 1.));
-    add_parameter("Fill factor",
-                  fill_factor,
-                  "ilut: entries kept in a row of L and of U, as a multiple of "
-                  "those of the matrix. Unit: none.",
-                  prm,
-                  Patterns::Double(0.));
-    add_parameter("Shift",
-                  shift,
-                  "ilu0, ic0: added to the diagonal of the scaled matrix "
-                  "(which is 1) before the factorization. (ic0 raises pivots "
-                  "that fail all the same.) Unit: none.",
-                  prm,
-                  Patterns::Double(0.));
-    add_parameter("Reuse",
-                  reuse,
-                  "cg-ic0 in simulations: a factorization "
-                  "serves following steps, too, until the iterations that "
-                  "they need more than the first solve add up to this number, "
-                  "or more unknowns than that have come and gone. "
-                  "0: each step factorizes. Unit: iterations.",
-                  prm,
-                  Patterns::Integer(0));
-    add_parameter("Overlap",
-                  this->overlap,
-                  "ilut, ilu0, ic0, schwarz: overlap of the domains of "
-                  "processes, in layers of the matrix's graph (p coefficients "
-                  "each). In simulations with the mass consistent and the "
-                  "coarsening auto it has no effect. Unit: layers.",
-                  prm,
-                  Patterns::Integer(0, 10));
-    add_parameter("Ordering",
-                  ordering,
-                  "ilut, ilu0, ic0: order of the unknowns of a process. All "
-                  "but lexicographic are orderings of PETSc.",
-                  prm,
-                  Patterns::Selection("lexicographic|rcm|amd|nd|qmd|1wd"));
-    add_parameter("Combination",
-                  combination,
-                  "ilut, ilu0, ic0, schwarz: how overlapping corrections are "
-                  "put together; automatic is symmetric in a symmetric cycle "
-                  "(restriction = transpose), else restricted.",
-                  prm,
-                  Patterns::Selection("automatic|restricted|symmetric"));
-    add_parameter("Box size",
-                  box_size,
-                  "schwarz: coefficients of a box in each direction, without "
-                  "its overlap. Unit: coefficients.",
-                  prm,
-                  Patterns::Integer(1, 64));
-    add_parameter("Box overlap",
-                  box_overlap,
-                  "schwarz: coefficients that a box takes from its neighbours "
-                  "on each side. Unit: coefficients.",
-                  prm,
-                  Patterns::Integer(0, 64));
-    add_parameter("Damping",
-                  damping,
-                  "jacobi: the factor omega in units of 1 / lambda_max(D^-1 "
-                  "M), which is estimated; below 2 for convergence. Unit: "
-                  "none.",
-                  prm,
-                  Patterns::Double(0.));
-    add_parameter("Chebyshev degree",
-                  chebyshev_degree,
-                  "chebyshev: degree of the polynomial. Unit: none.",
-                  prm,
-                  Patterns::Integer(1, 100));
-    add_parameter("Chebyshev range",
-                  chebyshev_range,
-                  "chebyshev: eigenvalues of D^-1 M between lambda_max / "
-                  "range and lambda_max are smoothed. Unit: none.",
-                  prm,
-                  Patterns::Double(1.));
-    add_parameter("PETSc options",
-                  petsc_options,
-                  "petsc: the preconditioner, in PETSc's options without "
-                  "prefix.");
+    prm.add_parameter("Drop tolerance",
+                      drop_tolerance,
+                      "ilut: entries below this fraction of the norm of their "
+                      "row are dropped. Unit: none.",
+                      Patterns::Double(0., 1.));
+    prm.add_parameter("Fill factor",
+                      fill_factor,
+                      "ilut: entries kept in a row of L and of U, as a "
+                      "multiple of those of the matrix. Unit: none.",
+                      Patterns::Double(0.));
+    prm.add_parameter("Shift",
+                      shift,
+                      "ilu0, ic0: added to the diagonal of the scaled matrix "
+                      "(which is 1) before the factorization. (ic0 raises "
+                      "pivots that fail all the same.) Unit: none.",
+                      Patterns::Double(0.));
+    prm.add_parameter(
+      "Reuse",
+      reuse,
+      "cg-ic0 in simulations: a factorization serves following steps, too, "
+      "until the iterations that they need more than the first solve add up to "
+      "this number, or more unknowns than that have come and gone. 0: each "
+      "step factorizes. Unit: iterations.",
+      Patterns::Integer(0));
+    prm.add_parameter(
+      "Overlap",
+      overlap,
+      "ilut, ilu0, ic0, schwarz: overlap of the domains of processes, in "
+      "layers of the matrix's graph (p coefficients each). In simulations with "
+      "the mass consistent and the coarsening auto it has no effect. Unit: "
+      "layers.",
+      Patterns::Integer(0, 10));
+    prm.add_parameter("Ordering",
+                      ordering,
+                      "ilut, ilu0, ic0: order of the unknowns of a process. "
+                      "All but lexicographic are orderings of PETSc.",
+                      Patterns::Selection("lexicographic|rcm|amd|nd|qmd|1wd"));
+    prm.add_parameter("Combination",
+                      combination,
+                      "ilut, ilu0, ic0, schwarz: how overlapping corrections "
+                      "are put together; automatic is symmetric in a symmetric "
+                      "cycle (restriction = transpose), else restricted.",
+                      Patterns::Selection("automatic|restricted|symmetric"));
+    prm.add_parameter("Box size",
+                      box_size,
+                      "schwarz: coefficients of a box in each direction, "
+                      "without its overlap. Unit: coefficients.",
+                      Patterns::Integer(1, 64));
+    prm.add_parameter("Box overlap",
+                      box_overlap,
+                      "schwarz: coefficients that a box takes from its "
+                      "neighbours on each side. Unit: coefficients.",
+                      Patterns::Integer(0, 64));
+    prm.add_parameter(
+      "Damping",
+      damping,
+      "jacobi: the factor omega in units of 1 / lambda_max(D^-1 M), which is "
+      "estimated; below 2 for convergence. Unit: none.",
+      Patterns::Double(0.));
+    prm.add_parameter("Chebyshev degree",
+                      chebyshev_degree,
+                      "chebyshev: degree of the polynomial. Unit: none.",
+                      Patterns::Integer(1, 100));
+    prm.add_parameter("Chebyshev range",
+                      chebyshev_range,
+                      "chebyshev: eigenvalues of D^-1 M between lambda_max / "
+                      "range and lambda_max are smoothed. Unit: none.",
+                      Patterns::Double(1.));
+    prm.add_parameter(
+      "PETSc options",
+      petsc_options,
+      "petsc: the preconditioner, in PETSc's options without prefix.");
   }
 
 

@@ -171,18 +171,16 @@ namespace greville
 
 
   template <int dim>
-  MeasuredData<dim>::MeasuredData(const SimulationParameters &all)
-    : parameters(all.reference)
+  MeasuredData<dim>::MeasuredData(const ReferenceParameters &parameters)
+    : parameters(parameters)
   {
     if (!parameters.surface_file.empty())
-      surface = read_columns(all.path_of(parameters.surface_file),
-                             "Reference/Surface file",
-                             2);
+      surface =
+        read_columns(parameters.surface_file, "Reference/Surface file", 2);
     if (!parameters.series_file.empty())
       {
-        series           = read_columns(all.path_of(parameters.series_file),
-                              "Reference/Series file",
-                              2);
+        series =
+          read_columns(parameters.series_file, "Reference/Series file", 2);
         const auto names = Statistics<dim>::names();
         const auto found =
           std::find(names.begin(), names.end(), parameters.series_quantity);

@@ -47,28 +47,28 @@ namespace greville
      * Throw where parameters contradict each other.
      */
     void
-    check_case(const SimulationParameters &parameters,
-               const SimulationCase       &run_case,
-               const unsigned int          dim)
+    check_parameters(const SimulationParameters &parameters,
+                     const unsigned int          dim)
     {
       AssertThrow(parameters.general.dimension == dim &&
-                    run_case.cells.size() == dim,
+                    parameters.grid.cells.size() == dim,
                   ExcMessage("The parameters are those of a simulation in " +
                              std::to_string(parameters.general.dimension) +
                              "D, not " + std::to_string(dim) + "D."));
       AssertThrow(!(parameters.scheme.transfer == "APIC" &&
-                    run_case.quadrature != "points"),
+                    parameters.scheme.quadrature != "points"),
                   ExcMessage("'Scheme/Transfer' = APIC goes with "
                              "'Scheme/Quadrature' = points, not <" +
-                             run_case.quadrature + ">."));
-      AssertThrow(
-        parameters.scheme.transfer != "APIC" || run_case.mass == "lumped",
-        ExcMessage("'Scheme/Transfer' = APIC goes with 'Scheme/Mass' "
-                   "= lumped, not <" +
-                   run_case.mass +
-                   ">: the momentum of APIC is the right-hand side of "
-                   "a lumped solve. With the exact mass, PIC already "
-                   "is a projection that keeps linear fields."));
+                             parameters.scheme.quadrature + ">."));
+      AssertThrow(parameters.scheme.transfer != "APIC" ||
+                    parameters.scheme.mass == "lumped",
+                  ExcMessage(
+                    "'Scheme/Transfer' = APIC goes with 'Scheme/Mass' "
+                    "= lumped, not <" +
+                    parameters.scheme.mass +
+                    ">: the momentum of APIC is the right-hand side of "
+                    "a lumped solve. With the exact mass, PIC already "
+                    "is a projection that keeps linear fields."));
     }
   } // namespace
 
@@ -76,7 +76,6 @@ namespace greville
 
   template <int dim>
   Discretization<dim>::Discretization(const SimulationParameters &parameters,
-                                      const SimulationCase       &run_case,
                                       const Loads<dim>           &loads,
                                       StepLog                    &log,
                                       const MPI_Comm              comm)
@@ -85,29 +84,32 @@ namespace greville
     , comm(comm)
     , mesh(comm, Triangulation<dim>::none, mesh_settings<dim>)
     , grid_walls(parameters.walls)
-    , sums_over_points(run_case.quadrature == "points")
-    , reconstruction(run_case.degree + 1,
-                     run_case.quadrature == "taylor-least-squares",
+    , sums_over_points(parameters.scheme.quadrature == "points")
+    , reconstruction(parameters.grid.degree + 1,
+                     parameters.scheme.quadrature == "taylor-least-squares",
                      parameters.scheme.full_cell)
   {
-    check_case(parameters, run_case, dim);
+    check_parameters(parameters, dim);
     double n_cells = 1.;
-    for (const unsigned int n : run_case.cells)
+    for (const unsigned int n : parameters.grid.cells)
       n_cells *= n;
     check_memory_of_cells(n_cells,
                           dim,
-                          run_case.cells == parameters.grid.cells
+                          parameters.sweep.cells.empty()
                             ? "The parameter 'Grid/Cells'"
                             : "The parameter 'Sweep/Cells'",
                           comm);
     create_box_mesh<dim>(mesh,
                          to_point<dim>(parameters.grid.lower),
                          to_point<dim>(parameters.grid.upper),
-                         to_multi_index<dim>(run_case.cells));
+                         to_multi_index<dim>(parameters.grid.cells));
     balance_load(mesh, parameters, loads);
 
-    grid_mass = make_grid_mass<dim>(
-      run_case.mass, run_case.degree, mesh, parameters, grid_walls);
+    grid_mass  = make_grid_mass<dim>(parameters.scheme.mass,
+                                    parameters.grid.degree,
+                                    mesh,
+                                    parameters,
+                                    grid_walls);
     consistent = dynamic_cast<ConsistentMass<dim> *>(grid_mass.get());
     grid_walls.reinit(space());
     grid_walls.check_paths(space(), parameters.time.end);

@@ -20,7 +20,7 @@ namespace greville
     {
       Body<dim> body;
       body.name       = name;
-      body.parameters = parameters.bodies.at(name).get();
+      body.parameters = &parameters.bodies.at(name);
       body.material = parameters.materials.at(body.parameters->material).get();
       return body;
     }

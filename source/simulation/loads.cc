@@ -141,7 +141,7 @@ namespace greville
   {
     for (const std::string &name : parameters.general.tractions)
       {
-        const TractionParameters &given   = *parameters.tractions.at(name);
+        const TractionParameters &given   = parameters.tractions.at(name);
         const std::string         section = "Traction " + name;
         Traction traction{Shape<dim>(given.shape, section + "/Shape"),
                           make_expressions(given.traction,

@@ -42,19 +42,17 @@ namespace greville
 
   template <int dim>
   SimulationRun<dim>::SimulationRun(const SimulationParameters &parameters,
-                                    const SimulationCase       &run_case,
                                     const std::string          &directory,
                                     std::ostream               &out,
                                     const MPI_Comm              comm)
     : parameters(parameters)
-    , run_case(run_case)
     , directory(directory)
     , out(out)
     , comm(comm)
     , is_first(Utilities::MPI::this_mpi_process(comm) == 0)
-    , simulation(parameters, run_case, comm)
+    , simulation(parameters, comm)
     , exact(parameters.exact)
-    , measured(parameters)
+    , measured(parameters.reference)
     , fields(directory, parameters.output.grid_fields)
     , probes(parameters.output.probes,
              simulation.bodies(),
@@ -230,13 +228,13 @@ namespace greville
       out << "  " << std::left << std::setw(16) << body.name << " "
           << std::setw(16) << body.parameters->material << std::right
           << std::setw(7) << body.n_points << '\n';
-    out << "\n  grid: " << cells_text(run_case.cells) << " cells, order "
-        << run_case.degree << "\n  mass: " << run_case.mass;
-    if (simulation.mass().solver() != run_case.mass)
+    out << "\n  grid: " << cells_text(parameters.grid.cells) << " cells, order "
+        << parameters.grid.degree << "\n  mass: " << parameters.scheme.mass;
+    if (simulation.mass().solver() != parameters.scheme.mass)
       out << " (" << simulation.mass().solver() << ")";
     out << ", " << parameters.scheme.stress_update << ", "
         << parameters.scheme.transfer << ", quadrature by "
-        << run_case.quadrature << "\n\n";
+        << parameters.scheme.quadrature << "\n\n";
 
     const auto &hierarchy = simulation.mass().hierarchy();
     const bool  all =
@@ -375,16 +373,16 @@ namespace greville
   SimulationRun<dim>::write_summary(const RunSummary &summary)
   {
     double n_cells = 1.;
-    for (const unsigned int n : run_case.cells)
+    for (const unsigned int n : parameters.grid.cells)
       n_cells *= n;
     JsonWriter json;
     json.add("dimension", dim)
       .add("points", summary.n_points)
       .add("removed_points", summary.n_removed)
       .add("cells", n_cells)
-      .add("p", run_case.degree)
-      .add("mass", run_case.mass)
-      .add("quadrature", run_case.quadrature)
+      .add("p", parameters.grid.degree)
+      .add("mass", parameters.scheme.mass)
+      .add("quadrature", parameters.scheme.quadrature)
       .add("processes", Utilities::MPI::n_mpi_processes(comm))
       .add("steps", summary.n_steps)
       .add("time", summary.time)

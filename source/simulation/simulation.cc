@@ -32,15 +32,17 @@ namespace greville
 
 
   template <int dim>
-  Simulation<dim>::Simulation(const SimulationParameters &parameters,
-                              const SimulationCase       &run_case,
+  Simulation<dim>::Simulation(const SimulationParameters &given,
                               const MPI_Comm              comm)
-    : parameters(parameters)
+    : parameters(given) // what others refer to
     , comm(comm)
     , loads(parameters)
-    , discretization(parameters, run_case, loads, log, comm)
+    , discretization(parameters, loads, log, comm)
     , damping(parameters.loads, discretization)
-    , energy_guard(parameters.scheme, run_case.mass, discretization, log)
+    , energy_guard(parameters.scheme,
+                   parameters.scheme.mass,
+                   discretization,
+                   log)
     , current(make_initial_state(parameters, loads, discretization))
     , integrator(make_time_integrator<dim>(
         parameters.scheme.stress_update,
@@ -72,6 +74,13 @@ namespace greville
     AssertDimension(state.bodies.size(), current.bodies.size());
     current = state;
     discretization.mass().forget();
+    // It may be that of another simulation, which is gone before this one.
+    for (Body<dim> &body : current.bodies)
+      {
+        body.parameters = &parameters.bodies.at(body.name);
+        body.material =
+          parameters.materials.at(body.parameters->material).get();
+      }
     good.take(current);
   }
 

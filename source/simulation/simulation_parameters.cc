@@ -4,20 +4,12 @@
 #include <greville/simulation/parameters.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <sstream>
 
 namespace greville
 {
   using namespace dealii;
-
-  SimulationParameters::Registration::Registration()
-  {
-    ParameterAcceptor::prm.clear();
-  }
-
-
 
   namespace
   {
@@ -38,11 +30,61 @@ namespace greville
 
 
 
-    void
-    declare_model(const std::string &material, const std::string &model)
+    /**
+     * The names of an entry of the section "Simulation".
+     */
+    std::vector<std::string>
+    names_of(const std::vector<ParameterLine> &lines, const std::string &entry)
     {
-      ParameterHandler &prm = ParameterAcceptor::prm;
-      prm.enter_subsection("Material " + material);
+      const auto result =
+        Utilities::split_string_list(value_of(lines, "Simulation", entry), ',');
+      for (std::size_t i = 0; i < result.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          AssertThrow(result[i] != result[j],
+                      ExcMessage("The parameter 'Simulation/" + entry +
+                                 "' has the name <" + result[i] + "> twice."));
+      return result;
+    }
+
+
+
+    /**
+     * A name and its section belong together.
+     */
+    void
+    check_sections(const std::vector<ParameterLine> &lines,
+                   const std::string                &kind,
+                   const std::string                &entry,
+                   const std::vector<std::string>   &names)
+    {
+      std::vector<std::string> sections;
+      for (const ParameterLine &line : lines)
+        if (line.section.compare(0, kind.size() + 1, kind + " ") == 0)
+          {
+            sections.push_back(line.section.substr(kind.size() + 1));
+            AssertThrow(
+              std::count(names.begin(), names.end(), sections.back()) == 1,
+              ExcMessage(line.place + ": there is a section '" + line.section +
+                         "', but the parameter 'Simulation/" + entry +
+                         "' does not name <" + sections.back() + ">." +
+                         did_you_mean(sections.back(), names)));
+          }
+      for (const std::string &name : names)
+        AssertThrow(std::count(sections.begin(), sections.end(), name) > 0,
+                    ExcMessage("The parameter 'Simulation/" + entry +
+                               "' has the name <" + name +
+                               ">, but there is no section '" + kind + " " +
+                               name + "'." + did_you_mean(name, sections)));
+    }
+
+
+
+    void
+    declare_model(ParameterHandler  &prm,
+                  const std::string &section,
+                  const std::string &model)
+    {
+      prm.enter_subsection(section);
       prm.declare_entry("Model",
                         model,
                         Patterns::Selection(material_names() +
@@ -51,32 +93,92 @@ namespace greville
                         "parameters stand in the same section.");
       prm.leave_subsection();
     }
+
+
+
+    /**
+     * Throws where a file means the solver by parameters that do not name it.
+     */
+    void
+    check_method(const std::vector<ParameterLine> &lines)
+    {
+      const std::string method = value_of(lines, "Solver", "Method");
+      for (const ParameterLine &line : lines)
+        AssertThrow(line.section != "p-multigrid" ||
+                      (!method.empty() && line.value != "auto"),
+                    ExcMessage(
+                      line.place +
+                      ": the section p-multigrid is for 'Solver/Method' = "
+                      "cg-p-multigrid, which has to be set beside it. What was "
+                      "'Coarsening' = auto is 'Solver/Method' = cg-ic0."));
+    }
+
+
+
+    void
+    check_friction(const WallParameters             &walls,
+                   const std::vector<ParameterLine> &lines)
+    {
+      for (unsigned int w = 0; w < 6; ++w)
+        AssertThrow(
+          walls.type[w] != "friction" ||
+            !value_of(lines, "Walls", WallParameters::names[w] + " friction")
+               .empty(),
+          ExcMessage("The wall '" + WallParameters::names[w] +
+                     "' is friction and needs a coefficient: the parameter "
+                     "'Walls/" +
+                     WallParameters::names[w] + " friction'."));
+    }
   } // namespace
 
 
 
-  SimulationParameters::SimulationParameters(const std::string &file)
-    : directory(std::filesystem::path(file).parent_path().string())
-    , lines(read_parameter_lines(
-        file, "Simulation", {"Benchmark", "Problem"}, "mass_benchmark"))
+  SimulationParameters::SimulationParameters()
   {
-    read_names();
-    for (const std::string &name : general.bodies)
-      bodies[name] = std::make_unique<BodyParameters>("Body " + name);
-    for (const std::string &name : general.tractions)
-      tractions[name] =
-        std::make_unique<TractionParameters>("Traction " + name);
-    for (const std::string &name : general.materials)
-      {
-        const std::string model = value_of(lines, "Material " + name, "Model");
-        materials[name]         = make_material(model,
-                                        "Material " + name,
-                                        "Material " + name + "/Model");
-        declare_model(name, model);
-      }
+    // A symmetric cycle, for conjugate gradients.
+    multigrid.restriction = "transpose";
+    multigrid.smoother    = "ic0";
+    smoother.overlap      = 2;
+  }
 
-    check_method();
-    parse_parameter_file(file, lines);
+
+
+  SimulationParameters::SimulationParameters(const std::string &file)
+    : SimulationParameters()
+  {
+    const auto lines          = read_parameter_lines(file,
+                                            "Simulation",
+                                            {"Benchmark", "Problem"},
+                                            "mass_benchmark");
+    const auto body_names     = names_of(lines, "Bodies"),
+               law_names      = names_of(lines, "Materials"),
+               traction_names = names_of(lines, "Tractions");
+    AssertThrow(!body_names.empty(),
+                ExcMessage("The parameter 'Simulation/Bodies' is empty: a "
+                           "simulation needs a body."));
+    check_sections(lines, "Body", "Bodies", body_names);
+    check_sections(lines, "Material", "Materials", law_names);
+    check_sections(lines, "Traction", "Tractions", traction_names);
+    for (const std::string &name : body_names)
+      bodies[name];
+    for (const std::string &name : traction_names)
+      tractions[name];
+
+    ParameterHandler prm;
+    declare(prm);
+    std::map<std::string, std::shared_ptr<Material>> laws;
+    for (const std::string &name : law_names)
+      {
+        const std::string section = "Material " + name;
+        const std::string model   = value_of(lines, section, "Model");
+        laws[name]                = make_material(model, section + "/Model");
+        declare_section(prm, section, *laws[name]);
+        declare_model(prm, section, model);
+      }
+    materials.insert(laws.begin(), laws.end());
+
+    check_method(lines);
+    parse_parameter_file(prm, file, lines);
     if (general.name.empty())
       general.name = std::filesystem::path(file).stem().string();
     if (scheme.mass == "auto")
@@ -85,47 +187,81 @@ namespace greville
       if (mass == "auto")
         mass = default_mass();
     check();
-    print_used();
-    for (const auto &body : bodies)
-      if (!body.second->points_file.empty())
-        body.second->points_file = path_of(body.second->points_file);
-    for (const auto &material : materials)
-      material.second->reinit();
-    ParameterAcceptor::prm.clear();
+    check_friction(walls, lines);
+
+    // What is used lies elsewhere: it has absolute names of files.
+    const auto set = [&](const std::string &section,
+                         const std::string &entry,
+                         const std::string &value) {
+      prm.enter_subsection(section);
+      prm.set(entry, value);
+      prm.leave_subsection();
+    };
+    const auto locate = [&](const std::string &section,
+                            const std::string &entry,
+                            std::string       &name) {
+      if (name.empty())
+        return;
+      const auto path = std::filesystem::path(file).parent_path() / name;
+      set(section, entry, std::filesystem::absolute(path).string());
+      name = path.string();
+    };
+    set("Simulation", "Name", general.name);
+    locate("Reference", "Surface file", reference.surface_file);
+    locate("Reference", "Series file", reference.series_file);
+    for (auto &body : bodies)
+      locate("Body " + body.first, "Points file", body.second.points_file);
+    std::ostringstream text;
+    prm.print_parameters(text, ParameterHandler::Text);
+    used_text = text.str();
+
+    for (const auto &law : laws)
+      law.second->reinit("Material " + law.first);
   }
-
-
-
-  SimulationParameters::SimulationParameters()
-  {
-    general.bodies    = {"NAME"};
-    bodies["NAME"]    = std::make_unique<BodyParameters>("Body NAME");
-    tractions["NAME"] = std::make_unique<TractionParameters>("Traction NAME");
-    declare_model("NAME", "");
-    for (const std::string &model :
-         Utilities::split_string_list(material_names(), '|'))
-      materials[model] =
-        make_material(model, "Material NAME of model " + model, "Model");
-  }
-
-
-
-  SimulationParameters::~SimulationParameters() = default;
 
 
 
   void
-  SimulationParameters::check_method() const
+  SimulationParameters::declare(ParameterHandler &prm)
   {
-    const std::string method = value_of(lines, "Solver", "Method");
-    for (const ParameterLine &line : lines)
-      AssertThrow(line.section != "p-multigrid" ||
-                    (!method.empty() && line.value != "auto"),
-                  ExcMessage(line.place +
-                             ": the section p-multigrid is for "
-                             "'Solver/Method' = cg-p-multigrid, which has to "
-                             "be set beside it. What was 'Coarsening' = auto "
-                             "is 'Solver/Method' = cg-ic0."));
+    declare_section(prm, "Simulation", general);
+    declare_section(prm, "Grid", grid);
+    declare_section(prm, "Time", time);
+    declare_section(prm, "Scheme", scheme);
+    declare_section(prm, "Walls", walls);
+    declare_section(prm, "Loads", loads);
+    declare_section(prm, "Exact solution", exact);
+    declare_section(prm, "Sweep", sweep);
+    declare_section(prm, "Reference", reference);
+    declare_section(prm, "Output", output);
+    declare_section(prm, "Solver", solver);
+    declare_section(prm, "p-multigrid", multigrid);
+    declare_section(prm, "Smoother", smoother);
+    for (auto &body : bodies)
+      declare_section(prm, "Body " + body.first, body.second);
+    for (auto &traction : tractions)
+      declare_section(prm, "Traction " + traction.first, traction.second);
+  }
+
+
+
+  void
+  SimulationParameters::print_reference(std::ostream &out)
+  {
+    SimulationParameters parameters;
+    parameters.bodies["NAME"];
+    parameters.tractions["NAME"];
+    ParameterHandler prm;
+    parameters.declare(prm);
+    declare_model(prm, "Material NAME", "");
+    std::vector<std::unique_ptr<Material>> laws;
+    for (const std::string &model :
+         Utilities::split_string_list(material_names(), '|'))
+      {
+        laws.push_back(make_material(model, "Model"));
+        declare_section(prm, "Material NAME of model " + model, *laws.back());
+      }
+    print_parameter_reference(out, "greville", prm);
   }
 
 
@@ -139,104 +275,6 @@ namespace greville
       if (material.second->spreads())
         return "lumped";
     return "consistent";
-  }
-
-
-
-  void
-  SimulationParameters::read_names()
-  {
-    const auto list = [&](const std::string &entry) {
-      const auto result =
-        Utilities::split_string_list(value_of(lines, "Simulation", entry), ',');
-      for (std::size_t i = 0; i < result.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j)
-          AssertThrow(result[i] != result[j],
-                      ExcMessage("The parameter 'Simulation/" + entry +
-                                 "' has the name <" + result[i] + "> twice."));
-      return result;
-    };
-    general.bodies    = list("Bodies");
-    general.materials = list("Materials");
-    general.tractions = list("Tractions");
-    AssertThrow(!general.bodies.empty(),
-                ExcMessage("The parameter 'Simulation/Bodies' is empty: a "
-                           "simulation needs a body."));
-
-    // A name and its section belong together.
-    const std::pair<std::string, const std::vector<std::string> &> kinds[] = {
-      {"Body", general.bodies},
-      {"Material", general.materials},
-      {"Traction", general.tractions}};
-    const char *entries[] = {"Bodies", "Materials", "Tractions"};
-    for (unsigned int k = 0; k < 3; ++k)
-      {
-        const std::string       &kind  = kinds[k].first;
-        const auto              &names = kinds[k].second;
-        std::vector<std::string> sections;
-        for (const ParameterLine &line : lines)
-          if (line.section.compare(0, kind.size() + 1, kind + " ") == 0)
-            {
-              sections.push_back(line.section.substr(kind.size() + 1));
-              AssertThrow(
-                std::count(names.begin(), names.end(), sections.back()) == 1,
-                ExcMessage(line.place + ": there is a section '" +
-                           line.section + "', but the parameter 'Simulation/" +
-                           entries[k] + "' does not name <" + sections.back() +
-                           ">." + did_you_mean(sections.back(), names)));
-            }
-        for (const std::string &name : names)
-          AssertThrow(std::count(sections.begin(), sections.end(), name) > 0,
-                      ExcMessage("The parameter 'Simulation/" +
-                                 std::string(entries[k]) + "' has the name <" +
-                                 name + ">, but there is no section '" + kind +
-                                 " " + name + "'." +
-                                 did_you_mean(name, sections)));
-      }
-  }
-
-
-
-  void
-  SimulationParameters::print_used()
-  {
-    // The copy lies elsewhere: it has absolute names of files.
-    ParameterHandler &prm = ParameterAcceptor::prm;
-    const auto        set = [&](const std::string &section,
-                         const std::string &entry,
-                         const std::string &value) {
-      prm.enter_subsection(section);
-      const std::string old = prm.get(entry);
-      prm.set(entry, value);
-      prm.leave_subsection();
-      return old;
-    };
-    std::vector<std::array<std::string, 3>> entries;
-    const auto with_path = [&](const std::string &section,
-                               const std::string &entry,
-                               const std::string &path) {
-      entries.push_back(
-        {{section,
-          entry,
-          path.empty() ? "" : std::filesystem::absolute(path).string()}});
-    };
-    entries.push_back({{"Simulation", "Name", general.name}});
-    with_path("Reference", "Surface file", path_of(reference.surface_file));
-    with_path("Reference", "Series file", path_of(reference.series_file));
-    for (const auto &body : bodies)
-      with_path("Body " + body.first,
-                "Points file",
-                path_of(body.second->points_file));
-    for (auto &entry : entries)
-      entry[2] = set(entry[0], entry[1], entry[2]);
-    std::ostringstream text;
-    prm.print_parameters(text, ParameterHandler::Text);
-    used_text = text.str();
-    // Setting an entry changes what the file has been read into, too.
-    const std::string name = general.name;
-    for (const auto &entry : entries)
-      set(entry[0], entry[1], entry[2]);
-    general.name = name;
   }
 
 
@@ -332,7 +370,7 @@ namespace greville
                            text_of(time.cfl) + " and " + text_of(time.safety) +
                            "."));
     for (const auto &traction : tractions)
-      AssertThrow(traction.second->area > 0.,
+      AssertThrow(traction.second.area > 0.,
                   ExcMessage("The parameter 'Traction " + traction.first +
                              "/Area' has to be positive."));
     AssertThrow(reference.time_unit > 0. && reference.value_unit > 0.,
@@ -345,18 +383,8 @@ namespace greville
                              walls.type[w] +
                              (w < 2 * dim ? ", but has a friction."
                                           : ", but there is none in 2D.")));
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      AssertThrow(walls.type[w] != "friction" ||
-                    !value_of(lines,
-                              "Walls",
-                              WallParameters::names[w] + " friction")
-                       .empty(),
-                  ExcMessage("The wall '" + WallParameters::names[w] +
-                             "' is friction and needs a coefficient: the "
-                             "parameter 'Walls/" +
-                             WallParameters::names[w] + " friction'."));
     for (const auto &body : bodies)
-      AssertThrow((body.second->K0 >= 0.) == !body.second->surface.empty(),
+      AssertThrow((body.second.K0 >= 0.) == !body.second.surface.empty(),
                   ExcMessage("'Body " + body.first +
                              "' needs both of 'K0' and 'Surface', or none."));
     for (const auto &body : bodies)
@@ -364,25 +392,14 @@ namespace greville
         std::string known;
         for (const std::string &name : general.materials)
           known += (known.empty() ? "" : ", ") + name;
-        AssertThrow(materials.count(body.second->material) == 1,
+        AssertThrow(materials.count(body.second.material) == 1,
                     ExcMessage(
                       "The parameter 'Body " + body.first + "/Material' is <" +
-                      body.second->material +
+                      body.second.material +
                       ">, which is none of the materials of "
                       "'Simulation/Materials': " +
                       known + "." +
-                      did_you_mean(body.second->material, general.materials)));
+                      did_you_mean(body.second.material, general.materials)));
       }
-  }
-
-
-
-  std::string
-  SimulationParameters::path_of(const std::string &name) const
-  {
-    const std::filesystem::path path(name);
-    return name.empty() || path.is_absolute() || directory.empty()
-             ? name
-             : (std::filesystem::path(directory) / path).string();
   }
 } // namespace greville

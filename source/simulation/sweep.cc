@@ -21,9 +21,9 @@ namespace greville
      */
     struct SweepRow
     {
-      SimulationCase run_case;
-      unsigned int   cells = 0;
-      Errors         errors;
+      SimulationParameters parameters;
+      unsigned int         cells = 0;
+      Errors               errors;
       /// Empty, or why the run did not come to its end.
       std::string failure;
       /// Of the L2 error, against the row before of the same kind.
@@ -33,10 +33,10 @@ namespace greville
 
 
     bool
-    same_kind(const SimulationCase &a, const SimulationCase &b)
+    same_kind(const SimulationParameters &a, const SimulationParameters &b)
     {
-      return a.degree == b.degree && a.mass == b.mass &&
-             a.quadrature == b.quadrature;
+      return a.grid.degree == b.grid.degree && a.scheme.mass == b.scheme.mass &&
+             a.scheme.quadrature == b.scheme.quadrature;
     }
 
 
@@ -67,9 +67,12 @@ namespace greville
             for (const unsigned int n : cells)
               {
                 SweepRow row;
-                row.cells    = n;
-                row.run_case = {base, degree, mass, quadrature};
-                for (unsigned int &cells : row.run_case.cells)
+                row.parameters                   = parameters;
+                row.cells                        = n;
+                row.parameters.grid.degree       = degree;
+                row.parameters.scheme.mass       = mass;
+                row.parameters.scheme.quadrature = quadrature;
+                for (unsigned int &cells : row.parameters.grid.cells)
                   {
                     const std::uint64_t product = std::uint64_t(cells) * n;
                     AssertThrow(cells == 1 || (product % most == 0 &&
@@ -106,15 +109,17 @@ namespace greville
         {
           if (!row.failure.empty())
             continue;
-          csv << row.run_case.mass << "," << row.run_case.quadrature << ","
-              << row.run_case.degree << "," << row.cells << "," << row.errors.l2
-              << "," << row.errors.max << ",";
-          out << "  " << std::left << std::setw(16) << row.run_case.mass << " "
-              << std::setw(14) << row.run_case.quadrature << std::right
-              << std::setw(3) << row.run_case.degree << std::setw(7)
-              << row.cells << std::scientific << std::setprecision(3)
-              << std::setw(11) << row.errors.l2 << std::setw(11)
-              << row.errors.max << std::defaultfloat;
+          const SchemeParameters &scheme = row.parameters.scheme;
+          const unsigned int      degree = row.parameters.grid.degree;
+          csv << scheme.mass << "," << scheme.quadrature << "," << degree << ","
+              << row.cells << "," << row.errors.l2 << "," << row.errors.max
+              << ",";
+          out << "  " << std::left << std::setw(16) << scheme.mass << " "
+              << std::setw(14) << scheme.quadrature << std::right
+              << std::setw(3) << degree << std::setw(7) << row.cells
+              << std::scientific << std::setprecision(3) << std::setw(11)
+              << row.errors.l2 << std::setw(11) << row.errors.max
+              << std::defaultfloat;
           if (std::isfinite(row.order))
             {
               csv << row.order;
@@ -147,19 +152,19 @@ namespace greville
       auto       rows      = make_rows(parameters);
       for (std::size_t k = 0; k < rows.size(); ++k)
         {
-          SweepRow          &row    = rows[k];
-          const std::string &mass   = row.run_case.mass;
-          const std::string  folder = directory + "/" + mass + "_" +
-                                     row.run_case.quadrature + "_p" +
-                                     std::to_string(row.run_case.degree) + "_" +
-                                     std::to_string(row.cells);
+          SweepRow          &row  = rows[k];
+          const std::string &mass = row.parameters.scheme.mass;
+          const std::string  folder =
+            directory + "/" + mass + "_" + row.parameters.scheme.quadrature +
+            "_p" + std::to_string(row.parameters.grid.degree) + "_" +
+            std::to_string(row.cells);
           run_on_all(
             [&]() {
               if (is_first)
                 create_folder(folder, "Output/Directory");
             },
             comm);
-          SimulationRun<dim> run(parameters, row.run_case, folder, out, comm);
+          SimulationRun<dim> run(row.parameters, folder, out, comm);
           try
             {
               const RunSummary summary = run.run();
@@ -174,7 +179,7 @@ namespace greville
             }
           if (has_exact && row.failure.empty() && k > 0 &&
               rows[k - 1].failure.empty() &&
-              same_kind(row.run_case, rows[k - 1].run_case) &&
+              same_kind(row.parameters, rows[k - 1].parameters) &&
               row.cells != rows[k - 1].cells)
             row.order = std::log(rows[k - 1].errors.l2 / row.errors.l2) /
                         std::log(double(row.cells) / rows[k - 1].cells);
@@ -185,9 +190,9 @@ namespace greville
       std::string failures;
       for (const SweepRow &row : rows)
         if (!row.failure.empty())
-          failures += "\n  " + row.run_case.mass + ", " +
-                      row.run_case.quadrature + ", order " +
-                      std::to_string(row.run_case.degree) + ", " +
+          failures += "\n  " + row.parameters.scheme.mass + ", " +
+                      row.parameters.scheme.quadrature + ", order " +
+                      std::to_string(row.parameters.grid.degree) + ", " +
                       std::to_string(row.cells) + " cells: " + row.failure;
       AssertThrow(failures.empty(),
                   ExcMessage("Runs of 'Sweep' failed:" + failures));
@@ -225,16 +230,9 @@ namespace greville
       run_sweep<2>(parameters, directory, out, comm);
     else if (is_sweep)
       run_sweep<3>(parameters, directory, out, comm);
+    else if (parameters.general.dimension == 2)
+      SimulationRun<2>(parameters, directory, out, comm).run();
     else
-      {
-        const SimulationCase run_case = {parameters.grid.cells,
-                                         parameters.grid.degree,
-                                         parameters.scheme.mass,
-                                         parameters.scheme.quadrature};
-        if (parameters.general.dimension == 2)
-          SimulationRun<2>(parameters, run_case, directory, out, comm).run();
-        else
-          SimulationRun<3>(parameters, run_case, directory, out, comm).run();
-      }
+      SimulationRun<3>(parameters, directory, out, comm).run();
   }
 } // namespace greville

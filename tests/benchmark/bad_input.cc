@@ -19,7 +19,6 @@ namespace
     }
     try
       {
-        ParameterAcceptor::clear();
         MassBenchmark benchmark;
         benchmark.run(file);
         print() << "accepted: " << content << std::endl;
@@ -98,7 +97,6 @@ main(int argc, char **argv)
 
   try
     {
-      ParameterAcceptor::clear();
       MassBenchmark().run("no_such_file.prm");
     }
   catch (const std::exception &error)

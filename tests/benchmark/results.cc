@@ -53,8 +53,7 @@ namespace
     // The tables go to the console; this test is about files.
     std::ostringstream console;
     std::streambuf    *buffer = std::cout.rdbuf(console.rdbuf());
-    ParameterAcceptor::clear();
-    MassBenchmark benchmark;
+    MassBenchmark      benchmark;
     all_failed = false;
     try
       {

@@ -24,11 +24,13 @@ main(int argc, char **argv)
   std::sort(files.begin(), files.end());
   for (const auto &file : files)
     {
-      ParameterAcceptor::clear();
-      MassBenchmark benchmark;
+      MassBenchmark    benchmark;
+      ParameterHandler prm;
+      benchmark.declare(prm);
       try
         {
           parse_parameter_file(
+            prm,
             file.string(),
             read_parameter_lines(file.string(), "Benchmark", {}, ""));
           check(file.filename().string(), true);
@@ -39,10 +41,11 @@ main(int argc, char **argv)
         }
     }
 
-  ParameterAcceptor::clear();
   MassBenchmark      benchmark;
+  ParameterHandler   prm;
   std::ostringstream generated;
-  print_parameter_reference(generated, "mass_benchmark");
+  benchmark.declare(prm);
+  print_parameter_reference(generated, "mass_benchmark", prm);
   std::ifstream      page(root / "doc" / "parameters.md");
   std::ostringstream content;
   content << page.rdbuf();

@@ -4,6 +4,7 @@
 // What the tests of materials share: materials from a text with parameters,
 // steps of one point, random deformations.
 
+#include <greville/base/parameters.h>
 #include <greville/materials/hencky.h>
 #include <greville/materials/material.h>
 
@@ -26,13 +27,14 @@ one_tensor()
 inline std::unique_ptr<Material>
 make(const std::string &name, const std::vector<std::string> &settings = {})
 {
-  ParameterAcceptor::prm.clear();
-  auto        material = make_material(name, "Material", "Name");
-  std::string text     = "subsection Material\n";
+  auto             material = make_material(name, "Name");
+  ParameterHandler prm;
+  declare_section(prm, "Material", *material);
+  std::string text = "subsection Material\n";
   for (const std::string &setting : settings)
     text += "set " + setting + "\n";
-  ParameterAcceptor::prm.parse_input_from_string(text + "end\n");
-  material->reinit();
+  prm.parse_input_from_string(text + "end\n");
+  material->reinit("Material");
   return material;
 }
 

@@ -47,9 +47,11 @@ namespace
     const auto   before   = behaviour(*make(name, settings));
     unsigned int declared = 0;
     // Each declared parameter is among the changes.
+    ParameterHandler  prm;
     std::stringstream parameters;
-    ParameterAcceptor::prm.print_parameters(parameters,
-                                            ParameterHandler::ShortText);
+    const auto        material = make_material(name, "Name");
+    material->declare(prm);
+    prm.print_parameters(parameters, ParameterHandler::ShortText);
     for (std::string line; std::getline(parameters, line);)
       declared += line.find("set ") != std::string::npos;
     changes.push_back("Density = 1234");
@@ -166,7 +168,7 @@ main(int argc, char **argv)
     }
 
   // Wrong input.
-  print_message([]() { make_material("jelly", "Material", "Law"); });
+  print_message([]() { make_material("jelly", "Law"); });
   bad("linear-elastic", {"Poissons ratio = 0.5"});
   bad("neo-hookean", {"Poissons ratio = -1"});
   bad("drucker-prager", {"Dilatancy angle = 31"});

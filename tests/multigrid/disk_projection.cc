@@ -126,7 +126,6 @@ public:
   Errors
   consistent(const double threshold, SolveResult &result)
   {
-    ParameterAcceptor::clear();
     SolverParameters   parameters;
     SmootherParameters smoother;
     parameters.tolerance      = 1e-12;

@@ -277,8 +277,7 @@ test_solvers(const MultiIndex<dim> &cells,
              const Filling<dim>    &is_filled)
 {
   print() << dim << "D, p = " << p << ": solvers" << std::endl;
-  Box<dim> box(cells);
-  ParameterAcceptor::clear();
+  Box<dim>             box(cells);
   MassSolverParameters solver_parameters;
   PMultigridParameters multigrid;
   SmootherParameters   smoother;

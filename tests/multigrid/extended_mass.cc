@@ -270,7 +270,6 @@ test_solver(const MultiIndex<dim> &cells,
 {
   print() << dim << "D, p = " << p << ": solver" << (is_held ? ", held" : "")
           << std::endl;
-  ParameterAcceptor::clear();
   SolverParameters   parameters;
   SmootherParameters smoother;
   parameters.tolerance = 1e-10;

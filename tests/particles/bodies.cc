@@ -22,11 +22,9 @@ public:
        const MPI_Comm                               comm    = MPI_COMM_WORLD)
     : box(cells, comm)
     , space(box.mesh, 2)
-    , material("Material")
-    , parameters("Body")
   {
     material.density = 2000.;
-    material.reinit();
+    material.reinit("Material");
     set(parameters);
     body.name       = "a";
     body.parameters = &parameters;
@@ -522,11 +520,12 @@ test_displacement()
         1e-13);
 
   // A viscous fluid is displaced once, not at a rate.
-  NewtonianFluid fluid("Fluid");
-  BodyParameters parameters("Body of fluid");
-  ParameterAcceptor::prm.parse_input_from_string(
-    "subsection Fluid\n set Viscosity = 1e3\nend\n");
-  fluid.reinit();
+  NewtonianFluid   fluid;
+  BodyParameters   parameters;
+  ParameterHandler prm;
+  fluid.declare(prm);
+  prm.set("Viscosity", 1e3);
+  fluid.reinit("Fluid");
   parameters.shape        = "box(0, 0, 0.5, 0.75)";
   parameters.displacement = "0.1 * y; 0";
   Body<2> body;

@@ -868,8 +868,8 @@ int
 main(int argc, char **argv)
 {
   Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  LinearElastic                    material("Material");
-  material.reinit();
+  LinearElastic                    material;
+  material.reinit("Material");
   test<2>({{4, 5}}, material);
   test<3>({{3, 2, 3}}, material);
 }

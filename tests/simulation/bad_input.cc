@@ -21,7 +21,6 @@ namespace
     std::string           message;
     try
       {
-        ParameterAcceptor::clear();
         run_simulations("bad.prm", MPI_COMM_WORLD);
         message = "accepted";
       }

@@ -251,7 +251,6 @@ main(int argc, char **argv)
                                                     << current << std::endl;
       std::filesystem::remove_all(results);
       std::ofstream(folder + "/case.prm") << c.content;
-      ParameterAcceptor::clear();
       std::streambuf *const buffer  = std::cout.rdbuf(nullptr);
       std::string           message = "ran", flaw;
       alarm(time_limit);

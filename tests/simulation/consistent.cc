@@ -72,10 +72,9 @@ main(int argc, char **argv)
 
   // A bar breaks into two pieces and fragments.
   {
-    ParameterAcceptor::clear();
     const SimulationParameters parameters(
       std::string(SOURCE_DIR) + "/../../prm/simulation/breaking_bar.prm");
-    Simulation<2> bar(parameters, case_of(parameters), MPI_COMM_WORLD);
+    Simulation<2> bar(parameters, MPI_COMM_WORLD);
     while (!bar.is_finished())
       bar.step();
     print() << "Breaking bar" << std::endl;

@@ -8,9 +8,9 @@ template <int dim>
 RunSummary
 run(const std::string &name, const std::vector<unsigned int> &cells)
 {
-  ParameterAcceptor::clear();
   SimulationParameters parameters(std::string(SOURCE_DIR) +
                                   "/../../prm/simulation/" + name + ".prm");
+  parameters.grid.cells          = cells;
   parameters.output.fields_every = 0.;
   parameters.output.grid_fields  = false;
   parameters.output.print_times  = false;
@@ -19,14 +19,7 @@ run(const std::string &name, const std::vector<unsigned int> &cells)
     std::filesystem::create_directories(directory);
   MPI_Barrier(MPI_COMM_WORLD);
   std::ostream nowhere(nullptr);
-  return SimulationRun<dim>(parameters,
-                            {cells,
-                             parameters.grid.degree,
-                             parameters.scheme.mass,
-                             parameters.scheme.quadrature},
-                            directory,
-                            nowhere,
-                            MPI_COMM_WORLD)
+  return SimulationRun<dim>(parameters, directory, nowhere, MPI_COMM_WORLD)
     .run();
 }
 

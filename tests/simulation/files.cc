@@ -20,7 +20,6 @@ namespace
   run_quietly(const std::string &file)
   {
     std::streambuf *const buffer = std::cout.rdbuf(nullptr);
-    ParameterAcceptor::clear();
     run_simulations(file, MPI_COMM_WORLD);
     std::cout.rdbuf(buffer);
     std::cout.clear();

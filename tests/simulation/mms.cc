@@ -10,10 +10,12 @@ error_of(const std::string &file,
          const std::string &mass,
          const std::string &quadrature)
 {
-  ParameterAcceptor::clear();
   SimulationParameters parameters(file);
-  Simulation<dim>      simulation(
-    parameters, {std::vector<unsigned int>(dim, n), p, mass, quadrature});
+  parameters.grid.cells.assign(dim, n);
+  parameters.grid.degree       = p;
+  parameters.scheme.mass       = mass;
+  parameters.scheme.quadrature = quadrature;
+  Simulation<dim> simulation(parameters);
   while (!simulation.is_finished())
     simulation.step();
   return ExactSolution<dim>(parameters.exact)

@@ -7,8 +7,8 @@ void
 test(const std::string &name, const Text &text, const double tolerance)
 {
   const auto          parameters = text.parse();
-  Simulation<dim>     all(*parameters, case_of(*parameters), MPI_COMM_WORLD);
-  Simulation<dim>     one(*parameters, case_of(*parameters), MPI_COMM_SELF);
+  Simulation<dim>     all(parameters, MPI_COMM_WORLD);
+  Simulation<dim>     one(parameters, MPI_COMM_SELF);
   double              worst = 0.;
   std::vector<double> scale;
   while (!all.is_finished())

@@ -15,7 +15,6 @@ namespace
     std::streambuf *const buffer = std::cout.rdbuf(nullptr);
     try
       {
-        ParameterAcceptor::clear();
         if (file.is_benchmark)
           MassBenchmark().run(name);
         else
@@ -96,10 +95,10 @@ main(int argc, char **argv)
                      .with("Smoother", {"Overlap = 5"})
                      .parse();
   check("parameters are printed as they are used",
-        one->used().find("set Restriction               = transpose") !=
+        one.used().find("set Restriction               = transpose") !=
             std::string::npos &&
-          one->multigrid.restriction == "transpose");
+          one.multigrid.restriction == "transpose");
   check("parameters do not change each other",
-        one->multigrid.smoother == "ic0" && one->smoother.overlap == 2 &&
-          two->multigrid.smoother == "ilut" && two->smoother.overlap == 5);
+        one.multigrid.smoother == "ic0" && one.smoother.overlap == 2 &&
+          two.multigrid.smoother == "ilut" && two.smoother.overlap == 5);
 }

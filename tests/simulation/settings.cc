@@ -108,7 +108,6 @@ main(int argc, char **argv)
     MPI_Barrier(MPI_COMM_WORLD);
     std::filesystem::current_path("elsewhere");
     std::streambuf *const buffer = std::cout.rdbuf(nullptr);
-    ParameterAcceptor::clear();
     run_simulations("named.prm", MPI_COMM_WORLD);
     MPI_Barrier(MPI_COMM_WORLD);
     std::cout.rdbuf(buffer);
@@ -126,12 +125,11 @@ main(int argc, char **argv)
                                                        {48, 0.0108}};
   for (const auto &size : published)
     {
-      ParameterAcceptor::clear();
-      const SimulationParameters parameters(
+      SimulationParameters parameters(
         std::string(SOURCE_DIR) +
         "/../../prm/simulation/hydrostatic_column.prm");
-      Simulation<2> column(parameters,
-                           {{1, size.first}, 2, "lumped", "points"});
+      parameters.grid.cells = {1, size.first};
+      Simulation<2> column(parameters);
       while (!column.is_finished())
         column.step();
       check("hydrostatic, " + std::to_string(size.first) +

@@ -18,20 +18,19 @@ main(int argc, char **argv)
   for (const auto &file : files)
     try
       {
-        ParameterAcceptor::clear();
         const SimulationParameters parameters(file.string());
         if (parameters.general.dimension == 2)
           {
-            const MeasuredData<2>  measured(parameters);
+            const MeasuredData<2>  measured(parameters.reference);
             const ExactSolution<2> exact(parameters.exact);
-            Simulation<2>          simulation(parameters, case_of(parameters));
+            Simulation<2>          simulation(parameters);
             if (simulation.bodies()[0].n_points < 20000)
               simulation.step();
           }
         else
           {
             const ExactSolution<3> exact(parameters.exact);
-            Simulation<3>          simulation(parameters, case_of(parameters));
+            Simulation<3>          simulation(parameters);
             if (simulation.bodies()[0].n_points < 20000)
               simulation.step();
           }
@@ -43,10 +42,8 @@ main(int argc, char **argv)
                 << std::endl;
       }
 
-  ParameterAcceptor::clear();
-  const SimulationParameters all;
-  std::ostringstream         generated;
-  print_parameter_reference(generated, "greville");
+  std::ostringstream generated;
+  SimulationParameters::print_reference(generated);
   std::ifstream      page(root / "doc" / "simulation_parameters.md");
   std::ostringstream content;
   content << page.rdbuf();

@@ -49,13 +49,13 @@ public:
     return result.add(section, lines);
   }
 
-  std::unique_ptr<SimulationParameters>
+  SimulationParameters
   parse(const std::string &file = "case.prm") const
   {
     if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
       std::ofstream(file) << content;
     MPI_Barrier(MPI_COMM_WORLD);
-    auto result = std::make_unique<SimulationParameters>(file);
+    const SimulationParameters result(file);
     MPI_Barrier(MPI_COMM_WORLD);
     return result;
   }
@@ -65,26 +65,15 @@ public:
 
 
 
-inline SimulationCase
-case_of(const SimulationParameters &parameters)
-{
-  return {parameters.grid.cells,
-          parameters.grid.degree,
-          parameters.scheme.mass,
-          parameters.scheme.quadrature};
-}
-
-
-
 /**
- * Parameters and the simulation that refers to them.
+ * A simulation, with its parameters.
  */
 template <int dim>
 struct Simulated
 {
   explicit Simulated(const Text &text, const MPI_Comm comm = MPI_COMM_WORLD)
     : parameters(text.parse())
-    , simulation(*parameters, case_of(*parameters), comm)
+    , simulation(parameters, comm)
   {}
 
   Simulated &
@@ -104,7 +93,7 @@ struct Simulated
   Errors
   displacement_error()
   {
-    return *ExactSolution<dim>(parameters->exact)
+    return *ExactSolution<dim>(parameters.exact)
               .displacement(simulation.bodies(),
                             simulation.time(),
                             MPI_COMM_WORLD);
@@ -113,12 +102,12 @@ struct Simulated
   Errors
   stress_error()
   {
-    return *ExactSolution<dim>(parameters->exact)
+    return *ExactSolution<dim>(parameters.exact)
               .stress(simulation.bodies(), simulation.time(), MPI_COMM_WORLD);
   }
 
-  std::unique_ptr<SimulationParameters> parameters;
-  Simulation<dim>                       simulation;
+  SimulationParameters parameters;
+  Simulation<dim>      simulation;
 };
 
 

@@ -53,11 +53,28 @@ namespace greville
              const std::string &allowed);
 
   /**
-   * Read a parameter file into all objects of dealii::ParameterAcceptor that
-   * exist. @p lines are those of the file. Throws as check_parameter_lines().
+   * Let @p parameters declare themselves in a section of @p prm. Their members
+   * are the defaults, and take what is read into @p prm from then on: they have
+   * to stay where they are until @p prm is gone.
+   */
+  template <typename Parameters>
+  void
+  declare_section(dealii::ParameterHandler &prm,
+                  const std::string        &section,
+                  Parameters               &parameters)
+  {
+    prm.enter_subsection(section);
+    parameters.declare(prm);
+    prm.leave_subsection();
+  }
+
+  /**
+   * Read a parameter file into @p prm and what has been declared there. @p
+   * lines are those of the file. Throws as check_parameter_lines().
    */
   void
-  parse_parameter_file(const std::string                &file,
+  parse_parameter_file(dealii::ParameterHandler         &prm,
+                       const std::string                &file,
                        const std::vector<ParameterLine> &lines);
 
   /**
@@ -67,11 +84,13 @@ namespace greville
   demangle(const std::string &name);
 
   /**
-   * Write all parameters of these objects as a page of Markdown: a table per
-   * section with defaults, allowed values and meanings.
+   * Write all parameters of @p prm as a page of Markdown: a table per section
+   * with defaults, allowed values and meanings.
    */
   void
-  print_parameter_reference(std::ostream &out, const std::string &program);
+  print_parameter_reference(std::ostream                   &out,
+                            const std::string              &program,
+                            const dealii::ParameterHandler &prm);
 
   /**
    * A function of x, y (and z) from its expression; a constant where the

@@ -13,10 +13,10 @@ namespace greville
   /**
    * What mass_benchmark sweeps over, and where it writes.
    */
-  class MassBenchmarkParameters : public dealii::ParameterAcceptor
+  struct MassBenchmarkParameters
   {
-  public:
-    MassBenchmarkParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::vector<unsigned int> dimensions = {2};
     std::vector<unsigned int> orders     = {1, 2, 3};
@@ -44,6 +44,9 @@ namespace greville
   {
   public:
     MassBenchmark();
+
+    void
+    declare(dealii::ParameterHandler &prm);
 
     /**
      * Collective. Read @p file, run, and write to the output directory: all

@@ -12,10 +12,10 @@ namespace greville
   /**
    * The body: a box, its density or its material points, and its acceleration.
    */
-  class MassProblemParameters : public dealii::ParameterAcceptor
+  struct MassProblemParameters
   {
-  public:
-    MassProblemParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     /**
      * Check what the patterns of the parameters cannot.

@@ -11,10 +11,10 @@ namespace greville
   /**
    * When an iterative solver ends.
    */
-  class SolverParameters : public dealii::ParameterAcceptor
+  struct SolverParameters
   {
-  public:
-    SolverParameters(const std::string &section = "Solver");
+    void
+    declare(dealii::ParameterHandler &prm);
 
     double       tolerance      = 1e-8;
     unsigned int max_iterations = 1000;

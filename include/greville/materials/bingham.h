@@ -22,26 +22,24 @@ namespace greville
   public:
     static constexpr const char *name = "bingham";
 
-    Bingham(const std::string &section)
-      : TaitFluid<Bingham>(section)
+    void
+    declare(dealii::ParameterHandler &prm) override
     {
-      add_parameter("Yield stress",
-                    yield_stress,
-                    "Shear stress at which the fluid yields. Unit: Pa.",
-                    prm,
-                    dealii::Patterns::Double(0.));
-      add_parameter("Plastic viscosity",
-                    mu,
-                    "Growth of the shear stress with the shear rate after "
-                    "yield. Unit: Pa s.",
-                    prm,
-                    dealii::Patterns::Double(0.));
-      add_parameter("Regularization",
-                    regularization,
-                    "Time m: shear rates below 1 / m see a very viscous fluid "
-                    "instead of a rigid one. Unit: s.",
-                    prm,
-                    positive());
+      TaitFluid<Bingham>::declare(prm);
+      prm.add_parameter("Yield stress",
+                        yield_stress,
+                        "Shear stress at which the fluid yields. Unit: Pa.",
+                        dealii::Patterns::Double(0.));
+      prm.add_parameter("Plastic viscosity",
+                        mu,
+                        "Growth of the shear stress with the shear rate after "
+                        "yield. Unit: Pa s.",
+                        dealii::Patterns::Double(0.));
+      prm.add_parameter("Regularization",
+                        regularization,
+                        "Time m: shear rates below 1 / m see a very viscous "
+                        "fluid instead of a rigid one. Unit: s.",
+                        positive());
     }
 
     double

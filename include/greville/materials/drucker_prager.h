@@ -50,37 +50,33 @@ namespace greville
       "max(sqrt(J2) + eta p - xi c, p - p_t)";
     static constexpr bool opens = true;
 
-    DruckerPrager(const std::string &section)
-      : HenckyPlasticity<DruckerPrager>(section)
+    void
+    declare(dealii::ParameterHandler &prm) override
     {
-      add_parameter("Friction angle",
-                    friction_angle,
-                    "Angle of internal friction. Unit: degrees.",
-                    prm,
-                    dealii::Patterns::Double(0., 89.));
-      add_parameter("Dilatancy angle",
-                    dilatancy_angle,
-                    "Angle of dilatancy, at most the friction angle. Unit: "
-                    "degrees.",
-                    prm,
-                    dealii::Patterns::Double(0., 89.));
-      add_parameter("Cohesion",
-                    cohesion,
-                    "Cohesion, Kirchhoff stress. Unit: Pa.",
-                    prm,
-                    dealii::Patterns::Double(0.));
-      add_parameter("Tension cut-off",
-                    tension_cut_off,
-                    "Largest mean stress, Kirchhoff stress; negative: the "
-                    "apex of the cone. Unit: Pa.",
-                    prm,
-                    dealii::Patterns::Double());
-      add_parameter("Cone",
-                    cone,
-                    "Where the cone agrees with Mohr-Coulomb's surface.",
-                    prm,
-                    dealii::Patterns::Selection(
-                      "plane strain|plane strain associated|outer|inner"));
+      HenckyPlasticity<DruckerPrager>::declare(prm);
+      prm.add_parameter("Friction angle",
+                        friction_angle,
+                        "Angle of internal friction. Unit: degrees.",
+                        dealii::Patterns::Double(0., 89.));
+      prm.add_parameter(
+        "Dilatancy angle",
+        dilatancy_angle,
+        "Angle of dilatancy, at most the friction angle. Unit: degrees.",
+        dealii::Patterns::Double(0., 89.));
+      prm.add_parameter("Cohesion",
+                        cohesion,
+                        "Cohesion, Kirchhoff stress. Unit: Pa.",
+                        dealii::Patterns::Double(0.));
+      prm.add_parameter("Tension cut-off",
+                        tension_cut_off,
+                        "Largest mean stress, Kirchhoff stress; negative: the "
+                        "apex of the cone. Unit: Pa.",
+                        dealii::Patterns::Double());
+      prm.add_parameter("Cone",
+                        cone,
+                        "Where the cone agrees with Mohr-Coulomb's surface.",
+                        dealii::Patterns::Selection(
+                          "plane strain|plane strain associated|outer|inner"));
     }
 
     bool
@@ -90,10 +86,9 @@ namespace greville
     }
 
     void
-    reinit() override
+    reinit(const std::string &section) override
     {
-      HenckyPlasticity<DruckerPrager>::reinit();
-      const std::string section = get_section_name();
+      HenckyPlasticity<DruckerPrager>::reinit(section);
       check_parameter(dilatancy_angle <= friction_angle,
                       section,
                       "Dilatancy angle",

@@ -23,19 +23,17 @@ namespace greville
   {
   public:
     void
-    declare(dealii::ParameterAcceptor &acceptor)
+    declare(dealii::ParameterHandler &prm)
     {
-      acceptor.add_parameter("Youngs modulus",
-                             youngs_modulus,
-                             "Young's modulus E. Unit: Pa.",
-                             dealii::ParameterAcceptor::prm,
-                             positive());
-      acceptor.add_parameter("Poissons ratio",
-                             poissons_ratio,
-                             "Poisson's ratio nu, between -1 and 0.5 (both "
-                             "excluded). Unit: none.",
-                             dealii::ParameterAcceptor::prm,
-                             dealii::Patterns::Double(-1., 0.5));
+      prm.add_parameter("Youngs modulus",
+                        youngs_modulus,
+                        "Young's modulus E. Unit: Pa.",
+                        positive());
+      prm.add_parameter(
+        "Poissons ratio",
+        poissons_ratio,
+        "Poisson's ratio nu, between -1 and 0.5 (both excluded). Unit: none.",
+        dealii::Patterns::Double(-1., 0.5));
     }
 
     /**

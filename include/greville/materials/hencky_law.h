@@ -27,16 +27,17 @@ namespace greville
   class HenckyLaw : public Material
   {
   public:
-    HenckyLaw(const std::string &section)
-      : Material(section)
+    void
+    declare(dealii::ParameterHandler &prm) override
     {
-      elastic.declare(*this);
+      Material::declare(prm);
+      elastic.declare(prm);
     }
 
     void
-    reinit() override
+    reinit(const std::string &section) override
     {
-      elastic.reinit(get_section_name());
+      elastic.reinit(section);
     }
 
     void

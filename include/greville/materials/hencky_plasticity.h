@@ -51,10 +51,6 @@ namespace greville
   class HenckyPlasticity : public HenckyLaw<Law>
   {
   public:
-    HenckyPlasticity(const std::string &section)
-      : HenckyLaw<Law>(section)
-    {}
-
     std::vector<std::string>
     state_names() const override
     {

@@ -23,10 +23,6 @@ namespace greville
   public:
     static constexpr const char *name = "linear-elastic";
 
-    LinearElastic(const std::string &section)
-      : HenckyLaw<LinearElastic>(section)
-    {}
-
     void
     initialize(MaterialPoint                       &point,
                const dealii::SymmetricTensor<2, 3> &stress) const override

@@ -2,7 +2,7 @@
 #define greville_materials_material_h
 
 #include <deal.II/base/array_view.h>
-#include <deal.II/base/parameter_acceptor.h>
+#include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/tensor.h>
 
@@ -62,22 +62,25 @@ namespace greville
    * A new material is one header with a class that derives from MaterialLaw,
    * and one line in the list of source/materials/material.cc.
    */
-  class Material : public dealii::ParameterAcceptor
+  class Material
   {
   public:
-    /**
-     * @p section is the section of the parameter file with the density and
-     * the parameters of the law.
-     */
-    Material(const std::string &section);
+    virtual ~Material() = default;
 
     /**
-     * Throw dealii::ExcMessage where parameters contradict each other; to be
-     * called after parsing and before anything else. Here derived constants
-     * are computed.
+     * Declare the density and the parameters of the law in the section that
+     * @p prm is in. What is read into @p prm goes to this object.
      */
     virtual void
-    reinit()
+    declare(dealii::ParameterHandler &prm);
+
+    /**
+     * Compute derived constants; to be called after reading and before
+     * anything else. Throws dealii::ExcMessage, which names the @p section,
+     * where parameters contradict each other.
+     */
+    virtual void
+    reinit(const std::string & /*section*/)
     {}
 
     /**
@@ -172,8 +175,6 @@ namespace greville
   class MaterialLaw : public Material
   {
   public:
-    using Material::Material;
-
     void
     update(const dealii::ArrayView<MaterialPoint> &points) const final
     {
@@ -192,14 +193,11 @@ namespace greville
   material_names();
 
   /**
-   * A material by name, with its parameters in @p section. Throws
-   * dealii::ExcMessage with material_names() for an unknown @p name;
-   * @p parameter is the parameter that the message names.
+   * A material by name. Throws dealii::ExcMessage with material_names() for an
+   * unknown @p name; @p parameter is the parameter that the message names.
    */
   std::unique_ptr<Material>
-  make_material(const std::string &name,
-                const std::string &section,
-                const std::string &parameter);
+  make_material(const std::string &name, const std::string &parameter);
 } // namespace greville
 
 #endif

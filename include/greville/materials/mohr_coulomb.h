@@ -45,49 +45,44 @@ namespace greville
       "tau_1 - tau_3 + (tau_1 + tau_3) sin(phi) - 2 c cos(phi)";
     static constexpr bool opens = true;
 
-    MohrCoulomb(const std::string &section)
-      : HenckyPlasticity<MohrCoulomb>(section)
+    void
+    declare(dealii::ParameterHandler &prm) override
     {
+      HenckyPlasticity<MohrCoulomb>::declare(prm);
       using dealii::Patterns::Double;
-      add_parameter("Cohesion",
-                    cohesion,
-                    "Peak cohesion, Kirchhoff stress. Unit: Pa.",
-                    prm,
-                    Double(0.));
-      add_parameter("Residual cohesion",
-                    residual_cohesion,
-                    "Cohesion after softening; negative: the peak. Unit: Pa.",
-                    prm,
-                    Double());
-      add_parameter("Friction angle",
-                    friction_angle,
-                    "Peak angle of internal friction. Unit: degrees.",
-                    prm,
-                    Double(0., 89.));
-      add_parameter("Residual friction angle",
-                    residual_friction_angle,
-                    "Friction angle after softening; negative: the peak. "
-                    "Unit: degrees.",
-                    prm,
-                    Double(-90., 89.));
-      add_parameter("Dilatancy angle",
-                    dilatancy_angle,
-                    "Angle of dilatancy, at most the residual friction "
-                    "angle. Unit: degrees.",
-                    prm,
-                    Double(0., 89.));
-      add_parameter("Softening",
-                    softening,
-                    "How cohesion and friction angle fall.",
-                    prm,
-                    dealii::Patterns::Selection("linear|exponential"));
-      add_parameter("Softening strain",
-                    softening_strain,
-                    "Equivalent plastic strain at which linear softening "
-                    "ends, or over which exponential softening falls by the "
-                    "factor e. Unit: none.",
-                    prm,
-                    positive());
+      prm.add_parameter("Cohesion",
+                        cohesion,
+                        "Peak cohesion, Kirchhoff stress. Unit: Pa.",
+                        Double(0.));
+      prm.add_parameter(
+        "Residual cohesion",
+        residual_cohesion,
+        "Cohesion after softening; negative: the peak. Unit: Pa.",
+        Double());
+      prm.add_parameter("Friction angle",
+                        friction_angle,
+                        "Peak angle of internal friction. Unit: degrees.",
+                        Double(0., 89.));
+      prm.add_parameter(
+        "Residual friction angle",
+        residual_friction_angle,
+        "Friction angle after softening; negative: the peak. Unit: degrees.",
+        Double(-90., 89.));
+      prm.add_parameter("Dilatancy angle",
+                        dilatancy_angle,
+                        "Angle of dilatancy, at most the residual friction "
+                        "angle. Unit: degrees.",
+                        Double(0., 89.));
+      prm.add_parameter("Softening",
+                        softening,
+                        "How cohesion and friction angle fall.",
+                        dealii::Patterns::Selection("linear|exponential"));
+      prm.add_parameter(
+        "Softening strain",
+        softening_strain,
+        "Equivalent plastic strain at which linear softening ends, or over "
+        "which exponential softening falls by the factor e. Unit: none.",
+        positive());
     }
 
     bool
@@ -97,10 +92,9 @@ namespace greville
     }
 
     void
-    reinit() override
+    reinit(const std::string &section) override
     {
-      HenckyPlasticity<MohrCoulomb>::reinit();
-      const std::string section = get_section_name();
+      HenckyPlasticity<MohrCoulomb>::reinit(section);
       last_cohesion = residual_cohesion < 0. ? cohesion : residual_cohesion;
       last_angle =
         residual_friction_angle < 0. ? friction_angle : residual_friction_angle;

@@ -28,16 +28,17 @@ namespace greville
   public:
     static constexpr const char *name = "neo-hookean";
 
-    NeoHookean(const std::string &section)
-      : MaterialLaw<NeoHookean>(section)
+    void
+    declare(dealii::ParameterHandler &prm) override
     {
-      elastic.declare(*this);
+      Material::declare(prm);
+      elastic.declare(prm);
     }
 
     void
-    reinit() override
+    reinit(const std::string &section) override
     {
-      elastic.reinit(get_section_name());
+      elastic.reinit(section);
     }
 
     /**

@@ -15,14 +15,14 @@ namespace greville
   public:
     static constexpr const char *name = "newtonian-fluid";
 
-    NewtonianFluid(const std::string &section)
-      : TaitFluid<NewtonianFluid>(section)
+    void
+    declare(dealii::ParameterHandler &prm) override
     {
-      add_parameter("Viscosity",
-                    mu,
-                    "Dynamic viscosity of shear. Unit: Pa s.",
-                    prm,
-                    dealii::Patterns::Double(0.));
+      TaitFluid<NewtonianFluid>::declare(prm);
+      prm.add_parameter("Viscosity",
+                        mu,
+                        "Dynamic viscosity of shear. Unit: Pa s.",
+                        dealii::Patterns::Double(0.));
     }
 
     double

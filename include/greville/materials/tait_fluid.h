@@ -41,32 +41,28 @@ namespace greville
   class TaitFluid : public MaterialLaw<Law>
   {
   public:
-    TaitFluid(const std::string &section)
-      : MaterialLaw<Law>(section)
+    void
+    declare(dealii::ParameterHandler &prm) override
     {
-      this->add_parameter("Sound speed",
-                          sound_speed,
-                          "Speed of sound in the stress-free fluid. Unit: m / "
-                          "s.",
-                          this->prm,
-                          positive());
-      this->add_parameter("Exponent",
-                          exponent,
-                          "Exponent gamma of Tait's equation. Unit: none.",
-                          this->prm,
-                          dealii::Patterns::Double(1.));
-      this->add_parameter("Bulk viscosity",
-                          bulk_viscosity,
-                          "Viscosity of changes of volume, often artificial. "
-                          "Unit: Pa s.",
-                          this->prm,
-                          dealii::Patterns::Double(0.));
-      this->add_parameter("Allow tension",
-                          allow_tension,
-                          "Whether the pressure may be negative; else an "
-                          "expanded fluid has none.",
-                          this->prm,
-                          dealii::Patterns::Bool());
+      Material::declare(prm);
+      prm.add_parameter("Sound speed",
+                        sound_speed,
+                        "Speed of sound in the stress-free fluid. Unit: m / s.",
+                        positive());
+      prm.add_parameter("Exponent",
+                        exponent,
+                        "Exponent gamma of Tait's equation. Unit: none.",
+                        dealii::Patterns::Double(1.));
+      prm.add_parameter(
+        "Bulk viscosity",
+        bulk_viscosity,
+        "Viscosity of changes of volume, often artificial. Unit: Pa s.",
+        dealii::Patterns::Double(0.));
+      prm.add_parameter("Allow tension",
+                        allow_tension,
+                        "Whether the pressure may be negative; else an "
+                        "expanded fluid has none.",
+                        dealii::Patterns::Bool());
     }
 
     bool
@@ -76,7 +72,7 @@ namespace greville
     }
 
     void
-    reinit() override
+    reinit(const std::string &) override
     {
       B = this->density * sound_speed * sound_speed / exponent;
     }

@@ -24,21 +24,20 @@ namespace greville
     static constexpr const char *yield_condition = "sqrt(3 J2) - sigma_y";
     static constexpr bool        opens           = false;
 
-    VonMises(const std::string &section)
-      : HenckyPlasticity<VonMises>(section)
+    void
+    declare(dealii::ParameterHandler &prm) override
     {
-      add_parameter("Yield stress",
-                    yield_stress,
-                    "Yield stress in uniaxial tension, Kirchhoff stress. "
-                    "Unit: Pa.",
-                    prm,
-                    positive());
-      add_parameter("Hardening modulus",
-                    hardening_modulus,
-                    "Growth of the yield stress per equivalent plastic "
-                    "strain. Unit: Pa.",
-                    prm,
-                    dealii::Patterns::Double(0.));
+      HenckyPlasticity<VonMises>::declare(prm);
+      prm.add_parameter(
+        "Yield stress",
+        yield_stress,
+        "Yield stress in uniaxial tension, Kirchhoff stress. Unit: Pa.",
+        positive());
+      prm.add_parameter(
+        "Hardening modulus",
+        hardening_modulus,
+        "Growth of the yield stress per equivalent plastic strain. Unit: Pa.",
+        dealii::Patterns::Double(0.));
     }
 
     double

@@ -10,10 +10,10 @@ namespace greville
   /**
    * Parameters of MassSolver.
    */
-  class MassSolverParameters : public SolverParameters
+  struct MassSolverParameters : SolverParameters
   {
-  public:
-    MassSolverParameters(const std::string &section = "Solver");
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::string operator_kind = "automatic";
   };

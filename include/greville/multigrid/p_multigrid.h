@@ -12,28 +12,22 @@ namespace greville
   /**
    * Parameters of PMultigrid.
    */
-  class PMultigridParameters : public dealii::ParameterAcceptor
+  struct PMultigridParameters
   {
-  public:
-    /**
-     * The other arguments are the defaults of the parameters of their names.
-     */
-    PMultigridParameters(const std::string &section     = "p-multigrid",
-                         const std::string &coarsening  = "one by one",
-                         const std::string &restriction = "lumped-l2",
-                         const std::string &smoother    = "ilut");
+    void
+    declare(dealii::ParameterHandler &prm);
 
-    std::string  coarsening;
-    std::string  cycle        = "V";
-    std::string  prolongation = "lumped-l2";
-    std::string  restriction;
+    std::string  coarsening            = "one by one";
+    std::string  cycle                 = "V";
+    std::string  prolongation          = "lumped-l2";
+    std::string  restriction           = "lumped-l2";
     std::string  weighting             = "density";
     unsigned int pre_smoothing         = 1;
     unsigned int post_smoothing        = 1;
     double       coarse_tolerance      = 1e-4;
     unsigned int coarse_max_iterations = 1000;
     std::string  coarse_preconditioner = "none";
-    std::string  smoother;
+    std::string  smoother              = "ilut";
   };
 
 

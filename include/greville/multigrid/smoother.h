@@ -1,7 +1,7 @@
 #ifndef greville_multigrid_smoother_h
 #define greville_multigrid_smoother_h
 
-#include <deal.II/base/parameter_acceptor.h>
+#include <deal.II/base/parameter_handler.h>
 
 #include <greville/linear_algebra/preconditioner.h>
 #include <greville/mass/mass_level.h>
@@ -13,14 +13,10 @@ namespace greville
   /**
    * Parameters of all smoothers; each reads its own.
    */
-  class SmootherParameters : public dealii::ParameterAcceptor
+  struct SmootherParameters
   {
-  public:
-    /**
-     * @p overlap is the default of the parameter of this name.
-     */
-    SmootherParameters(const std::string &section = "Smoother",
-                       const unsigned int overlap = 1);
+    void
+    declare(dealii::ParameterHandler &prm);
 
     /**
      * Throw dealii::ExcMessage where patterns cannot tell that a parameter is
@@ -34,11 +30,11 @@ namespace greville
     double       fill_factor    = 1.;
     double       shift          = 0.;
     unsigned int reuse          = 10;
-    unsigned int overlap;
-    std::string  ordering    = "lexicographic";
-    std::string  combination = "automatic";
-    unsigned int box_size    = 8;
-    unsigned int box_overlap = 2;
+    unsigned int overlap        = 1;
+    std::string  ordering       = "lexicographic";
+    std::string  combination    = "automatic";
+    unsigned int box_size       = 8;
+    unsigned int box_overlap    = 2;
 
     // Point smoothers
     double       damping          = 1.;

@@ -1,7 +1,7 @@
 #ifndef greville_particles_body_h
 #define greville_particles_body_h
 
-#include <deal.II/base/parameter_acceptor.h>
+#include <deal.II/base/parameter_handler.h>
 
 #include <greville/base/expression.h>
 #include <greville/materials/material.h>
@@ -58,10 +58,10 @@ namespace greville
    * Parameters of a body: where its points are initially, their velocity and
    * stress.
    */
-  class BodyParameters : public dealii::ParameterAcceptor, public PointPlacement
+  struct BodyParameters : PointPlacement
   {
-  public:
-    BodyParameters(const std::string &section);
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::string material;
     std::string points_file;
@@ -81,10 +81,10 @@ namespace greville
   template <int dim>
   struct Body
   {
-    std::string         name;
-    BodyParameters     *parameters = nullptr;
-    const Material     *material   = nullptr;
-    MaterialPoints<dim> points;
+    std::string           name;
+    const BodyParameters *parameters = nullptr;
+    const Material       *material   = nullptr;
+    MaterialPoints<dim>   points;
     /// Number of points of all processes.
     std::uint64_t n_points = 0;
     /// Formulas of t where the velocity is imposed.

@@ -96,7 +96,7 @@ namespace greville
   class MeasuredData
   {
   public:
-    MeasuredData(const SimulationParameters &parameters);
+    MeasuredData(const ReferenceParameters &parameters);
 
     /**
      * Add a value of the quantity of the series.
@@ -135,7 +135,7 @@ namespace greville
                      const MPI_Comm                comm) const;
 
   private:
-    const ReferenceParameters       &parameters;
+    const ReferenceParameters        parameters;
     std::vector<std::vector<double>> surface, series;
     unsigned int                     quantity = 0;
     std::vector<double>              times, values;

@@ -11,19 +11,6 @@
 namespace greville
 {
   /**
-   * What distinguishes the runs of a sweep.
-   */
-  struct SimulationCase
-  {
-    std::vector<unsigned int> cells;
-    unsigned int              degree = 2;
-    std::string               mass;
-    std::string               quadrature;
-  };
-
-
-
-  /**
    * The grid: mesh, spaces of B-splines, walls and mass, and what goes between
    * the grid and the points of a state. Sums over points are made once for each
    * State::points_stamp.
@@ -38,7 +25,6 @@ namespace greville
      * are wrong.
      */
     Discretization(const SimulationParameters &parameters,
-                   const SimulationCase       &run_case,
                    const Loads<dim>           &loads,
                    StepLog                    &log,
                    const MPI_Comm              comm);

@@ -17,7 +17,7 @@ namespace greville
   {
   public:
     /**
-     * Parameters are kept by reference. Throws dealii::ExcMessage for wrong
+     * Throws dealii::ExcMessage for wrong
      * formulas.
      */
     Loads(const SimulationParameters &parameters);
@@ -67,9 +67,9 @@ namespace greville
       double                  area_per_volume0;
     };
 
-    const SimulationParameters &parameters;
-    std::vector<Expression>     gravity_formulas, body_force;
-    std::vector<Traction>       tractions;
+    const SimulationParameters parameters;
+    std::vector<Expression>    gravity_formulas, body_force;
+    std::vector<Traction>      tractions;
     /// Of the points of a process, m / s^2.
     double largest = 0.;
   };

@@ -1,7 +1,7 @@
 #ifndef greville_simulation_parameters_h
 #define greville_simulation_parameters_h
 
-#include <deal.II/base/parameter_acceptor.h>
+#include <deal.II/base/parameter_handler.h>
 
 #include <greville/base/parameters.h>
 #include <greville/materials/material.h>
@@ -18,10 +18,10 @@ namespace greville
   /**
    * What is simulated.
    */
-  class GeneralParameters : public dealii::ParameterAcceptor
+  struct GeneralParameters
   {
-  public:
-    GeneralParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::string              name;
     unsigned int             dimension = 2;
@@ -35,10 +35,10 @@ namespace greville
   /**
    * The background grid.
    */
-  class GridParameters : public dealii::ParameterAcceptor
+  struct GridParameters
   {
-  public:
-    GridParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::vector<double>       lower  = {0., 0.};
     std::vector<double>       upper  = {1., 1.};
@@ -51,10 +51,10 @@ namespace greville
   /**
    * The time stepping.
    */
-  class TimeParameters : public dealii::ParameterAcceptor
+  struct TimeParameters
   {
-  public:
-    TimeParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     double       end = 1.;
     std::string  step;
@@ -71,10 +71,10 @@ namespace greville
   /**
    * How points and grid exchange what they know.
    */
-  class SchemeParameters : public dealii::ParameterAcceptor
+  struct SchemeParameters
   {
-  public:
-    SchemeParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::string mass             = "auto";
     double      filling          = 0.45;
@@ -95,10 +95,10 @@ namespace greville
   /**
    * The solver of the consistent mass.
    */
-  class ConsistentSolverParameters : public MassSolverParameters
+  struct ConsistentSolverParameters : MassSolverParameters
   {
-  public:
-    ConsistentSolverParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     /// One of ConsistentMass::methods().
     std::string method = "cg-ic0";
@@ -109,15 +109,16 @@ namespace greville
   /**
    * The walls of the grid.
    */
-  class WallParameters : public dealii::ParameterAcceptor
+  struct WallParameters
   {
-  public:
-    WallParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     /// In the order of the faces of a cell of deal.II.
     static const std::array<std::string, 6> names;
 
-    std::array<std::string, 6> type;
+    std::array<std::string, 6> type{
+      {"free", "free", "free", "free", "free", "free"}};
     std::array<std::string, 6> velocity;
     std::array<double, 6>      friction{};
   };
@@ -127,10 +128,10 @@ namespace greville
   /**
    * Forces on points, and damping.
    */
-  class LoadParameters : public dealii::ParameterAcceptor
+  struct LoadParameters
   {
-  public:
-    LoadParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::string gravity;
     std::string body_force;
@@ -144,10 +145,10 @@ namespace greville
   /**
    * A traction on the points of a surface.
    */
-  class TractionParameters : public dealii::ParameterAcceptor
+  struct TractionParameters
   {
-  public:
-    TractionParameters(const std::string &section);
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::string shape;
     std::string traction;
@@ -159,20 +160,20 @@ namespace greville
   /**
    * Exact solutions, and runs over many meshes.
    */
-  class ExactParameters : public dealii::ParameterAcceptor
+  struct ExactParameters
   {
-  public:
-    ExactParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::string displacement;
     std::string velocity;
     std::string stress;
   };
 
-  class SweepParameters : public dealii::ParameterAcceptor
+  struct SweepParameters
   {
-  public:
-    SweepParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::vector<unsigned int> cells;
     std::vector<unsigned int> degrees;
@@ -185,10 +186,10 @@ namespace greville
   /**
    * Measured data to compare with.
    */
-  class ReferenceParameters : public dealii::ParameterAcceptor
+  struct ReferenceParameters
   {
-  public:
-    ReferenceParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::string surface_file;
     std::string series_file;
@@ -202,10 +203,10 @@ namespace greville
   /**
    * What a run leaves.
    */
-  class OutputParameters : public dealii::ParameterAcceptor
+  struct OutputParameters
   {
-  public:
-    OutputParameters();
+    void
+    declare(dealii::ParameterHandler &prm);
 
     std::string directory;
     double      fields_every     = 0.;
@@ -218,37 +219,29 @@ namespace greville
 
 
   /**
-   * All parameters of a simulation. Bodies, materials and tractions have a
-   * section each, whose names the file itself gives.
+   * All parameters of a simulation: a value, which programs may copy and
+   * change. Bodies, materials and tractions have a section each, whose names
+   * the file itself gives.
    */
   class SimulationParameters
   {
-    /**
-     * The sections are declared in the one ParameterHandler of
-     * dealii::ParameterAcceptor: without what others have declared there.
-     */
-    struct Registration
-    {
-      Registration();
-    };
-    const Registration registration;
-
   public:
+    /**
+     * The defaults, without bodies.
+     */
+    SimulationParameters();
+
     /**
      * Read a file; throws where it is wrong, with the line.
      */
     explicit SimulationParameters(const std::string &file);
 
     /**
-     * Declare one body, one traction and all materials, for
-     * print_parameter_reference().
+     * Write the reference of all parameters, with a body, a traction and a
+     * material of each model.
      */
-    SimulationParameters();
-    ~SimulationParameters();
-
-    SimulationParameters(const SimulationParameters &) = delete;
-    SimulationParameters &
-    operator=(const SimulationParameters &) = delete;
+    static void
+    print_reference(std::ostream &out);
 
     GeneralParameters   general;
     GridParameters      grid;
@@ -262,29 +255,24 @@ namespace greville
     OutputParameters    output;
 
     ConsistentSolverParameters solver;
-    /// A symmetric cycle, for conjugate gradients.
-    PMultigridParameters multigrid{"p-multigrid",
-                                   "one by one",
-                                   "transpose",
-                                   "ic0"};
-    SmootherParameters   smoother{"Smoother", 2};
+    PMultigridParameters       multigrid;
+    SmootherParameters         smoother;
 
-    // By name.
-    std::map<std::string, std::unique_ptr<BodyParameters>>     bodies;
-    std::map<std::string, std::unique_ptr<Material>>           materials;
-    std::map<std::string, std::unique_ptr<TractionParameters>> tractions;
-
-    /// What the files of the parameters are relative to.
-    std::string directory;
+    // By name. Copies share materials, which do not change.
+    std::map<std::string, BodyParameters>                  bodies;
+    std::map<std::string, std::shared_ptr<const Material>> materials;
+    std::map<std::string, TractionParameters>              tractions;
 
     /**
-     * The file @p name beside the parameter file.
+     * Throw dealii::ExcMessage where parameters contradict each other or are
+     * wrong in a way that patterns cannot see.
      */
-    std::string
-    path_of(const std::string &name) const;
+    void
+    check() const;
 
     /**
-     * All parameters as a file that gives the same run from any folder.
+     * What has been read, all parameters of it, as a file that gives the same
+     * run from any folder.
      */
     const std::string &
     used() const
@@ -293,17 +281,11 @@ namespace greville
     }
 
   private:
-    void
-    read_names();
-
-    void
-    print_used();
-
     /**
-     * Throws where a file means the solver by parameters that do not name it.
+     * All parameters but those of materials.
      */
     void
-    check_method() const;
+    declare(dealii::ParameterHandler &prm);
 
     /**
      * What "auto" stands for: lumped mass where bodies spread into thin layers,
@@ -312,14 +294,7 @@ namespace greville
     std::string
     default_mass() const;
 
-    /**
-     * What patterns cannot check.
-     */
-    void
-    check() const;
-
-    std::vector<ParameterLine> lines;
-    std::string                used_text;
+    std::string used_text;
   };
 } // namespace greville
 

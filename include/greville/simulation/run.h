@@ -52,7 +52,6 @@ namespace greville
      * Collective. @p directory has to exist.
      */
     SimulationRun(const SimulationParameters &parameters,
-                  const SimulationCase       &run_case,
                   const std::string          &directory,
                   std::ostream               &out,
                   const MPI_Comm              comm);
@@ -89,20 +88,19 @@ namespace greville
     void
     write_summary(const RunSummary &summary);
 
-    const SimulationParameters &parameters;
-    const SimulationCase        run_case;
-    const std::string           directory;
-    std::ostream               &out;
-    MPI_Comm                    comm;
-    bool                        is_first;
-    Simulation<dim>             simulation;
-    ExactSolution<dim>          exact;
-    MeasuredData<dim>           measured;
-    FieldOutput<dim>            fields;
-    Probes<dim>                 probes;
-    std::ofstream               statistics_file;
-    double                      next_fields = 0., next_statistics = 0.;
-    double                      largest_front = -1e300;
+    const SimulationParameters parameters;
+    const std::string          directory;
+    std::ostream              &out;
+    MPI_Comm                   comm;
+    bool                       is_first;
+    Simulation<dim>            simulation;
+    ExactSolution<dim>         exact;
+    MeasuredData<dim>          measured;
+    FieldOutput<dim>           fields;
+    Probes<dim>                probes;
+    std::ofstream              statistics_file;
+    double                     next_fields = 0., next_statistics = 0.;
+    double                     largest_front = -1e300;
 
     std::chrono::steady_clock::time_point begin, last_shown;
     double                                last_shown_time = 0.;

@@ -18,11 +18,10 @@ namespace greville
   {
   public:
     /**
-     * Collective. Makes grid and points. Parameters are kept by reference.
-     * Throws dealii::ExcMessage where they are wrong.
+     * Collective. Makes grid and points. Throws dealii::ExcMessage where
+     * parameters are wrong.
      */
     Simulation(const SimulationParameters &parameters,
-               const SimulationCase       &run_case,
                const MPI_Comm              comm = MPI_COMM_WORLD);
 
     /**
@@ -225,7 +224,7 @@ namespace greville
     void
     check_fragments();
 
-    const SimulationParameters          &parameters;
+    const SimulationParameters           parameters;
     MPI_Comm                             comm;
     StepLog                              log;
     Loads<dim>                           loads;
