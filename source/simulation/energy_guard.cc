@@ -21,11 +21,9 @@ namespace greville
 
   template <int dim>
   EnergyGuard<dim>::EnergyGuard(const SchemeParameters    &parameters,
-                                const std::string         &mass,
                                 const Discretization<dim> &discretization,
                                 StepLog                   &log)
     : parameters(parameters)
-    , mass(mass)
     , discretization(discretization)
     , log(log)
   {}
@@ -72,7 +70,7 @@ namespace greville
     message << "energy has come from nothing: " << 100. * gain
             << " % of the largest energy so far, with the work of loads, walls "
                "and damping counted. The steps are unstable with mass <"
-            << mass
+            << parameters.mass
             << ">: take 'Scheme/Mass' = lumped or fmpm-2, a larger "
                "'Scheme/Filter' or a smaller 'Time/Safety'";
     if (parameters.energy_gain == "stop")

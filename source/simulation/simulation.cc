@@ -39,10 +39,7 @@ namespace greville
     , loads(parameters)
     , discretization(parameters, loads, log, comm)
     , damping(parameters.loads, discretization)
-    , energy_guard(parameters.scheme,
-                   parameters.scheme.mass,
-                   discretization,
-                   log)
+    , energy_guard(parameters.scheme, discretization, log)
     , current(make_initial_state(parameters, loads, discretization))
     , integrator(make_time_integrator<dim>(
         parameters.scheme.stress_update,

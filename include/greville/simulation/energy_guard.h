@@ -14,11 +14,9 @@ namespace greville
   {
   public:
     /**
-     * All but @p mass, the name of the mass for messages, are kept by
-     * reference.
+     * All are kept by reference.
      */
     EnergyGuard(const SchemeParameters    &parameters,
-                const std::string         &mass,
                 const Discretization<dim> &discretization,
                 StepLog                   &log);
 
@@ -37,7 +35,6 @@ namespace greville
 
   private:
     const SchemeParameters    &parameters;
-    const std::string          mass;
     const Discretization<dim> &discretization;
     StepLog                   &log;
   };
