@@ -226,9 +226,7 @@ namespace greville
   class SimulationParameters
   {
   public:
-    /**
-     * The defaults, without bodies.
-     */
+    /// The defaults, without bodies.
     SimulationParameters();
 
     /**
