@@ -200,7 +200,7 @@ namespace greville
     , space(triangulation, 1)
     , filling(space)
   {
-    points.reinit(space, PointLayout<dim>(0, false, false));
+    points.reinit(space, PointLayout<dim>());
     run_on_all([&]() { make_points(body, n); }, space.communicator());
     AssertThrow(Utilities::MPI::sum<std::uint64_t>(points.n_points(),
                                                    space.communicator()) > 0,

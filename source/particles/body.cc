@@ -369,6 +369,7 @@ namespace greville
       const BodyParameters          &parameters = *body.parameters;
       const Material                &material   = *body.material;
       const PointLayout<dim>        &layout     = body.points.layout();
+      const PointField              *affine     = layout.find("affine");
       const InitialStress<dim>       stress(parameters,
                                       section,
                                       gravity,
@@ -424,7 +425,7 @@ namespace greville
             }
           // APIC's matrix is the gradient of the velocity at the place to
           // which the displacement has moved the point.
-          if (layout.has_affine && !velocity.empty() &&
+          if (affine && !velocity.empty() &&
               parameters.imposed_velocity.empty())
             {
               const Tensor<2, 3> C =
@@ -432,7 +433,7 @@ namespace greville
                 invert(state.increment);
               for (unsigned int d = 0; d < dim; ++d)
                 for (unsigned int e = 0; e < dim; ++e)
-                  p[layout.affine + d * dim + e] = C[d][e];
+                  p[affine->first + d * dim + e] = C[d][e];
             }
           p.mass()    = material.density * point.volume;
           p.volume0() = point.volume / J_of_shape;
@@ -452,15 +453,11 @@ namespace greville
   make_points(Body<dim>              &body,
               const SplineSpace<dim> &space,
               const Tensor<1, dim>   &gravity,
-              const bool              has_affine,
-              const bool              has_load)
+              const PointLayout<dim> &layout)
   {
     const BodyParameters &parameters = *body.parameters;
     const std::string     section    = "Body " + body.name;
-    body.points.reinit(space,
-                       PointLayout<dim>(body.material->state_names().size(),
-                                        has_affine,
-                                        has_load));
+    body.points.reinit(space, layout);
     run_on_all(
       [&]() {
         AssertThrow(parameters.shape.empty() || parameters.points_file.empty(),
@@ -508,12 +505,10 @@ namespace greville
   make_points<2>(Body<2> &,
                  const SplineSpace<2> &,
                  const Tensor<1, 2> &,
-                 const bool,
-                 const bool);
+                 const PointLayout<2> &);
   template std::vector<unsigned int>
   make_points<3>(Body<3> &,
                  const SplineSpace<3> &,
                  const Tensor<1, 3> &,
-                 const bool,
-                 const bool);
+                 const PointLayout<3> &);
 } // namespace greville

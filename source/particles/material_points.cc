@@ -5,17 +5,47 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  PointLayout<dim>::PointLayout(const unsigned int n_state,
-                                const bool         has_affine,
-                                const bool         has_load)
-    : n_state(n_state)
-    , has_affine(has_affine)
-    , has_load(has_load)
-    , state(n_fixed)
-    , affine(state + n_state)
-    , load(affine + (has_affine ? dim * dim : 0))
-    , size(load + (has_load ? dim : 0))
-  {}
+  PointLayout<dim>::PointLayout(const std::vector<std::string> &state_names)
+    : n_state(state_names.size())
+  {
+    for (const std::string &name : state_names)
+      add(name, 1);
+  }
+
+
+
+  template <int dim>
+  void
+  PointLayout<dim>::add(const std::string &name,
+                        const unsigned int n_components)
+  {
+    Assert(!find(name), ExcMessage("There are two fields '" + name + "'."));
+    all_fields.push_back({name, size, n_components});
+    size += n_components;
+  }
+
+
+
+  template <int dim>
+  const PointField *
+  PointLayout<dim>::find(const std::string &name) const
+  {
+    for (const PointField &field : all_fields)
+      if (field.name == name)
+        return &field;
+    return nullptr;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  PointLayout<dim>::first(const std::string &name) const
+  {
+    const PointField *field = find(name);
+    Assert(field, ExcMessage("There is no field '" + name + "'."));
+    return field->first;
+  }
 
 
 
@@ -249,8 +279,8 @@ namespace greville
 
 
 
-  template struct PointLayout<2>;
-  template struct PointLayout<3>;
+  template class PointLayout<2>;
+  template class PointLayout<3>;
   template class MaterialPoints<2>;
   template class MaterialPoints<3>;
 } // namespace greville

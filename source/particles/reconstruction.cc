@@ -173,11 +173,16 @@ namespace greville
   Reconstruction<dim>::reconstruct(const MaterialPoints<dim> &points,
                                    MaterialPoints<dim>       &result) const
   {
-    using Layout                    = PointLayout<dim>;
-    const SplineSpace<dim> &space   = points.space();
-    const auto             &lattice = space.lattice();
-    const Layout            from    = points.layout();
-    const Layout            to(0, false, from.has_load);
+    using Layout                     = PointLayout<dim>;
+    const SplineSpace<dim> &space    = points.space();
+    const auto             &lattice  = space.lattice();
+    const Layout            from     = points.layout();
+    const bool              has_load = from.find("load");
+    Layout                  to;
+    if (has_load)
+      to.add("load", dim);
+    const unsigned int from_load = has_load ? from.first("load") : 0;
+    const unsigned int to_load   = has_load ? to.first("load") : 0;
     result.reinit(space, to);
 
     double cell_volume = 1.;
@@ -185,8 +190,7 @@ namespace greville
       cell_volume *= lattice.cell_size(d);
     const QGauss<dim>      quadrature(n_q);
     constexpr unsigned int n_stress = Layout::n_stress;
-    const unsigned int     n_fields =
-      1 + dim + n_stress + (from.has_load ? dim : 0);
+    const unsigned int     n_fields = 1 + dim + n_stress + (has_load ? dim : 0);
 
     std::vector<double>             values(to.size), psi;
     const PointRef<dim>             result_point(values.data());
@@ -227,7 +231,7 @@ namespace greville
             return rho * p.velocity(f - 1);
           if (f <= dim + n_stress)
             return p.stress(f - 1 - dim);
-          return rho * p[from.load + f - 1 - dim - n_stress];
+          return rho * p[from_load + f - 1 - dim - n_stress];
         };
 
         const auto fits_constant = [&](const unsigned int f) {
@@ -317,9 +321,9 @@ namespace greville
             {
               for (unsigned int k = 0; k < Layout::n_fixed; ++k)
                 values[k] = p[k];
-              if (from.has_load)
+              if (has_load)
                 for (unsigned int d = 0; d < dim; ++d)
-                  values[to.load + d] = p[from.load + d];
+                  values[to_load + d] = p[from_load + d];
               result.insert(cell, make_array_view(values));
             }
         else
@@ -349,9 +353,9 @@ namespace greville
                   result_point.velocity(d) = fields[1 + d] / fields[0];
                 for (unsigned int k = 0; k < n_stress; ++k)
                   result_point.stress(k) = fields[1 + dim + k];
-                if (from.has_load)
+                if (has_load)
                   for (unsigned int d = 0; d < dim; ++d)
-                    values[to.load + d] =
+                    values[to_load + d] =
                       fields[1 + dim + n_stress + d] / fields[0];
                 result.insert(cell, make_array_view(values));
               }

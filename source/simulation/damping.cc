@@ -87,13 +87,13 @@ namespace greville
       {
         if (!body.imposed_velocity.empty())
           continue;
-        const auto &layout = body.points.layout();
+        const PointField *affine = body.points.layout().find("affine");
         body.points.for_each([&](const unsigned int, PointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
             p.velocity(d) = 0.;
-          if (layout.has_affine)
+          if (affine)
             for (unsigned int k = 0; k < dim * dim; ++k)
-              p[layout.affine + k] = 0.;
+              p[affine->first + k] = 0.;
         });
       }
     state.points_have_changed();

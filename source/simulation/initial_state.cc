@@ -132,7 +132,10 @@ namespace greville
     for (const std::string &name : parameters.general.bodies)
       {
         Body<dim> body = make_body<dim>(name, parameters);
-        make_points(body, cells, loads.gravity(0.), false, false);
+        make_points(body,
+                    cells,
+                    loads.gravity(0.),
+                    PointLayout<dim>(body.material->state_names()));
         for (const unsigned int cell : body.points.cells())
           weights[cell] += 4 * body.points.n_points(cell);
       }
@@ -158,12 +161,12 @@ namespace greville
     Signals                 signals;
     for (const std::string &name : parameters.general.bodies)
       {
-        Body<dim>  body  = make_body<dim>(name, parameters);
-        const auto left  = make_points(body,
-                                      space,
-                                      loads.gravity(0.),
-                                      parameters.scheme.transfer == "APIC",
-                                      loads.act_on_points());
+        Body<dim>        body = make_body<dim>(name, parameters);
+        PointLayout<dim> layout(body.material->state_names());
+        if (parameters.scheme.transfer == "APIC")
+          layout.add("affine", dim * dim);
+        loads.add_fields(layout);
+        const auto left  = make_points(body, space, loads.gravity(0.), layout);
         const auto moved = discretization.transport().move(body.points, left);
         AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
                     ExcMessage("The parameter 'Body " + name +

@@ -1,8 +1,6 @@
+#include <greville/simulation/body_force.h>
 #include <greville/simulation/loads.h>
-
-#include <algorithm>
-#include <limits>
-#include <sstream>
+#include <greville/simulation/traction.h>
 
 namespace greville
 {
@@ -10,100 +8,18 @@ namespace greville
 
   namespace
   {
-    template <int dim>
-    std::vector<std::string>
-    load_variables()
-    {
-      return dim == 2
-               ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
-               : std::vector<std::string>{"x", "y", "z", "X", "Y", "Z", "t"};
-    }
-
-
-
     // Loads that move a point by more than this part of a cell in a step can be
     // why a step fails.
     constexpr double large_move = 0.1;
 
 
 
-    /**
-     * The parameters of the loads that there are.
-     */
-    std::string
-    names_of_loads(const SimulationParameters &parameters,
-                   const bool                  with_gravity)
-    {
-      std::string result;
-      const auto  add = [&](const std::string &name) {
-        result += (result.empty() ? "" : ", ") + name;
-      };
-      if (with_gravity && !parameters.loads.gravity.empty())
-        add("'Loads/Gravity'");
-      if (!parameters.loads.body_force.empty())
-        add("'Loads/Body force'");
-      for (const std::string &name : parameters.general.tractions)
-        add("'Traction " + name + "/Traction' with 'Traction " + name +
-            "/Area'");
-      return result;
-    }
-
-
-
+    // All kinds of loads on points, one line each.
     template <int dim>
-    std::string
-    too_large(const SimulationParameters &parameters,
-              const Point<dim>           &X,
-              const double                t)
+    std::vector<PointLoads<dim> (*)(const SimulationParameters &)>
+    kinds_of_point_loads()
     {
-      std::ostringstream message;
-      message << "the point of the initial position (" << X
-              << ") m gets more than 1e100 m / s^2 at t = " << t << " s from "
-              << names_of_loads(parameters, false);
-      return message.str();
-    }
-
-
-
-    /**
-     * Collective. The message where no point is in the shape of a traction.
-     */
-    template <int dim>
-    std::string
-    no_point(const std::string            &section,
-             const std::string            &shape,
-             const std::vector<Body<dim>> &bodies,
-             const MPI_Comm                comm)
-    {
-      Point<dim> lower, upper;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          lower[d] = std::numeric_limits<double>::max();
-          upper[d] = std::numeric_limits<double>::lowest();
-          for (const Body<dim> &body : bodies)
-            {
-              body.points.for_each(
-                [&](const unsigned int, ConstPointRef<dim> p) {
-                  const double X = p.reference(d);
-                  lower[d]       = std::min(lower[d], X);
-                  upper[d]       = std::max(upper[d], X);
-                });
-            }
-          lower[d] = Utilities::MPI::min(lower[d], comm);
-          upper[d] = Utilities::MPI::max(upper[d], comm);
-        }
-      std::ostringstream message;
-      message << "The parameter '" << section << "/Shape' is <" << shape
-              << ">: no point is in it. Points are between (" << lower
-              << ") m and (" << upper << ") m initially. Where they are comes "
-              << "from 'Grid/Cells'";
-      for (const Body<dim> &body : bodies)
-        message << ", 'Body " << body.name
-                << (body.parameters->points_file.empty()
-                      ? "/Points per direction'"
-                      : "/Points file'");
-      message << ".";
-      return message.str();
+      return {BodyForce<dim>::make, Traction<dim>::make};
     }
   } // namespace
 
@@ -111,59 +27,49 @@ namespace greville
 
   template <int dim>
   Loads<dim>::Loads(const SimulationParameters &parameters)
-    : parameters(parameters)
   {
     if (!parameters.loads.gravity.empty())
       gravity_formulas =
         make_expressions(parameters.loads.gravity, "Loads/Gravity", {"t"}, dim);
-    if (!parameters.loads.body_force.empty())
-      body_force = make_expressions(parameters.loads.body_force,
-                                    "Loads/Body force",
-                                    load_variables<dim>(),
-                                    dim);
-  }
-
-
-
-  template <int dim>
-  bool
-  Loads<dim>::act_on_points() const
-  {
-    return !body_force.empty() || !parameters.tractions.empty();
+    for (const auto &make : kinds_of_point_loads<dim>())
+      for (auto &load : make(parameters))
+        point_loads.push_back(std::move(load));
   }
 
 
 
   template <int dim>
   void
-  Loads<dim>::find_surfaces(const std::vector<Body<dim>> &bodies,
-                            const MPI_Comm                comm)
+  Loads<dim>::add_fields(PointLayout<dim> &layout) const
   {
-    for (const std::string &name : parameters.general.tractions)
-      {
-        const TractionParameters &given   = parameters.tractions.at(name);
-        const std::string         section = "Traction " + name;
-        Traction traction{Shape<dim>(given.shape, section + "/Shape"),
-                          make_expressions(given.traction,
-                                           section + "/Traction",
-                                           load_variables<dim>(),
-                                           dim),
-                          0.};
-        double   volume = 0.;
-        for (const Body<dim> &body : bodies)
-          {
-            body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-              if (traction.shape.contains(p.reference()))
-                volume += p.volume0();
-            });
-          }
-        volume = Utilities::MPI::sum(volume, comm);
-        AssertThrow(volume > 0.,
-                    ExcMessage(
-                      no_point<dim>(section, given.shape, bodies, comm)));
-        traction.area_per_volume0 = given.area / volume;
-        tractions.push_back(std::move(traction));
-      }
+    if (act_on_points())
+      layout.add("load", dim);
+    for (const auto &load : point_loads)
+      load->add_fields(layout);
+  }
+
+
+
+  template <int dim>
+  void
+  Loads<dim>::find_points(std::vector<Body<dim>> &bodies,
+                          const MPI_Comm          comm) const
+  {
+    for (const auto &load : point_loads)
+      load->find_points(bodies, comm);
+  }
+
+
+
+  template <int dim>
+  std::string
+  Loads<dim>::names(const bool with_gravity) const
+  {
+    std::string result =
+      with_gravity && !gravity_formulas.empty() ? "'Loads/Gravity'" : "";
+    for (const auto &load : point_loads)
+      result += (result.empty() ? "" : ", ") + load->parameter_names();
+    return result;
   }
 
 
@@ -181,7 +87,7 @@ namespace greville
     std::ostringstream message;
     message << "Loads alone accelerate points by up to " << most
             << " m / s^2, which moves them by " << most * dt * dt / h
-            << " cells in a step: " << names_of_loads(parameters, true) << ". ";
+            << " cells in a step: " << names(true) << ". ";
     return message.str();
   }
 
@@ -204,35 +110,29 @@ namespace greville
   Loads<dim>::set(std::vector<Body<dim>> &bodies, const double t)
   {
     largest = 0.;
-    if (body_force.empty() && tractions.empty())
+    if (!act_on_points())
       return;
     for (Body<dim> &body : bodies)
       {
-        const unsigned int load = body.points.layout().load;
+        const unsigned int first = body.points.layout().first("load");
         body.points.for_each([&](const unsigned int, PointRef<dim> p) {
-          double           arguments[2 * dim + 1];
-          const Point<dim> X = p.reference();
           for (unsigned int d = 0; d < dim; ++d)
+            p[first + d] = 0.;
+        });
+        for (const auto &load : point_loads)
+          load->add_acceleration(body.points, first, t);
+        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+          const double size = p.vector(first).norm();
+          if (!(size <= 1e100))
             {
-              arguments[d]       = p.position(d);
-              arguments[dim + d] = X[d];
+              std::ostringstream message;
+              message << "the point of the initial position (" << p.reference()
+                      << ") m gets more than 1e100 m / s^2 at t = " << t
+                      << " s from " << names(false);
+              AssertThrow(false, ExcMessage(message.str()));
             }
-          arguments[2 * dim] = t;
-          const ArrayView<const double> view(arguments, 2 * dim + 1);
-          Tensor<1, dim>                sum;
-          for (unsigned int d = 0; d < body_force.size(); ++d)
-            sum[d] = body_force[d](view);
-          for (const Traction &traction : tractions)
-            if (traction.shape.contains(X))
-              for (unsigned int d = 0; d < dim; ++d)
-                sum[d] += traction.formulas[d](view) *
-                          traction.area_per_volume0 * p.volume0() / p.mass();
-          AssertThrow(sum.norm() <= 1e100,
-                      ExcMessage(too_large(parameters, X, t)));
           if (body.imposed_velocity.empty())
-            largest = std::max(largest, sum.norm());
-          for (unsigned int d = 0; d < dim; ++d)
-            p[load + d] = sum[d];
+            largest = std::max(largest, size);
         });
       }
   }

@@ -69,14 +69,15 @@ namespace greville
           continue;
         // With the volume for mass and the pressure 1, the force of the points
         // is the sum of V_p grad N_i.
-        points = body.points;
+        points                 = body.points;
+        const PointField *load = points.layout().find("load");
         points.for_each([&](const unsigned int, PointRef<dim> point) {
           point.mass() = point.volume();
           for (unsigned int k = 0; k < Layout::n_stress; ++k)
             point.stress(k) = k < 3 ? -1. : 0.;
-          if (points.layout().has_load)
+          if (load)
             for (unsigned int d = 0; d < dim; ++d)
-              point[points.layout().load + d] = 0.;
+              point[load->first + d] = 0.;
         });
         transfer.points_to_grid({&points}, &volume, &momentum, &gradient);
 

@@ -69,9 +69,9 @@ namespace greville
                  const unsigned int              number,
                  const std::vector<std::string> &states)
       {
-        using Layout         = PointLayout<dim>;
-        const Layout &layout = body.points.layout();
-        const auto    own    = body.material->state_names();
+        std::vector<const PointField *> fields;
+        for (const std::string &name : states)
+          fields.push_back(body.points.layout().find(name));
         body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
           DataOutBase::Patch<0, dim> patch;
           patch.data.reinit(names.size(), 1);
@@ -84,7 +84,7 @@ namespace greville
           for (unsigned int d = 0; d < dim; ++d)
             patch.data(k++, 0) = p.position(d) - p.reference(d);
           double stress[6] = {};
-          for (unsigned int c = 0; c < Layout::n_stress; ++c)
+          for (unsigned int c = 0; c < PointLayout<dim>::n_stress; ++c)
             patch.data(k++, 0) = stress[c] = p.stress(c);
           const double pressure = -(stress[0] + stress[1] + stress[2]) / 3.;
           double       square   = 0.;
@@ -98,13 +98,8 @@ namespace greville
           patch.data(k++, 0) = p.mass() / (p.volume0() * J);
           patch.data(k++, 0) = number;
           patch.data(k++, 0) = p.id();
-          for (const std::string &name : states)
-            {
-              const auto found   = std::find(own.begin(), own.end(), name);
-              patch.data(k++, 0) = found == own.end()
-                                     ? 0.
-                                     : p[layout.state + (found - own.begin())];
-            }
+          for (const PointField *field : fields)
+            patch.data(k++, 0) = field ? p[field->first] : 0.;
           patch.patch_index = patches.size();
           patches.push_back(patch);
         });

@@ -45,7 +45,7 @@ namespace greville
         parameters.scheme.stress_update,
         {parameters, discretization, loads, current, log}))
   {
-    loads.find_surfaces(current.bodies, comm);
+    loads.find_points(current.bodies, comm);
     energy_guard.start(current);
     good.take(current);
   }

@@ -79,16 +79,16 @@ namespace greville
     double
     kinetic_energy_of(const ConstPointRef<dim>  p,
                       const unsigned int        cell,
-                      const PointLayout<dim>   &layout,
+                      const PointField         *affine,
                       const PointTransfer<dim> &transfer)
     {
       double square = p.velocity().norm_square();
-      if (layout.has_affine)
+      if (affine)
         {
           const auto D = transfer.spread(cell, p.position());
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
-              square += std::pow(p[layout.affine + i * dim + j], 2) * D[j];
+              square += std::pow(p[affine->first + i * dim + j], 2) * D[j];
         }
       return 0.5 * p.mass() * square;
     }
@@ -109,6 +109,7 @@ namespace greville
     for (const Body<dim> &body : bodies)
       {
         const PointLayout<dim> &layout = body.points.layout();
+        const PointField       *affine = layout.find("affine");
         body.points.for_each(
           [&](const unsigned int cell, ConstPointRef<dim> p) {
             const double         m        = p.mass();
@@ -125,11 +126,11 @@ namespace greville
             result.momentum += m * velocity;
             first_moment += m * position;
             result.angular_momentum += m * cross_product_3d(x, v);
-            if (layout.has_affine)
+            if (affine)
               {
                 // m C D, whose skew part is a spin
                 const auto   D = transfer.spread(cell, position);
-                const auto   C = p.matrix(layout.affine);
+                const auto   C = p.matrix(affine->first);
                 Tensor<2, 3> B;
                 for (unsigned int i = 0; i < dim; ++i)
                   for (unsigned int j = 0; j < dim; ++j)
@@ -138,7 +139,7 @@ namespace greville
                 result.angular_momentum[1] += m * (B[0][2] - B[2][0]);
                 result.angular_momentum[2] += m * (B[1][0] - B[0][1]);
               }
-            result.kinetic += kinetic_energy_of<dim>(p, cell, layout, transfer);
+            result.kinetic += kinetic_energy_of<dim>(p, cell, affine, transfer);
             result.gravitational -= m * (gravity * Tensor<1, dim>(position));
             if (body.imposed_velocity.empty())
               {
@@ -191,11 +192,13 @@ namespace greville
     double sum = 0.;
     for (const Body<dim> &body : bodies)
       if (body.imposed_velocity.empty())
-        body.points.for_each(
-          [&](const unsigned int cell, ConstPointRef<dim> p) {
-            sum +=
-              kinetic_energy_of<dim>(p, cell, body.points.layout(), transfer);
-          });
+        {
+          const PointField *affine = body.points.layout().find("affine");
+          body.points.for_each(
+            [&](const unsigned int cell, ConstPointRef<dim> p) {
+              sum += kinetic_energy_of<dim>(p, cell, affine, transfer);
+            });
+        }
     return Utilities::MPI::sum(sum, comm);
   }
 
@@ -211,11 +214,12 @@ namespace greville
     for (const Body<dim> &body : bodies)
       if (body.imposed_velocity.empty())
         {
-          const auto &layout = body.points.layout();
+          const PointLayout<dim> &layout = body.points.layout();
+          const PointField       *affine = layout.find("affine");
           body.points.for_each(
             [&](const unsigned int cell, ConstPointRef<dim> p) {
               const MaterialPoint point = load_material_point<dim>(p, layout);
-              sum += kinetic_energy_of<dim>(p, cell, layout, transfer) +
+              sum += kinetic_energy_of<dim>(p, cell, affine, transfer) +
                      p.volume0() * (body.material->strain_energy(point) +
                                     body.material->dissipation(point));
             });

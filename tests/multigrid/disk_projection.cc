@@ -97,12 +97,11 @@ public:
     , space(box.mesh, p)
     , weights(space, 2 * p + 1)
   {
-    using Layout = PointLayout<dim>;
     PointPlacement placement;
     placement.shape                = "ball(0.5, 0.5, 0.3)";
     placement.points_per_direction = {3};
     placement.jitter               = 0.5;
-    points.reinit(space, Layout(0, false, false));
+    points.reinit(space, PointLayout<dim>());
     std::vector<double> numbers(points.layout().size, 0.);
     const PointRef<dim> numbers_of_point(numbers.data());
     numbers_of_point.J() = 1.;

@@ -14,9 +14,8 @@ random_points(const SplineSpace<dim> &space,
               const unsigned int      p,
               const Filling<dim>     &filling)
 {
-  using Layout = PointLayout<dim>;
   MaterialPoints<dim> points;
-  points.reinit(space, Layout(0, false, false));
+  points.reinit(space, PointLayout<dim>());
   std::vector<double> numbers(points.layout().size, 0.);
   const PointRef<dim> point(numbers.data());
   point.J()         = 1.;

@@ -29,7 +29,11 @@ public:
     body.name       = "a";
     body.parameters = &parameters;
     body.material   = &material;
-    left            = make_points(body, space, gravity, true, true);
+    left =
+      make_points(body,
+                  space,
+                  gravity,
+                  make_layout<dim>(material.state_names().size(), true, true));
   }
 
   double
@@ -532,7 +536,7 @@ test_displacement()
   body.name       = "fluid";
   body.parameters = &parameters;
   body.material   = &fluid;
-  make_points(body, made.space, Tensor<1, 2>(), false, false);
+  make_points(body, made.space, Tensor<1, 2>(), Layout(fluid.state_names()));
   double stress = 0., heat = 0., shear = 1.;
   body.points.for_each([&](const unsigned int, const auto p) {
     for (unsigned int k = 0; k < Layout::n_stress; ++k)

@@ -33,16 +33,15 @@ template <int dim>
 void
 test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
 {
-  using Layout = PointLayout<dim>;
   Box<dim>               box(cells);
   const SplineSpace<dim> space(box.mesh, p);
   print() << dim << "D, p = " << p << (part ? ", a part of the cells" : "")
           << std::endl;
   MaterialPoints<dim> a, b;
   random_points<dim>(
-    a, space, Layout(0, false, false), cube<dim>(3), 0.9, 1, 0.3);
+    a, space, make_layout<dim>(0, false, false), cube<dim>(3), 0.9, 1, 0.3);
   random_points<dim>(
-    b, space, Layout(1, true, true), cube<dim>(2), 0.9, 2, 0.5);
+    b, space, make_layout<dim>(1, true, true), cube<dim>(2), 0.9, 2, 0.5);
   if (part)
     // Only the lower half keeps points.
     for (MaterialPoints<dim> *points : {&a, &b})

@@ -13,7 +13,7 @@ test_storage(const MultiIndex<dim> &cells)
   using Layout = PointLayout<dim>;
   Box<dim>               box(cells, MPI_COMM_SELF);
   const SplineSpace<dim> space(box.mesh, 2);
-  const Layout           layout(3, true, true);
+  const Layout           layout  = make_layout<dim>(3, true, true);
   const auto            &lattice = space.lattice();
   const unsigned int     n_cells = space.owned_cells().size();
   MaterialPoints<dim>    points;
@@ -213,7 +213,8 @@ public:
     : box(cells)
     , space(box.mesh, 1)
   {
-    random_points<dim>(points, space, Layout(2, true, true), cube<dim>(2), 0.9);
+    random_points<dim>(
+      points, space, make_layout<dim>(2, true, true), cube<dim>(2), 0.9);
     const auto own = by_id(points);
     n_all = Utilities::MPI::sum<std::uint64_t>(own.size(), MPI_COMM_WORLD);
     // The numbers of all points, on each process (they are few).
@@ -221,7 +222,7 @@ public:
     const SplineSpace<dim> own_space(own_box.mesh, 1);
     MaterialPoints<dim>    all;
     random_points<dim>(
-      all, own_space, Layout(2, true, true), cube<dim>(2), 0.9);
+      all, own_space, make_layout<dim>(2, true, true), cube<dim>(2), 0.9);
     list = by_id(all);
     transport.reinit(box.mesh, space);
   }

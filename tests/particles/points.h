@@ -71,6 +71,26 @@ index_of(const SplineSpace<dim> &space, const unsigned int cell)
 
 
 
+// With n_state history variables, APIC's matrix and an acceleration by loads.
+template <int dim>
+PointLayout<dim>
+make_layout(const unsigned int n_state,
+            const bool         has_affine,
+            const bool         has_load)
+{
+  std::vector<std::string> names;
+  for (unsigned int k = 0; k < n_state; ++k)
+    names.push_back("state " + std::to_string(k));
+  PointLayout<dim> layout(names);
+  if (has_affine)
+    layout.add("affine", dim * dim);
+  if (has_load)
+    layout.add("load", dim);
+  return layout;
+}
+
+
+
 // Points with n per direction in each cell, moved at random by at most jitter
 // times half their distance, all numbers of which are random. A part of them is
 // left out, so that groups have empty lanes.

@@ -148,11 +148,10 @@ test_full_cells(const MultiIndex<dim> &cells,
                 const bool             of_x,
                 const bool             in_cells)
 {
-  using Layout = PointLayout<dim>;
   Box<dim>               box(cells);
   const SplineSpace<dim> space(box.mesh, 2);
   MaterialPoints<dim>    points, result;
-  random_points<dim>(points, space, Layout(1, true, true), n, 0.6);
+  random_points<dim>(points, space, make_layout<dim>(1, true, true), n, 0.6);
   // A single point across lies in the middle, like that of a body.
   points.for_each([&](const unsigned int cell, const auto p) {
     const auto center = space.lattice().cell_center(index_of(space, cell));
@@ -231,7 +230,7 @@ test_all_quantities(const bool in_cells)
   using Layout = PointLayout<dim>;
   Box<dim>               box(cube<dim>(3));
   const SplineSpace<dim> space(box.mesh, 1);
-  const Layout           layout(0, false, true);
+  const Layout           layout = make_layout<dim>(0, false, true);
   MaterialPoints<dim>    points, result;
   points.reinit(space, layout);
   const QGauss<dim>   quadrature(4);
@@ -252,8 +251,8 @@ test_all_quantities(const bool in_cells)
         for (unsigned int d = 0; d < dim; ++d)
           {
             // Momentum and force per volume have degree 2.
-            p.velocity(d)           = polynomial<dim>(x, d, 1);
-            values[layout.load + d] = polynomial<dim>(x, 10 + d, 1);
+            p.velocity(d)                    = polynomial<dim>(x, d, 1);
+            values[layout.first("load") + d] = polynomial<dim>(x, 10 + d, 1);
           }
         p.J()       = 1.25;
         p.volume0() = quadrature.weight(q) * cell_volume(space) / 1.25;
@@ -274,7 +273,7 @@ test_all_quantities(const bool in_cells)
         error =
           std::max(error, std::abs(p.velocity(d) - polynomial<dim>(x, d, 1)));
         error = std::max(error,
-                         std::abs(p[result.layout().load + d] -
+                         std::abs(p[result.layout().first("load") + d] -
                                   polynomial<dim>(x, 10 + d, 1)));
       }
   });
@@ -292,11 +291,11 @@ template <int dim>
 void
 test_other_cells(const bool in_cells)
 {
-  using Layout = PointLayout<dim>;
   Box<dim>               box(cube<dim>(4));
   const SplineSpace<dim> space(box.mesh, 2);
   MaterialPoints<dim>    points, result;
-  random_points<dim>(points, space, Layout(0, false, true), cube<dim>(3), 0.5);
+  random_points<dim>(
+    points, space, make_layout<dim>(0, false, true), cube<dim>(3), 0.5);
   points.for_each([&](const unsigned int, const auto p) {
     p.volume0() = cell_volume(space) / Utilities::pow(3, dim) / p.J();
     p.mass()    = 4. * p.volume0() * p.J();
@@ -390,7 +389,7 @@ main(int argc, char **argv)
   Box<2>               box(cube<2>(4));
   const SplineSpace<2> space(box.mesh, 2);
   MaterialPoints<2>    points, result;
-  points.reinit(space, PointLayout<2>(0, false, false));
+  points.reinit(space, PointLayout<2>());
   Reconstruction<2>(3, false, 0.5).reconstruct(points, result);
   check("no points", on_all(result.n_points() == 0));
 }

@@ -39,8 +39,13 @@ test(const unsigned int p)
   PointTransfer<dim>     transfer;
   transfer.reinit(space);
   MaterialPoints<dim> points;
-  random_points<dim>(
-    points, space, Layout(1, false, false), cube<dim>(2), 0.9, 3, 0.3);
+  random_points<dim>(points,
+                     space,
+                     make_layout<dim>(1, false, false),
+                     cube<dim>(2),
+                     0.9,
+                     3,
+                     0.3);
   points.for_each([](const unsigned int, const auto q) {
     q.volume0() = 1.5 + q.volume0() / 10.;
     q.J()       = 1.01;

@@ -127,14 +127,13 @@ template <int dim>
 void
 test_points_to_grid(const SplineSpace<dim> &space, const bool affine)
 {
-  using Layout = PointLayout<dim>;
   // Two bodies of different layouts.
   MaterialPoints<dim> a, b, nothing;
   random_points<dim>(
-    a, space, Layout(1, affine, true), cube<dim>(2), 0.95, 1, 0.25);
+    a, space, make_layout<dim>(1, affine, true), cube<dim>(2), 0.95, 1, 0.25);
   random_points<dim>(
-    b, space, Layout(0, false, false), cube<dim>(2), 0.5, 2, 0.6);
-  nothing.reinit(space, Layout(0, affine, false));
+    b, space, make_layout<dim>(0, false, false), cube<dim>(2), 0.5, 2, 0.6);
+  nothing.reinit(space, make_layout<dim>(0, affine, false));
   PointTransfer<dim> transfer;
   transfer.reinit(space);
 
@@ -151,35 +150,35 @@ test_points_to_grid(const SplineSpace<dim> &space, const bool affine)
       for (unsigned int i = 0; i < dim; ++i)
         {
           totals[1 + i] += m * values.velocity(i);
-          if (layout.has_load)
-            totals[1 + dim + i] += m * values[layout.load + i];
+          if (layout.find("load"))
+            totals[1 + dim + i] += m * values[layout.first("load") + i];
         }
-      for_each_function<dim>(space,
-                             x,
-                             [&](const std::uint64_t   f,
-                                 const Point<dim>     &xi,
-                                 const double          N,
-                                 const Tensor<1, dim> &dN) {
-                               sums(f, 0) += m * N;
-                               for (unsigned int i = 0; i < dim; ++i)
-                                 {
-                                   double v        = values.velocity(i);
-                                   double internal = 0.;
-                                   for (unsigned int j = 0; j < dim; ++j)
-                                     {
-                                       if (layout.has_affine)
-                                         v +=
-                                           values[layout.affine + i * dim + j] *
-                                           (xi[j] - x[j]);
-                                       internal -= V * sigma[i][j] * dN[j];
-                                     }
-                                   sums(f, 1 + i) += m * v * N;
-                                   double load = internal;
-                                   if (layout.has_load)
-                                     load += m * N * values[layout.load + i];
-                                   sums(f, 1 + dim + i) += load;
-                                 }
-                             });
+      for_each_function<dim>(
+        space,
+        x,
+        [&](const std::uint64_t   f,
+            const Point<dim>     &xi,
+            const double          N,
+            const Tensor<1, dim> &dN) {
+          sums(f, 0) += m * N;
+          for (unsigned int i = 0; i < dim; ++i)
+            {
+              double v        = values.velocity(i);
+              double internal = 0.;
+              for (unsigned int j = 0; j < dim; ++j)
+                {
+                  if (layout.find("affine"))
+                    v += values[layout.first("affine") + i * dim + j] *
+                         (xi[j] - x[j]);
+                  internal -= V * sigma[i][j] * dN[j];
+                }
+              sums(f, 1 + i) += m * v * N;
+              double load = internal;
+              if (layout.find("load"))
+                load += m * N * values[layout.first("load") + i];
+              sums(f, 1 + dim + i) += load;
+            }
+        });
     });
   sums.add_processes();
   Utilities::MPI::sum(totals, MPI_COMM_WORLD, totals);
@@ -359,7 +358,7 @@ test_pass(const MaterialPoints<dim> &start,
           e.position(i) += 0.05 * field_v.first[i];
         if (kick && apic)
           for (unsigned int j = 0; j < dim; ++j)
-            expected[layout.affine + i * dim + j] = B[i][j] / D[j];
+            expected[layout.first("affine") + i * dim + j] = B[i][j] / D[j];
       }
     if (deform)
       {
@@ -387,13 +386,15 @@ test_pass(const MaterialPoints<dim> &start,
         const bool is_stress =
           (k >= Layout::stress && k < Layout::stress + Layout::n_stress) ||
           k == Layout::wave_modulus;
-        const bool is_affine = k >= layout.affine && k < layout.load;
+        const bool is_affine =
+          k >= layout.first("affine") && k < layout.first("load");
         // Stress relative to Young's modulus; D, and so C, has the accuracy
         // that the distances to Greville points allow.
-        const double scale = is_stress ? 1e6
-                             : is_affine && apic
-                               ? std::max(1., 1. / D[(k - layout.affine) % dim])
-                               : 1.;
+        const double scale =
+          is_stress ? 1e6
+          : is_affine && apic
+            ? std::max(1., 1. / D[(k - layout.first("affine")) % dim])
+            : 1.;
         error = std::max(error, std::abs(p[k] - expected[k]) / scale);
       }
     if (!points.is_inside(cell, p) && (left.empty() || left.back() != cell))
@@ -456,10 +457,9 @@ template <int dim>
 void
 test_grid_to_points(const SplineSpace<dim> &space, const Material &material)
 {
-  using Layout = PointLayout<dim>;
   MaterialPoints<dim> points;
   random_points<dim>(
-    points, space, Layout(2, true, true), cube<dim>(2), 1., 3, 0.2);
+    points, space, make_layout<dim>(2, true, true), cube<dim>(2), 1., 3, 0.2);
   double error = 0., separate_error = 0.;
   bool   left = true;
   // kick, move, deform, deform by v, APIC
@@ -503,7 +503,8 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
 
   double              blend = 0., gradient = 0., volume = 0., affine = 0.;
   MaterialPoints<dim> start;
-  random_points<dim>(start, space, Layout(0, true, false), cube<dim>(2), 0.9);
+  random_points<dim>(
+    start, space, make_layout<dim>(0, true, false), cube<dim>(2), 0.9);
   const auto before = by_id(start);
   for (const double flip : {0., 0.3, 1.})
     {
@@ -561,7 +562,8 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
     update.apic         = true;
     transfer.grid_to_points(points, update);
     points.for_each([&](const unsigned int, const auto q) {
-      affine = std::max(affine, (q.matrix(points.layout().affine) - A).norm());
+      affine = std::max(affine,
+                        (q.matrix(points.layout().first("affine")) - A).norm());
       affine = std::max(affine, (A * q.position() + b - q.velocity()).norm());
     });
   }
@@ -617,10 +619,9 @@ template <int dim>
 void
 test_round_trip(const SplineSpace<dim> &space)
 {
-  using Layout = PointLayout<dim>;
   MaterialPoints<dim> points;
   random_points<dim>(
-    points, space, Layout(0, true, false), cube<dim>(2), 0.9, 4, 0.2);
+    points, space, make_layout<dim>(0, true, false), cube<dim>(2), 0.9, 4, 0.2);
   PointTransfer<dim> transfer;
   transfer.reinit(space);
 
@@ -630,7 +631,7 @@ test_round_trip(const SplineSpace<dim> &space)
     points.for_each([&](const unsigned int cell, const auto p) {
       const Point<dim> x = p.position();
       const auto       D = transfer.spread(cell, x);
-      const auto       C = p.matrix(points.layout().affine);
+      const auto       C = p.matrix(points.layout().first("affine"));
       const double     m = p.mass();
       for (unsigned int i = 0; i < dim; ++i)
         {
@@ -685,7 +686,7 @@ test_stiffness(const SplineSpace<dim> &space, const Material &material)
   const double        lambda = moduli.bulk - 2. / 3. * moduli.shear;
   MaterialPoints<dim> start;
   random_points<dim>(
-    start, space, Layout(0, false, false), cube<dim>(2), 0.9, 5, 0.2);
+    start, space, make_layout<dim>(0, false, false), cube<dim>(2), 0.9, 5, 0.2);
   start.for_each([&](const unsigned int, const auto p) {
     p.wave_modulus() = lambda + 2. * moduli.shear;
     for (unsigned int k = 0; k < Layout::n_stress; ++k)
@@ -793,7 +794,7 @@ test_bad_points(const SplineSpace<dim> &space, const Material &material)
   transfer.reinit(space);
   MaterialPoints<dim> start;
   random_points<dim>(
-    start, space, Layout(0, false, false), cube<dim>(2), 0.9, 6, 0.3);
+    start, space, make_layout<dim>(0, false, false), cube<dim>(2), 0.9, 6, 0.3);
   start.for_each([&](const unsigned int, const auto p) { p.J() = 1.; });
   Tensor<2, dim> A;
   A[0][0]                  = 1.;

@@ -95,7 +95,8 @@ namespace greville
 
   /**
    * Collective. Make the points of @p body on the cells of @p space. Its name,
-   * parameters and material are set. @p gravity (m / s^2) is that of the K0
+   * parameters and material are set; @p layout has the history variables of
+   * the material. @p gravity (m / s^2) is that of the K0
    * procedure. Throws dealii::ExcMessage for a body that is empty or sticks out
    * of the grid, for wrong formulas, files and stresses.
    *
@@ -108,8 +109,7 @@ namespace greville
   make_points(Body<dim>                    &body,
               const SplineSpace<dim>       &space,
               const dealii::Tensor<1, dim> &gravity,
-              const bool                    has_affine,
-              const bool                    has_load);
+              const PointLayout<dim>       &layout);
 } // namespace greville
 
 #endif

@@ -1,17 +1,37 @@
 #ifndef greville_particles_point_layout_h
 #define greville_particles_point_layout_h
 
+#include <string>
+#include <vector>
+
 namespace greville
 {
+  /**
+   * What points carry beyond the numbers that all of them have.
+   */
+  struct PointField
+  {
+    std::string  name;
+    unsigned int first;
+    unsigned int n_components;
+  };
+
+
+
   /**
    * Where the numbers of a material point lie. Each is counted in doubles from
    * the begin of the point; symmetric tensors are stored as xx, yy, zz, xy (in
    * 3D then xz, yz), the deformation gradient row by row, in 2D followed by
-   * F_zz.
+   * F_zz. Behind what all points have come fields with names, first the history
+   * variables of the material, then those of
+   *   "affine", dim x dim numbers: the matrix of APIC, row by row, 1 / s,
+   *   "load", dim numbers: the acceleration by loads, m / s^2,
+   * and of what else somebody keeps at points (PointLoad) that there are.
    */
   template <int dim>
-  struct PointLayout
+  class PointLayout
   {
+  public:
     static constexpr unsigned int n_stress = dim == 2 ? 4 : 6;
     static constexpr unsigned int n_F      = dim == 2 ? 5 : 9;
 
@@ -54,25 +74,44 @@ namespace greville
       return dim == 2 && i == 2 && j == 2 ? 4 : i * dim + j;
     }
 
-    PointLayout() = default;
+    /// Where history variables begin.
+    static constexpr unsigned int state = n_fixed;
 
     /**
-     * @p n_state history variables, and where asked for the affine matrix of
-     * APIC (dim x dim, row by row, 1 / s) and an acceleration by loads (dim
-     * numbers, m / s^2).
+     * With the history variables of a material as fields of one component.
      */
-    PointLayout(const unsigned int n_state,
-                const bool         has_affine,
-                const bool         has_load);
+    PointLayout(const std::vector<std::string> &state_names = {});
 
-    unsigned int n_state    = 0;
-    bool         has_affine = false;
-    bool         has_load   = false;
-    unsigned int state      = n_fixed;
-    unsigned int affine     = n_fixed;
-    unsigned int load       = n_fixed;
+    /**
+     * Add a field with a name that no other has.
+     */
+    void
+    add(const std::string &name, const unsigned int n_components);
+
+    /**
+     * A history variable or added field, nullptr where there is none.
+     */
+    const PointField *
+    find(const std::string &name) const;
+
+    /**
+     * The first number of a field that there is.
+     */
+    unsigned int
+    first(const std::string &name) const;
+
+    const std::vector<PointField> &
+    fields() const
+    {
+      return all_fields;
+    }
+
+    unsigned int n_state = 0;
     /// Number of doubles of a point.
     unsigned int size = n_fixed;
+
+  private:
+    std::vector<PointField> all_fields;
   };
 } // namespace greville
 

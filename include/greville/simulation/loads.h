@@ -1,39 +1,44 @@
 #ifndef greville_simulation_loads_h
 #define greville_simulation_loads_h
 
-#include <greville/particles/shape.h>
-#include <greville/simulation/parameters.h>
+#include <greville/simulation/point_load.h>
 
 namespace greville
 {
   /**
-   * Gravity g(t), which acts on the mass of the grid, and what points carry as
-   * an acceleration: the body force b(x, X, t) per mass and tractions s(x, X,
-   * t) on surfaces. A surface of area A is a set of points; each has the part
-   * of A that its V0 has of the volume of the set.
+   * Gravity g(t), which acts on the mass of the grid, and all loads on points,
+   * whose sum points carry as an acceleration, the field "load".
    */
   template <int dim>
   class Loads
   {
   public:
     /**
-     * Throws dealii::ExcMessage for wrong
-     * formulas.
+     * Throws dealii::ExcMessage for wrong formulas.
      */
     Loads(const SimulationParameters &parameters);
 
     /**
-     * Collective. Find the points of tractions at their initial
+     * Add "load" and what point loads keep, if there are any.
+     */
+    void
+    add_fields(PointLayout<dim> &layout) const;
+
+    /**
+     * Collective. Let the point loads find their points at their initial
      * positions; throws dealii::ExcMessage where there are none.
      */
     void
-    find_surfaces(const std::vector<Body<dim>> &bodies, const MPI_Comm comm);
+    find_points(std::vector<Body<dim>> &bodies, const MPI_Comm comm) const;
 
     /**
-     * Whether points carry an acceleration (PointLayout::load).
+     * Whether points carry an acceleration.
      */
     bool
-    act_on_points() const;
+    act_on_points() const
+    {
+      return !point_loads.empty();
+    }
 
     /**
      * Set the accelerations of points at time @p t, s.
@@ -60,16 +65,14 @@ namespace greville
     gravity(const double t) const;
 
   private:
-    struct Traction
-    {
-      Shape<dim>              shape;
-      std::vector<Expression> formulas;
-      double                  area_per_volume0;
-    };
+    /**
+     * The parameters of the loads that there are.
+     */
+    std::string
+    names(const bool with_gravity) const;
 
-    const SimulationParameters parameters;
-    std::vector<Expression>    gravity_formulas, body_force;
-    std::vector<Traction>      tractions;
+    std::vector<Expression> gravity_formulas;
+    PointLoads<dim>         point_loads;
     /// Of the points of a process, m / s^2.
     double largest = 0.;
   };

@@ -1,64 +1,11 @@
 #include <deal.II/base/quadrature_lib.h>
 
-#include <greville/particles/point_kernels.h>
+#include "point_kernels.h"
 
 namespace greville
 {
   using namespace dealii;
   using namespace internal;
-
-  void
-  SplinePolynomials::reinit(const KnotVector &knots)
-  {
-    n                          = knots.degree() + 1;
-    const unsigned int n_cells = knots.n_elements();
-    polynomials.resize(std::size_t(n_cells) * n * n);
-    offsets.resize(std::size_t(n_cells) * n);
-
-    // Interpolation at n points gives the polynomials.
-    const QGauss<1>    nodes(n);
-    FullMatrix<double> inverse(n, n);
-    for (unsigned int q = 0; q < n; ++q)
-      for (unsigned int k = 0; k < n; ++k)
-        inverse(q, k) = std::pow(nodes.point(q)(0) - 0.5, k);
-    inverse.gauss_jordan();
-
-    std::vector<double> values(n);
-    for (unsigned int e = 0; e < n_cells; ++e)
-      {
-        const double lower = knots.element_lower(e);
-        const double h     = knots.element_upper(e) - lower;
-        double      *c     = polynomials.data() + std::size_t(e) * n * n;
-        std::fill(c, c + n * n, 0.);
-        for (unsigned int q = 0; q < n; ++q)
-          {
-            knots.evaluate(e,
-                           lower + h * nodes.point(q)(0),
-                           0,
-                           make_array_view(values));
-            for (unsigned int a = 0; a < n; ++a)
-              for (unsigned int k = 0; k < n; ++k)
-                c[a * n + k] += inverse(k, q) * values[a];
-          }
-        for (unsigned int a = 0; a < n; ++a)
-          offsets[std::size_t(e) * n + a] =
-            knots.greville_abscissa(knots.first_function(e) + a) - lower -
-            0.5 * h;
-      }
-  }
-
-
-
-  template <int dim>
-  void
-  PointTransfer<dim>::reinit(const SplineSpace<dim> &space)
-  {
-    spline_space = &space;
-    for (unsigned int d = 0; d < dim; ++d)
-      tables[d].reinit(space.knots(d));
-  }
-
-
 
   namespace
   {
@@ -100,8 +47,10 @@ namespace greville
                const std::array<SplinePolynomials, dim> &tables,
                double                                   *buffer)
     {
-      using Layout              = PointLayout<dim>;
-      const Layout &layout      = points.layout();
+      using Layout                     = PointLayout<dim>;
+      const PointField  *field_of_load = points.layout().find("load");
+      const unsigned int first_affine =
+        affine ? points.layout().first("affine") : 0;
       constexpr int first_force = with_momentum ? 1 + dim : 0;
       constexpr int n_fields    = first_force + (with_force ? dim : 0);
       constexpr int n_z         = dim == 3 ? n : 1;
@@ -139,8 +88,9 @@ namespace greville
                                                  simd_width);
                   for (int i = 0; i < dim; ++i)
                     load_force[i] =
-                      layout.has_load
-                        ? m * load(group + (layout.load + i) * simd_width)
+                      field_of_load
+                        ? m * load(group +
+                                   (field_of_load->first + i) * simd_width)
                         : Simd(0.);
                 }
 
@@ -148,7 +98,7 @@ namespace greville
               if constexpr (affine)
                 for (int i = 0; i < dim; ++i)
                   {
-                    load_numbers<dim>(group, layout.affine + i * dim, C[i]);
+                    load_numbers<dim>(group, first_affine + i * dim, C[i]);
                     for (int a = 0; a < n; ++a)
                       distance[i][a] =
                         geometry.center[i] + geometry.offsets[i][a] - x[i];
@@ -260,7 +210,7 @@ namespace greville
     for (const MaterialPoints<dim> *points : bodies)
       with_order(space.degree(), [&](const auto size) {
         constexpr int n      = decltype(size)::value;
-        const bool    affine = points->layout().has_affine;
+        const bool    affine = points->layout().find("affine");
         if (mass && force && affine)
           add_points<dim, n, true, true, true>(*points,
                                                space,
@@ -411,35 +361,6 @@ namespace greville
           default:
             Assert(false, ExcInternalError());
         }
-  }
-
-
-
-  template <int dim>
-  Tensor<1, dim>
-  PointTransfer<dim>::spread(const unsigned int cell, const Point<dim> &x) const
-  {
-    const SplineSpace<dim> &space   = *spline_space;
-    const auto             &lattice = space.lattice();
-    const unsigned int      n       = space.degree() + 1;
-    const auto              index =
-      multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
-    const Point<dim> center = lattice.cell_center(index);
-    Tensor<1, dim>   result;
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double *c       = tables[d].coefficients(index[d]);
-        const double *offsets = tables[d].greville_offsets(index[d]);
-        const double  t       = (x[d] - center[d]) / lattice.cell_size(d);
-        for (unsigned int a = 0; a < n; ++a)
-          {
-            double N = 0.;
-            for (int k = n - 1; k >= 0; --k)
-              N = N * t + c[a * n + k];
-            result[d] += N * std::pow(center[d] + offsets[a] - x[d], 2);
-          }
-      }
-    return result;
   }
 
 

@@ -1,5 +1,6 @@
 #include <greville/mass/stencil_matrix.h>
-#include <greville/particles/point_kernels.h>
+
+#include "point_kernels.h"
 
 namespace greville
 {
@@ -136,46 +137,6 @@ namespace greville
 
 
 
-  template <int dim>
-  void
-  PointTransfer<dim>::filling(
-    const std::vector<const MaterialPoints<dim> *> &bodies,
-    std::vector<double>                            &result) const
-  {
-    constexpr double largest_expansion = 1.5;
-    double           cell_volume       = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      cell_volume *= spline_space->lattice().cell_size(d);
-    result.assign(spline_space->owned_cells().size(), 0.);
-    for (const MaterialPoints<dim> *points : bodies)
-      for (const unsigned int cell : points->cells())
-        {
-          Simd sum = 0.;
-          for (unsigned int g = points->first_group(cell);
-               g != MaterialPoints<dim>::none;
-               g = points->next_group(g))
-            {
-              const double *group = points->group(g);
-              const Simd    J = load(group + PointLayout<dim>::J * simd_width);
-              sum += load(group + PointLayout<dim>::volume0 * simd_width) *
-                     min(max(J, Simd(1.)), Simd(largest_expansion));
-            }
-          result[cell] += reduce(sum) / cell_volume;
-        }
-  }
-
-
-
-  template void
-  PointTransfer<2>::add_mass_matrix(
-    const std::vector<const MaterialPoints<2> *> &, StencilMatrix<2> &) const;
-  template void
-  PointTransfer<3>::add_mass_matrix(
-    const std::vector<const MaterialPoints<3> *> &, StencilMatrix<3> &) const;
-  template void
-  PointTransfer<2>::filling(const std::vector<const MaterialPoints<2> *> &,
-                            std::vector<double> &) const;
-  template void
-  PointTransfer<3>::filling(const std::vector<const MaterialPoints<3> *> &,
-                            std::vector<double> &) const;
+  template class PointTransfer<2>;
+  template class PointTransfer<3>;
 } // namespace greville

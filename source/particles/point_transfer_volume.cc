@@ -1,4 +1,4 @@
-#include <greville/particles/point_kernels.h>
+#include "point_kernels.h"
 
 namespace greville
 {
@@ -162,8 +162,6 @@ namespace greville
 
 
 
-  template void
-  PointTransfer<2>::share_volume(MaterialPoints<2> &, const double);
-  template void
-  PointTransfer<3>::share_volume(MaterialPoints<3> &, const double);
+  template class PointTransfer<2>;
+  template class PointTransfer<3>;
 } // namespace greville

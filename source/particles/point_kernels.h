@@ -144,6 +144,25 @@ namespace greville
 
 
     /**
+     * Copy a vector with its ghost entries into a buffer of @p n_fields numbers
+     * per function.
+     */
+    inline void
+    put_into_buffer(const VectorType    &vector,
+                    const unsigned int   n_fields,
+                    const unsigned int   field,
+                    std::vector<double> &buffer)
+    {
+      vector.update_ghost_values();
+      const std::size_t n = buffer.size() / n_fields;
+      for (std::size_t i = 0; i < n; ++i)
+        buffer[i * n_fields + field] = vector.local_element(i);
+      vector.zero_out_ghost_values();
+    }
+
+
+
+    /**
      * Load @p count numbers of a group beginning at number @p first.
      */
     template <int count>

@@ -1,0 +1,101 @@
+#ifndef greville_simulation_point_load_h
+#define greville_simulation_point_load_h
+
+#include <greville/simulation/parameters.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * A load on material points. It adds its acceleration to the field "load" of
+   * points; what it has to know of a point for that (whether it bears the load,
+   * a weight, a normal) it finds out once and keeps in a field of its own.
+   *
+   * A new load is one header with a class that derives from it, and one line in
+   * the list of source/simulation/loads.cc.
+   */
+  template <int dim>
+  class PointLoad
+  {
+  public:
+    virtual ~PointLoad() = default;
+
+    /**
+     * The parameters that make it strong, for messages.
+     */
+    virtual std::string
+    parameter_names() const = 0;
+
+    /**
+     * Add the fields in which it keeps what it knows of points.
+     */
+    virtual void
+    add_fields(PointLayout<dim> &) const
+    {}
+
+    /**
+     * Collective. Fill these fields, with all points at their first places.
+     * Throws dealii::ExcMessage where no point bears the load.
+     */
+    virtual void
+    find_points(std::vector<Body<dim>> &, const MPI_Comm) const
+    {}
+
+    /**
+     * Add the acceleration at time @p t (s) to the number @p first and the
+     * following of all @p points, m / s^2. Called once per body and step.
+     */
+    virtual void
+    add_acceleration(MaterialPoints<dim> &points,
+                     const unsigned int   first,
+                     const double         t) const = 0;
+  };
+
+  template <int dim>
+  using PointLoads = std::vector<std::unique_ptr<PointLoad<dim>>>;
+
+
+
+  /**
+   * A vector from formulas of x, X and t.
+   */
+  template <int dim>
+  class LoadFormulas
+  {
+  public:
+    LoadFormulas(const std::string &text, const std::string &parameter)
+      : formulas(make_expressions(
+          text,
+          parameter,
+          dim == 2
+            ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
+            : std::vector<std::string>{"x", "y", "z", "X", "Y", "Z", "t"},
+          dim))
+    {}
+
+    dealii::Tensor<1, dim>
+    operator()(const ConstPointRef<dim> p, const double t) const
+    {
+      double arguments[2 * dim + 1];
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          arguments[d]       = p.position(d);
+          arguments[dim + d] = p.reference(d);
+        }
+      arguments[2 * dim] = t;
+      dealii::Tensor<1, dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] =
+          formulas[d](dealii::ArrayView<const double>(arguments, 2 * dim + 1));
+      return result;
+    }
+
+  private:
+    std::vector<Expression> formulas;
+  };
+} // namespace greville
+
+#endif

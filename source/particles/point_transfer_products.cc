@@ -1,0 +1,249 @@
+#include "point_kernels.h"
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace internal;
+
+  namespace
+  {
+    template <int dim, int n>
+    void
+    multiply_stiffness(const MaterialPoints<dim>                &points,
+                       const SplineSpace<dim>                   &space,
+                       const std::array<SplinePolynomials, dim> &tables,
+                       const Stiffness                          &stiffness,
+                       const double                             *source,
+                       double                                   *target)
+    {
+      using Layout               = PointLayout<dim>;
+      constexpr int n_values     = power(n, dim) * dim;
+      constexpr int n_z          = dim == 3 ? n : 1;
+      const double  wave_modulus = stiffness.lambda + 2. * stiffness.shear;
+      const double  inverse =
+        wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
+      for (const unsigned int cell : points.cells())
+        {
+          const CellGeometry<dim, n> geometry(space, tables, cell);
+          double                     u[n_values];
+          Simd                       sums[n_values];
+          for (int k = 0; k < n_values; ++k)
+            {
+              u[k]    = source[std::size_t(geometry.functions[k / dim]) * dim +
+                            k % dim];
+              sums[k] = 0.;
+            }
+          for (unsigned int g = points.first_group(cell);
+               g != MaterialPoints<dim>::none;
+               g = points.next_group(g))
+            {
+              const double *group = points.group(g);
+              Simd          x[dim];
+              load_numbers<dim>(group, Layout::position, x);
+              Shape<dim, n> shape;
+              shape.template evaluate<true>(geometry, x);
+              const Simd volume = load(group + Layout::volume0 * simd_width) *
+                                  load(group + Layout::J * simd_width);
+              const Simd scale =
+                load(group + Layout::wave_modulus * simd_width) * inverse;
+              const Simd lambda =
+                volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
+              const Simd shear =
+                volume * (scale * stiffness.shear + stiffness.viscous_shear);
+
+              // A row of functions along x has the factors of y and z, and
+              // their derivatives, in common.
+              const auto for_each_row = [&](const auto &action) {
+                int first = 0;
+                for (int a_z = 0; a_z < n_z; ++a_z)
+                  for (int a_y = 0; a_y < n; ++a_y, first += n * dim)
+                    {
+                      Simd factors[dim];
+                      factors[0] = shape.N[1][a_y];
+                      factors[1] = shape.dN[1][a_y];
+                      if constexpr (dim == 3)
+                        {
+                          factors[2] = factors[0] * shape.dN[2][a_z];
+                          factors[0] *= shape.N[2][a_z];
+                          factors[1] *= shape.N[2][a_z];
+                        }
+                      action(first, factors);
+                    }
+              };
+
+              Simd H[dim][dim];
+              for (auto &row : H)
+                for (Simd &entry : row)
+                  entry = 0.;
+              for_each_row([&](const int first, const Simd *factors) {
+                Simd values[dim], slopes[dim];
+                for (int i = 0; i < dim; ++i)
+                  {
+                    values[i] = shape.N[0][0] * u[first + i];
+                    slopes[i] = shape.dN[0][0] * u[first + i];
+                  }
+                for (int a = 1; a < n; ++a)
+                  for (int i = 0; i < dim; ++i)
+                    {
+                      values[i] += shape.N[0][a] * u[first + a * dim + i];
+                      slopes[i] += shape.dN[0][a] * u[first + a * dim + i];
+                    }
+                for (int i = 0; i < dim; ++i)
+                  {
+                    H[i][0] += factors[0] * slopes[i];
+                    for (int j = 1; j < dim; ++j)
+                      H[i][j] += factors[j] * values[i];
+                  }
+              });
+              Simd trace = H[0][0];
+              for (int i = 1; i < dim; ++i)
+                trace += H[i][i];
+              Simd stress[dim][dim];
+              for (int i = 0; i < dim; ++i)
+                for (int j = 0; j < dim; ++j)
+                  {
+                    stress[i][j] = shear * (H[i][j] + H[j][i]);
+                    if (i == j)
+                      stress[i][j] += lambda * trace;
+                  }
+              for_each_row([&](const int first, const Simd *factors) {
+                for (int i = 0; i < dim; ++i)
+                  {
+                    const Simd along  = factors[0] * stress[i][0];
+                    Simd       across = factors[1] * stress[i][1];
+                    if constexpr (dim == 3)
+                      across += factors[2] * stress[i][2];
+                    for (int a = 0; a < n; ++a)
+                      sums[first + a * dim + i] +=
+                        shape.dN[0][a] * along + shape.N[0][a] * across;
+                  }
+              });
+            }
+          for (int k = 0; k < n_values; ++k)
+            target[std::size_t(geometry.functions[k / dim]) * dim + k % dim] +=
+              reduce(sums[k]);
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::add_stiffness(const MaterialPoints<dim> &points,
+                                    const Stiffness           &stiffness,
+                                    const VectorField<dim>    &u,
+                                    VectorField<dim>          &k,
+                                    const bool                 overwrite)
+  {
+    const SplineSpace<dim> &space = *spline_space;
+    const std::size_t       n_functions =
+      space.owned_functions().size() + space.ghost_functions().size();
+    buffer.resize(n_functions * dim);
+    std::vector<double> target(n_functions * dim, 0.);
+    for (unsigned int d = 0; d < dim; ++d)
+      put_into_buffer(u[d], dim, d, buffer);
+    with_order(space.degree(), [&](const auto size) {
+      multiply_stiffness<dim, decltype(size)::value>(
+        points, space, tables, stiffness, buffer.data(), target.data());
+    });
+    collect(target, k, overwrite);
+  }
+
+
+
+  namespace
+  {
+    template <int dim, int n>
+    void
+    multiply_mass_matrix(const MaterialPoints<dim>                &points,
+                         const SplineSpace<dim>                   &space,
+                         const std::array<SplinePolynomials, dim> &tables,
+                         const double                             *source,
+                         double                                   *target)
+    {
+      using Layout           = PointLayout<dim>;
+      constexpr int n_values = power(n, dim) * dim;
+      constexpr int n_rows   = power(n, dim - 1);
+      for (const unsigned int cell : points.cells())
+        {
+          const CellGeometry<dim, n> geometry(space, tables, cell);
+          double                     u[n_values];
+          Simd                       sums[n_values];
+          for (int k = 0; k < n_values; ++k)
+            {
+              u[k]    = source[std::size_t(geometry.functions[k / dim]) * dim +
+                            k % dim];
+              sums[k] = 0.;
+            }
+          for (unsigned int g = points.first_group(cell);
+               g != MaterialPoints<dim>::none;
+               g = points.next_group(g))
+            {
+              const double *group = points.group(g);
+              Simd          x[dim], momentum[dim], factors[n_rows];
+              load_numbers<dim>(group, Layout::position, x);
+              Shape<dim, n> shape;
+              shape.template evaluate<false>(geometry, x);
+              const Simd mass = load(group + Layout::mass * simd_width);
+              for (int row = 0; row < n_rows; ++row)
+                {
+                  factors[row] = shape.N[1][row % n];
+                  if constexpr (dim == 3)
+                    factors[row] *= shape.N[2][row / n];
+                }
+              for (int i = 0; i < dim; ++i)
+                {
+                  momentum[i] = 0.;
+                  for (int row = 0; row < n_rows; ++row)
+                    {
+                      Simd value = shape.N[0][0] * u[row * n * dim + i];
+                      for (int a = 1; a < n; ++a)
+                        value += shape.N[0][a] * u[(row * n + a) * dim + i];
+                      momentum[i] += factors[row] * value;
+                    }
+                  momentum[i] *= mass;
+                  for (int row = 0; row < n_rows; ++row)
+                    {
+                      const Simd share = factors[row] * momentum[i];
+                      for (int a = 0; a < n; ++a)
+                        sums[(row * n + a) * dim + i] += shape.N[0][a] * share;
+                    }
+                }
+            }
+          for (int k = 0; k < n_values; ++k)
+            target[std::size_t(geometry.functions[k / dim]) * dim + k % dim] +=
+              reduce(sums[k]);
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::multiply_mass(
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    const VectorField<dim>                         &x,
+    VectorField<dim>                               &y)
+  {
+    const SplineSpace<dim> &space = *spline_space;
+    const std::size_t       n_functions =
+      space.owned_functions().size() + space.ghost_functions().size();
+    buffer.resize(n_functions * dim);
+    std::vector<double> target(n_functions * dim, 0.);
+    for (unsigned int d = 0; d < dim; ++d)
+      put_into_buffer(x[d], dim, d, buffer);
+    with_order(space.degree(), [&](const auto size) {
+      for (const MaterialPoints<dim> *points : bodies)
+        multiply_mass_matrix<dim, decltype(size)::value>(
+          *points, space, tables, buffer.data(), target.data());
+    });
+    collect(target, y, true);
+  }
+
+
+
+  template class PointTransfer<2>;
+  template class PointTransfer<3>;
+} // namespace greville
