@@ -449,6 +449,26 @@ namespace greville
 
 
   template <int dim>
+  RigidMotion<dim>::RigidMotion(const std::string &velocity,
+                                const std::string &parameter)
+    : formulas(make_expressions(velocity, parameter, {"t"}, dim))
+  {}
+
+
+
+  template <int dim>
+  Tensor<1, dim>
+  RigidMotion<dim>::velocity(const double t) const
+  {
+    Tensor<1, dim> v;
+    for (unsigned int d = 0; d < dim; ++d)
+      v[d] = formulas[d](ArrayView<const double>(&t, 1));
+    return v;
+  }
+
+
+
+  template <int dim>
   std::vector<unsigned int>
   make_points(Body<dim>              &body,
               const SplineSpace<dim> &space,
@@ -469,11 +489,8 @@ namespace greville
             : points_of_file<dim>(parameters, section, space);
         insert_points(body, new_points, section, gravity);
         if (!parameters.imposed_velocity.empty())
-          body.imposed_velocity =
-            make_expressions(parameters.imposed_velocity,
-                             section + "/Imposed velocity",
-                             {"t"},
-                             dim);
+          body.rigid_motion.emplace(parameters.imposed_velocity,
+                                    section + "/Imposed velocity");
       },
       space.communicator());
 
@@ -493,6 +510,8 @@ namespace greville
 
 
 
+  template class RigidMotion<2>;
+  template class RigidMotion<3>;
   template std::vector<PlacedPoint<2>>
   place_points<2>(const PointPlacement &,
                   const std::string &,

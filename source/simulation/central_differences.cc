@@ -34,23 +34,18 @@ namespace greville
     , damping(parameters.loads, discretization)
     , step_size(parameters.time,
                 discretization,
-                std::any_of(parts.initial.bodies.begin(),
-                            parts.initial.bodies.end(),
-                            [](const Body<dim> &body) {
-                              return !body.imposed_velocity.empty();
-                            }),
+                !rigid_bodies(parts.initial.bodies).empty(),
                 log)
   {
     if (consistent && walls.have_friction())
       contact = std::make_unique<FrictionContact<dim>>(walls, *consistent);
     if (consistent)
       filter.reinit(mass.space());
-    for (const Body<dim> &body : parts.initial.bodies)
-      if (!body.imposed_velocity.empty() && !obstacles)
-        {
-          obstacles = std::make_unique<Obstacles<dim>>();
-          obstacles->reinit(mass.space());
-        }
+    if (!rigid_bodies(parts.initial.bodies).empty())
+      {
+        obstacles = std::make_unique<Obstacles<dim>>();
+        obstacles->reinit(mass.space());
+      }
     for (auto *field : {&trial.force,
                         &trial.velocity,
                         &trial.acceleration,
@@ -292,15 +287,14 @@ namespace greville
           power += g[d] * lumped.local_element(i) *
                    trial.new_velocity[d].local_element(i);
     if (loads.act_on_points())
-      for (const Body<dim> &body : state.bodies)
-        if (body.imposed_velocity.empty())
-          {
-            const unsigned int load = body.points.layout().first("load");
-            body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-              for (unsigned int d = 0; d < dim; ++d)
-                power += p.mass() * p[load + d] * p.velocity(d);
-            });
-          }
+      for (const Body<dim> *body : deformable_bodies(state.bodies))
+        {
+          const unsigned int load = body->points.layout().first("load");
+          body->points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+            for (unsigned int d = 0; d < dim; ++d)
+              power += p.mass() * p[load + d] * p.velocity(d);
+          });
+        }
     // Walls and obstacles give what a = (v' - v) / dt' needs beyond the force.
     if ((walls.have_moving() || obstacles) && trial.velocity_step > 0.)
       {

@@ -224,8 +224,7 @@ namespace greville
       {
         const Moduli moduli = body->material->moduli();
         const bool   flows  = moduli.viscosity + moduli.bulk_viscosity > 0.;
-        if (!body->imposed_velocity.empty() ||
-            !(moduli.bulk + moduli.shear > 0. || flows))
+        if (body->rigid_motion || !(moduli.bulk + moduli.shear > 0. || flows))
           continue;
         bodies.push_back(body);
         is_viscous = is_viscous || flows;

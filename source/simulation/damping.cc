@@ -83,12 +83,10 @@ namespace greville
     // The energy is that of all processes.
     if (Utilities::MPI::this_mpi_process(discretization.communicator()) == 0)
       state.energy.add_damping(-kinetic);
-    for (Body<dim> &body : state.bodies)
+    for (Body<dim> *body : deformable_bodies(state.bodies))
       {
-        if (!body.imposed_velocity.empty())
-          continue;
-        const PointField *affine = body.points.layout().find("affine");
-        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+        const PointField *affine = body->points.layout().find("affine");
+        body->points.for_each([&](const unsigned int, PointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
             p.velocity(d) = 0.;
           if (affine)

@@ -153,7 +153,7 @@ namespace greville
     for (unsigned int b = 0; b < state.bodies.size(); ++b)
       {
         const Body<dim> &body = state.bodies[b];
-        if (!body.imposed_velocity.empty())
+        if (body.rigid_motion)
           continue;
         if (!sums_over_points && anew)
           reconstruction.reconstruct(body.points, reconstructed[b]);
@@ -241,7 +241,7 @@ namespace greville
         const auto result = point_transport.move(body.points, left_cells[b]);
         n_points += body.n_points;
         counts[0] += body.points.n_points();
-        if (body.imposed_velocity.empty())
+        if (!body.rigid_motion)
           counts[1] += body.points.n_points();
         counts[2] += result.n_removed;
         state.n_sent += result.n_sent;

@@ -171,7 +171,7 @@ namespace greville
         AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
                     ExcMessage("The parameter 'Body " + name +
                                "/Displacement' moves points out of the grid."));
-        if (body.imposed_velocity.empty())
+        if (!body.rigid_motion)
           state.n_free += body.n_points;
         add_signals(signals, body, space);
         state.bodies.push_back(std::move(body));

@@ -131,7 +131,7 @@ namespace greville
                       << " s from " << names(false);
               AssertThrow(false, ExcMessage(message.str()));
             }
-          if (body.imposed_velocity.empty())
+          if (!body.rigid_motion)
             largest = std::max(largest, size);
         });
       }

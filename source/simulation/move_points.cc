@@ -59,17 +59,14 @@ namespace greville
   void
   impose_velocities(std::vector<Body<dim>> &bodies, const double t)
   {
-    for (Body<dim> &body : bodies)
-      if (!body.imposed_velocity.empty())
-        {
-          Tensor<1, dim> v;
+    for (Body<dim> *body : rigid_bodies(bodies))
+      {
+        const Tensor<1, dim> v = body->rigid_motion->velocity(t);
+        body->points.for_each([&](const unsigned int, PointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
-            v[d] = body.imposed_velocity[d](ArrayView<const double>(&t, 1));
-          body.points.for_each([&](const unsigned int, PointRef<dim> p) {
-            for (unsigned int d = 0; d < dim; ++d)
-              p.velocity(d) = v[d];
-          });
-        }
+            p.velocity(d) = v[d];
+        });
+      }
   }
 
 
@@ -85,7 +82,7 @@ namespace greville
     for (unsigned int b = 0; b < bodies.size(); ++b)
       {
         Body<dim> &body = bodies[b];
-        if (!body.imposed_velocity.empty())
+        if (body.rigid_motion)
           {
             if (!update.move)
               continue;
@@ -119,12 +116,12 @@ namespace greville
     state.time_to_share += state.step;
     if (state.n_steps % share_every != 0)
       return;
-    for (Body<dim> &body : state.bodies)
-      if (body.material->shares_volume() && body.imposed_velocity.empty())
+    for (Body<dim> *body : deformable_bodies(state.bodies))
+      if (body->material->shares_volume())
         {
           const double c =
-            std::sqrt(body.material->moduli().bulk / body.material->density);
-          transfer.share_volume(body.points,
+            std::sqrt(body->material->moduli().bulk / body->material->density);
+          transfer.share_volume(body->points,
                                 -std::expm1(-share_rate * c *
                                             state.time_to_share / h));
         }

@@ -63,13 +63,11 @@ namespace greville
     for (auto &field : velocities)
       field.assign(n, Tensor<1, dim>());
 
-    for (const Body<dim> &body : bodies)
+    for (const Body<dim> *body : rigid_bodies(bodies))
       {
-        if (body.imposed_velocity.empty())
-          continue;
         // With the volume for mass and the pressure 1, the force of the points
         // is the sum of V_p grad N_i.
-        points                 = body.points;
+        points                 = body->points;
         const PointField *load = points.layout().find("load");
         points.for_each([&](const unsigned int, PointRef<dim> point) {
           point.mass() = point.volume();
@@ -81,14 +79,8 @@ namespace greville
         });
         transfer.points_to_grid({&points}, &volume, &momentum, &gradient);
 
-        Tensor<1, dim> v[2];
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            v[0][d] =
-              body.imposed_velocity[d](ArrayView<const double>(&begin, 1));
-            v[1][d] =
-              body.imposed_velocity[d](ArrayView<const double>(&end, 1));
-          }
+        const Tensor<1, dim> v[2] = {body->rigid_motion->velocity(begin),
+                                     body->rigid_motion->velocity(end)};
         for (unsigned int i = 0; i < n; ++i)
           {
             const double part = volume.local_element(i) / integrals[i];

@@ -141,7 +141,7 @@ namespace greville
               }
             result.kinetic += kinetic_energy_of<dim>(p, cell, affine, transfer);
             result.gravitational -= m * (gravity * Tensor<1, dim>(position));
-            if (body.imposed_velocity.empty())
+            if (!body.rigid_motion)
               {
                 const MaterialPoint point = load_material_point<dim>(p, layout);
                 result.strain += V0 * body.material->strain_energy(point);
@@ -190,15 +190,14 @@ namespace greville
                  const MPI_Comm                comm)
   {
     double sum = 0.;
-    for (const Body<dim> &body : bodies)
-      if (body.imposed_velocity.empty())
-        {
-          const PointField *affine = body.points.layout().find("affine");
-          body.points.for_each(
-            [&](const unsigned int cell, ConstPointRef<dim> p) {
-              sum += kinetic_energy_of<dim>(p, cell, affine, transfer);
-            });
-        }
+    for (const Body<dim> *body : deformable_bodies(bodies))
+      {
+        const PointField *affine = body->points.layout().find("affine");
+        body->points.for_each(
+          [&](const unsigned int cell, ConstPointRef<dim> p) {
+            sum += kinetic_energy_of<dim>(p, cell, affine, transfer);
+          });
+      }
     return Utilities::MPI::sum(sum, comm);
   }
 
@@ -211,19 +210,18 @@ namespace greville
               const MPI_Comm                comm)
   {
     double sum = 0.;
-    for (const Body<dim> &body : bodies)
-      if (body.imposed_velocity.empty())
-        {
-          const PointLayout<dim> &layout = body.points.layout();
-          const PointField       *affine = layout.find("affine");
-          body.points.for_each(
-            [&](const unsigned int cell, ConstPointRef<dim> p) {
-              const MaterialPoint point = load_material_point<dim>(p, layout);
-              sum += kinetic_energy_of<dim>(p, cell, affine, transfer) +
-                     p.volume0() * (body.material->strain_energy(point) +
-                                    body.material->dissipation(point));
-            });
-        }
+    for (const Body<dim> *body : deformable_bodies(bodies))
+      {
+        const PointLayout<dim> &layout = body->points.layout();
+        const PointField       *affine = layout.find("affine");
+        body->points.for_each(
+          [&](const unsigned int cell, ConstPointRef<dim> p) {
+            const MaterialPoint point = load_material_point<dim>(p, layout);
+            sum += kinetic_energy_of<dim>(p, cell, affine, transfer) +
+                   p.volume0() * (body->material->strain_energy(point) +
+                                  body->material->dissipation(point));
+          });
+      }
     return Utilities::MPI::sum(sum, comm);
   }
 

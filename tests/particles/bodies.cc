@@ -257,13 +257,8 @@ test_placement()
           return error;
         }),
         1e-13);
-  const double time = 3.;
   check("  imposed velocity",
-        on_all(even.body.imposed_velocity.size() == 2 &&
-               even.body.imposed_velocity[0](
-                 ArrayView<const double>(&time, 1)) == 6. &&
-               even.body.imposed_velocity[1](
-                 ArrayView<const double>(&time, 1)) == 9.));
+        on_all(even.body.rigid_motion->velocity(3.) == Tensor<1, 2>({6., 9.})));
   // Ids are different.
   std::vector<double> counts(even.body.n_points, 0.);
   bool                ids = true;

@@ -11,7 +11,7 @@ namespace
   {
     double sum = 0.;
     for (const auto &body : run->bodies())
-      if (body.imposed_velocity.empty())
+      if (!body.rigid_motion)
         body.points.for_each(
           [&](const unsigned int, const auto p) { sum += function(p); });
     return Utilities::MPI::sum(sum, MPI_COMM_WORLD);

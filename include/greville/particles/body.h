@@ -8,6 +8,7 @@
 #include <greville/particles/material_points.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace greville
@@ -76,6 +77,31 @@ namespace greville
 
 
   /**
+   * How a rigid body moves: all of its points have the velocity v(t), whatever
+   * acts on them. Others meet it by Obstacles.
+   */
+  template <int dim>
+  class RigidMotion
+  {
+  public:
+    /**
+     * Throws dealii::ExcMessage for wrong formulas of t.
+     */
+    RigidMotion(const std::string &velocity, const std::string &parameter);
+
+    /**
+     * At time @p t (s), m / s.
+     */
+    dealii::Tensor<1, dim>
+    velocity(const double t) const;
+
+  private:
+    std::vector<Expression> formulas;
+  };
+
+
+
+  /**
    * A body: its material and its points on this process.
    */
   template <int dim>
@@ -87,9 +113,40 @@ namespace greville
     MaterialPoints<dim>   points;
     /// Number of points of all processes.
     std::uint64_t n_points = 0;
-    /// Formulas of t where the velocity is imposed.
-    std::vector<Expression> imposed_velocity;
+    /// Of a body with an imposed velocity: no forces and no stresses.
+    std::optional<RigidMotion<dim>> rigid_motion;
   };
+
+
+
+  /**
+   * Pointers to the @p bodies that are rigid, or to those that are not, in
+   * their order.
+   */
+  template <typename Bodies>
+  auto
+  select_bodies(Bodies &bodies, const bool rigid)
+  {
+    std::vector<decltype(&bodies[0])> result;
+    for (auto &body : bodies)
+      if (body.rigid_motion.has_value() == rigid)
+        result.push_back(&body);
+    return result;
+  }
+
+  template <typename Bodies>
+  auto
+  rigid_bodies(Bodies &bodies)
+  {
+    return select_bodies(bodies, true);
+  }
+
+  template <typename Bodies>
+  auto
+  deformable_bodies(Bodies &bodies)
+  {
+    return select_bodies(bodies, false);
+  }
 
 
 
