@@ -163,6 +163,24 @@ namespace greville
 
 
     /**
+     * Collective. The way back: add up what all processes have for a function.
+     */
+    inline void
+    take_from_buffer(const std::vector<double> &buffer,
+                     const unsigned int         n_fields,
+                     const unsigned int         field,
+                     VectorType                &vector)
+    {
+      const std::size_t n = buffer.size() / n_fields;
+      vector.zero_out_ghost_values();
+      for (std::size_t i = 0; i < n; ++i)
+        vector.local_element(i) = buffer[i * n_fields + field];
+      vector.compress(dealii::VectorOperation::add);
+    }
+
+
+
+    /**
      * Load @p count numbers of a group beginning at number @p first.
      */
     template <int count>

@@ -119,28 +119,6 @@ namespace greville
 
 
 
-  template <int dim>
-  void
-  PointTransfer<dim>::collect(const std::vector<double> &sums,
-                              VectorField<dim>          &field,
-                              const bool                 overwrite) const
-  {
-    VectorType part;
-    spline_space->initialize_vector(part);
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        for (std::size_t i = 0; i < sums.size() / dim; ++i)
-          part.local_element(i) = sums[i * dim + d];
-        part.compress(VectorOperation::add);
-        if (overwrite)
-          field[d] = part;
-        else
-          field[d] += part;
-      }
-  }
-
-
-
   template class PointTransfer<2>;
   template class PointTransfer<3>;
 } // namespace greville

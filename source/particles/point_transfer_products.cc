@@ -124,6 +124,42 @@ namespace greville
               reduce(sums[k]);
         }
     }
+
+
+
+    /**
+     * Collective. y = K x or y += K x, where multiply(size, x, y) is the
+     * product on this process, of values that lie function by function.
+     */
+    template <int dim, typename Multiply>
+    void
+    multiply_fields(const SplineSpace<dim> &space,
+                    std::vector<double>    &source,
+                    const VectorField<dim> &x,
+                    VectorField<dim>       &y,
+                    const bool              overwrite,
+                    const Multiply         &multiply)
+    {
+      const std::size_t n_functions =
+        space.owned_functions().size() + space.ghost_functions().size();
+      std::vector<double> target(n_functions * dim);
+      source.resize(n_functions * dim);
+      for (unsigned int d = 0; d < dim; ++d)
+        put_into_buffer(x[d], dim, d, source);
+      with_order(space.degree(), [&](const auto size) {
+        multiply(size, source.data(), target.data());
+      });
+      for (unsigned int d = 0; d < dim; ++d)
+        if (overwrite)
+          take_from_buffer(target, dim, d, y[d]);
+        else
+          {
+            VectorType sum;
+            sum.reinit(y[d], true);
+            take_from_buffer(target, dim, d, sum);
+            y[d] += sum;
+          }
+    }
   } // namespace
 
 
@@ -136,18 +172,16 @@ namespace greville
                                     VectorField<dim>          &k,
                                     const bool                 overwrite)
   {
-    const SplineSpace<dim> &space = *spline_space;
-    const std::size_t       n_functions =
-      space.owned_functions().size() + space.ghost_functions().size();
-    buffer.resize(n_functions * dim);
-    std::vector<double> target(n_functions * dim, 0.);
-    for (unsigned int d = 0; d < dim; ++d)
-      put_into_buffer(u[d], dim, d, buffer);
-    with_order(space.degree(), [&](const auto size) {
-      multiply_stiffness<dim, decltype(size)::value>(
-        points, space, tables, stiffness, buffer.data(), target.data());
-    });
-    collect(target, k, overwrite);
+    multiply_fields<dim>(
+      *spline_space,
+      buffer,
+      u,
+      k,
+      overwrite,
+      [&](const auto size, const double *source, double *target) {
+        multiply_stiffness<dim, decltype(size)::value>(
+          points, *spline_space, tables, stiffness, source, target);
+      });
   }
 
 
@@ -227,19 +261,18 @@ namespace greville
     const VectorField<dim>                         &x,
     VectorField<dim>                               &y)
   {
-    const SplineSpace<dim> &space = *spline_space;
-    const std::size_t       n_functions =
-      space.owned_functions().size() + space.ghost_functions().size();
-    buffer.resize(n_functions * dim);
-    std::vector<double> target(n_functions * dim, 0.);
-    for (unsigned int d = 0; d < dim; ++d)
-      put_into_buffer(x[d], dim, d, buffer);
-    with_order(space.degree(), [&](const auto size) {
-      for (const MaterialPoints<dim> *points : bodies)
-        multiply_mass_matrix<dim, decltype(size)::value>(
-          *points, space, tables, buffer.data(), target.data());
-    });
-    collect(target, y, true);
+    multiply_fields<dim>(*spline_space,
+                         buffer,
+                         x,
+                         y,
+                         true,
+                         [&](const auto    size,
+                             const double *source,
+                             double       *target) {
+                           for (const MaterialPoints<dim> *points : bodies)
+                             multiply_mass_matrix<dim, decltype(size)::value>(
+                               *points, *spline_space, tables, source, target);
+                         });
   }
 
 

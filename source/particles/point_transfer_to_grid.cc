@@ -171,21 +171,6 @@ namespace greville
           cell_sums.add_to(geometry.functions, buffer);
         }
     }
-
-
-
-    void
-    take_from_buffer(const std::vector<double> &buffer,
-                     const unsigned int         n_fields,
-                     const unsigned int         field,
-                     VectorType                &vector)
-    {
-      const std::size_t n = buffer.size() / n_fields;
-      vector.zero_out_ghost_values();
-      for (std::size_t i = 0; i < n; ++i)
-        vector.local_element(i) = buffer[i * n_fields + field];
-      vector.compress(VectorOperation::add);
-    }
   } // namespace
 
 
@@ -211,31 +196,20 @@ namespace greville
       with_order(space.degree(), [&](const auto size) {
         constexpr int n      = decltype(size)::value;
         const bool    affine = points->layout().find("affine");
-        if (mass && force && affine)
-          add_points<dim, n, true, true, true>(*points,
-                                               space,
-                                               tables,
-                                               buffer.data());
-        else if (mass && force)
-          add_points<dim, n, true, true, false>(*points,
-                                                space,
-                                                tables,
-                                                buffer.data());
-        else if (mass && affine)
-          add_points<dim, n, true, false, true>(*points,
-                                                space,
-                                                tables,
-                                                buffer.data());
+        const auto    add    = [&](const auto m, const auto f, const auto a) {
+          add_points<dim, n, m.value, f.value, a.value>(*points,
+                                                        space,
+                                                        tables,
+                                                        buffer.data());
+        };
+        constexpr std::true_type  yes;
+        constexpr std::false_type no;
+        if (mass && force)
+          affine ? add(yes, yes, yes) : add(yes, yes, no);
         else if (mass)
-          add_points<dim, n, true, false, false>(*points,
-                                                 space,
-                                                 tables,
-                                                 buffer.data());
+          affine ? add(yes, no, yes) : add(yes, no, no);
         else
-          add_points<dim, n, false, true, false>(*points,
-                                                 space,
-                                                 tables,
-                                                 buffer.data());
+          add(no, yes, no);
       });
 
     if (mass)
@@ -341,26 +315,12 @@ namespace greville
   {
     weights.clear();
     for (const MaterialPoints<dim> *points : bodies)
-      switch (weights.n_points_1d())
-        {
-          case 3:
-            add_moments<dim, 3>(*points, *spline_space, tables, weights);
-            break;
-          case 5:
-            add_moments<dim, 5>(*points, *spline_space, tables, weights);
-            break;
-          case 7:
-            add_moments<dim, 7>(*points, *spline_space, tables, weights);
-            break;
-          case 9:
-            add_moments<dim, 9>(*points, *spline_space, tables, weights);
-            break;
-          case 11:
-            add_moments<dim, 11>(*points, *spline_space, tables, weights);
-            break;
-          default:
-            Assert(false, ExcInternalError());
-        }
+      with_order((weights.n_points_1d() - 1) / 2, [&](const auto size) {
+        add_moments<dim, 2 * decltype(size)::value - 1>(*points,
+                                                        *spline_space,
+                                                        tables,
+                                                        weights);
+      });
   }
 
 

@@ -225,15 +225,6 @@ namespace greville
     spread(const unsigned int cell, const dealii::Point<dim> &x) const;
 
   private:
-    /**
-     * Add what this process's points contribute, @p sums[i * dim + d] for the
-     * local function i, to the functions of all processes.
-     */
-    void
-    collect(const std::vector<double> &sums,
-            VectorField<dim>          &field,
-            const bool                 overwrite) const;
-
     const SplineSpace<dim>            *spline_space = nullptr;
     std::array<SplinePolynomials, dim> tables;
     std::vector<double>                buffer;
