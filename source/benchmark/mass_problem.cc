@@ -274,8 +274,7 @@ namespace greville
         transfer.reinit(level->space());
         transfer.mass_weights({&points}, level->weights());
         if (parameters.extend)
-          level->constrain(Constraints(),
-                           Extension<dim>(level->space(), filling));
+          level->extend(Extension<dim>(level->space(), filling));
       }
     return mass;
   }
@@ -295,7 +294,7 @@ namespace greville
       level.space().initialize_vector(component);
     transfer.points_to_grid({&points}, &mass, &momentum, nullptr);
     b.copy_locally_owned_data_from(momentum[0]);
-    level.mass().condense(b);
+    level.condense(b);
   }
 
 
@@ -311,7 +310,7 @@ namespace greville
       for (VectorType &component : *field)
         level.space().initialize_vector(component);
     u[0].copy_locally_owned_data_from(x);
-    level.mass().distribute(u[0]);
+    level.distribute(u[0]);
 
     // A step of length -1 leaves f - u at the points.
     MaterialPoints<dim> differences = points;

@@ -17,7 +17,9 @@ namespace greville
     const SplineSpace<dim> &space = level.space();
     level.assemble(true, false);
     const TensorProductSolver<dim>         solver(space);
-    const TensorProductPreconditioner<dim> inverse(solver, level.mass());
+    const TensorProductPreconditioner<dim> inverse(solver,
+                                                   level.diagonal(),
+                                                   level.inactive());
     VectorType                             x, y;
     space.initialize_vector(x);
     space.initialize_vector(y);
@@ -52,14 +54,14 @@ namespace greville
     record.processes   = Utilities::MPI::n_mpi_processes(space.communicator());
     record.unknowns    = space.n_dofs();
     record.matrix_free = rate([&]() { level.mass().vmult(y, x); });
-    record.assembled   = rate([&]() { level.matrix().vmult(y, x); });
+    record.assembled   = rate([&]() { level.assembled()->vmult(y, x); });
     record.tensor_product = rate([&]() { inverse.vmult(y, x); });
     record.bytes_sent =
       Utilities::MPI::sum(static_cast<unsigned long>(solver.bytes_sent()),
                           space.communicator());
     record.matrix_bytes =
       Utilities::MPI::sum(static_cast<unsigned long>(
-                            level.matrix().memory_consumption()),
+                            level.assembled()->memory_consumption()),
                           space.communicator());
     level.clear();
     return record;

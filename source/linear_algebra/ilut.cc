@@ -160,16 +160,4 @@ namespace greville
       for (std::size_t k = lower.begin[i]; k < lower.begin[i + 1]; ++k)
         x[lower.columns[k]] -= lower.values[k] * x[i];
   }
-
-
-
-  std::size_t
-  ILUT::memory_consumption() const
-  {
-    std::size_t n = inverse_diagonal.size() * sizeof(double);
-    for (const auto *triangle : {&lower, &upper})
-      n += triangle->columns.size() * (sizeof(unsigned int) + sizeof(double)) +
-           triangle->begin.size() * sizeof(std::size_t);
-    return n;
-  }
 } // namespace greville

@@ -430,18 +430,4 @@ namespace greville
         }
     y.zero_out_ghost_values();
   }
-
-
-
-  std::size_t
-  PartitionedCholesky::memory_consumption() const
-  {
-    std::size_t n =
-      interior.memory_consumption() + (next ? next->memory_consumption() : 0) +
-      (order.size() + interface_unknowns.size()) * sizeof(unsigned int) +
-      values.size() * sizeof(float);
-    for (const Vector &vector : at_interface)
-      n += vector.memory_consumption();
-    return n;
-  }
 } // namespace greville

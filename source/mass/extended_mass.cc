@@ -423,17 +423,6 @@ namespace greville
 
 
 
-  template <int dim>
-  std::size_t
-  ExtendedMass<dim>::memory_consumption() const
-  {
-    return points_mass.memory_consumption() +
-           extended_entries.size() * sizeof(Entry) +
-           unknowns.size() * 2 * sizeof(unsigned int) + held_functions.size();
-  }
-
-
-
   template class ExtendedMass<2>;
   template class ExtendedMass<3>;
 } // namespace greville

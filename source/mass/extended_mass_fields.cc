@@ -8,33 +8,97 @@ namespace greville
 
   template <int dim>
   void
+  ExtendedMass<dim>::condense_column(double            *to,
+                                     const unsigned int width,
+                                     const double      *b,
+                                     const unsigned int component) const
+  {
+    const auto is_held = [&](const unsigned int f) {
+      return (held_functions[f] >> component) & 1;
+    };
+    for (unsigned int u = 0; u < n_owned; ++u)
+      if (!is_held(owned_unknown_functions[u]))
+        to[std::size_t(u) * width] = b[owned_unknown_functions[u]];
+    for (unsigned int m = 0; m < extended.size(); ++m)
+      {
+        const unsigned int f = extended_functions[m];
+        if (f >= n_owned_functions() || is_held(f))
+          continue;
+        for (std::size_t e = extended_begin[m]; e < extended_begin[m + 1]; ++e)
+          to[std::size_t(extended_entries[e].unknown) * width] +=
+            extended_entries[e].weight * b[f];
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::distribute_column(double            *values,
+                                       const double      *from,
+                                       const unsigned int width,
+                                       const unsigned int component) const
+  {
+    const auto is_held = [&](const unsigned int f) {
+      return (held_functions[f] >> component) & 1;
+    };
+    for (unsigned int f = 0; f < n_owned_functions(); ++f)
+      if ((*extension)[f] == Extension<dim>::inactive && !is_held(f))
+        values[f] = 0.;
+    for (unsigned int u = 0; u < n_owned; ++u)
+      if (!is_held(owned_unknown_functions[u]))
+        values[owned_unknown_functions[u]] = from[std::size_t(u) * width];
+    for (unsigned int m = 0; m < extended.size(); ++m)
+      {
+        const unsigned int f = extended_functions[m];
+        if (f >= n_owned_functions() || is_held(f))
+          continue;
+        double sum = 0.;
+        for (std::size_t e = extended_begin[m]; e < extended_begin[m + 1]; ++e)
+          sum += extended_entries[e].weight *
+                 from[std::size_t(extended_entries[e].unknown) * width];
+        values[f] = sum;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::condense(VectorType &rows, const VectorType &b) const
+  {
+    rows = 0.;
+    condense_column(rows.begin(), 1, b.begin(), 0);
+    rows.compress(VectorOperation::add);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::distribute(VectorType &values, VectorType &x) const
+  {
+    x.update_ghost_values();
+    distribute_column(values.begin(), x.begin(), 1, 0);
+    x.zero_out_ghost_values();
+  }
+
+
+
+  template <int dim>
+  void
   ExtendedMass<dim>::restrict_fields(
     VectorType                                  &rows,
     const std::vector<const VectorField<dim> *> &fields,
     const unsigned int                           width) const
   {
-    rows              = 0.;
-    double     *begin = rows.begin();
-    const auto &mask  = held_functions;
+    rows = 0.;
     for (unsigned int k = 0; k < fields.size(); ++k)
       for (unsigned int c = 0; c < dim; ++c)
-        {
-          const double *b  = (*fields[k])[c].begin();
-          double       *to = begin + k * dim + c;
-          for (unsigned int u = 0; u < n_owned; ++u)
-            if (!((mask[owned_unknown_functions[u]] >> c) & 1))
-              to[std::size_t(u) * width] = b[owned_unknown_functions[u]];
-          for (unsigned int m = 0; m < extended.size(); ++m)
-            {
-              const unsigned int f = extended_functions[m];
-              if (f >= n_owned_functions() || ((mask[f] >> c) & 1))
-                continue;
-              for (std::size_t e = extended_begin[m]; e < extended_begin[m + 1];
-                   ++e)
-                to[std::size_t(extended_entries[e].unknown) * width] +=
-                  extended_entries[e].weight * b[f];
-            }
-        }
+        condense_column(rows.begin() + k * dim + c,
+                        width,
+                        (*fields[k])[c].begin(),
+                        c);
     rows.compress(VectorOperation::add);
     zero_held_unknowns(rows, width);
   }
@@ -77,32 +141,12 @@ namespace greville
               x.local_element(u * width + k * dim + c) =
                 (*fields[k])[c].local_element(owned_unknown_functions[u]);
     x.update_ghost_values();
-    const double *begin = x.begin();
     for (unsigned int k = 0; k < fields.size(); ++k)
       for (unsigned int c = 0; c < dim; ++c)
-        {
-          double       *values = (*fields[k])[c].begin();
-          const double *from   = begin + k * dim + c;
-          for (unsigned int f = 0; f < n_owned_functions(); ++f)
-            if ((*extension)[f] == Extension<dim>::inactive &&
-                !((mask[f] >> c) & 1))
-              values[f] = 0.;
-          for (unsigned int u = 0; u < n_owned; ++u)
-            if (!((mask[owned_unknown_functions[u]] >> c) & 1))
-              values[owned_unknown_functions[u]] = from[std::size_t(u) * width];
-          for (unsigned int m = 0; m < extended.size(); ++m)
-            {
-              const unsigned int f = extended_functions[m];
-              if (f >= n_owned_functions() || ((mask[f] >> c) & 1))
-                continue;
-              double sum = 0.;
-              for (std::size_t e = extended_begin[m]; e < extended_begin[m + 1];
-                   ++e)
-                sum += extended_entries[e].weight *
-                       from[std::size_t(extended_entries[e].unknown) * width];
-              values[f] = sum;
-            }
-        }
+        distribute_column((*fields[k])[c].begin(),
+                          x.begin() + k * dim + c,
+                          width,
+                          c);
     x.zero_out_ghost_values();
   }
 
@@ -289,6 +333,14 @@ namespace greville
 
 
 
+  template void
+  ExtendedMass<2>::condense(VectorType &, const VectorType &) const;
+  template void
+  ExtendedMass<2>::distribute(VectorType &, VectorType &) const;
+  template void
+  ExtendedMass<3>::condense(VectorType &, const VectorType &) const;
+  template void
+  ExtendedMass<3>::distribute(VectorType &, VectorType &) const;
   template void
   ExtendedMass<2>::restrict_fields(VectorType &,
                                    const std::vector<const VectorField<2> *> &,

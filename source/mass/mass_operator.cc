@@ -421,16 +421,14 @@ namespace greville
 
 
   std::pair<double, std::vector<unsigned int>>
-  fill_inactive(VectorType &diagonal, const Constraints &constraints)
+  fill_inactive(VectorType &diagonal)
   {
     constexpr double round_off = 1e-15;
     const double     largest   = diagonal.linfty_norm();
     Assert(largest > 0, ExcInternalError());
-    const auto                first = diagonal.get_partitioner()->local_range();
     std::vector<unsigned int> inactive;
     for (unsigned int i = 0; i < diagonal.locally_owned_size(); ++i)
-      if (diagonal.local_element(i) <= round_off * largest ||
-          constraints.is_constrained(first.first + i))
+      if (diagonal.local_element(i) <= round_off * largest)
         inactive.push_back(i);
     for (const unsigned int i : inactive)
       diagonal.local_element(i) = largest;
@@ -440,56 +438,18 @@ namespace greville
 
 
   template <int dim>
-  void
-  MassOperator<dim>::reinit(const SplineSpace<dim>          &space,
-                            const DensityWeights<dim>       &weights,
-                            const Constraints               &constraints,
-                            const std::vector<unsigned int> &lumped,
-                            const VectorType                *with_diagonal)
+  MassOperator<dim>::MassOperator(const SplineSpace<dim>    &space,
+                                  const DensityWeights<dim> &weights)
+    : spline_space(&space)
+    , cross(space, space, weights)
   {
     Assert(space.n_components() == 1,
            ExcMessage("The mass matrix is the same for all components; use a "
                       "space with one."));
-    spline_space     = &space;
-    cross            = CrossMassOperator<dim>(space, space, weights);
-    coefficients     = Expansion<dim>(space, constraints);
-    lumped_functions = lumped;
-    const bool has_lumped =
-      Utilities::MPI::max<unsigned int>(lumped.size(), space.communicator()) >
-      0;
-    if (has_lumped)
-      {
-        VectorType lumped_ones, sums;
-        for (VectorType *v : {&lumped_ones, &sums, &lumped_diagonal})
-          space.initialize_vector(*v);
-        for (const unsigned int i : lumped)
-          lumped_ones.local_element(i) = 1.;
-        cross.vmult(lumped_diagonal, lumped_ones);
-        cross.row_sums(sums);
-        for (const unsigned int i : lumped)
-          lumped_diagonal.local_element(i) = sums.local_element(i);
-      }
-    else
-      lumped_diagonal.reinit(0);
-
     space.initialize_vector(matrix_diagonal);
-    if (with_diagonal != nullptr)
-      matrix_diagonal.copy_locally_owned_data_from(*with_diagonal);
-    else
-      {
-        cross.diagonal(matrix_diagonal);
-        if (coefficients.has_extended() || has_lumped)
-          coefficients.condense_diagonal(matrix_diagonal, weights, lumped);
-      }
+    cross.diagonal(matrix_diagonal);
     std::tie(inactive_diagonal, inactive_functions) =
-      fill_inactive(matrix_diagonal, constraints);
-
-    // Without mass the row and column are zero; constrained ones are hidden.
-    has_constraints = constraints.n_constraints() > 0;
-    has_constraints =
-      Utilities::MPI::max<unsigned int>(has_constraints, space.communicator());
-    if (has_constraints || has_lumped)
-      space.initialize_vector(free_source);
+      fill_inactive(matrix_diagonal);
   }
 
 
@@ -498,83 +458,10 @@ namespace greville
   void
   MassOperator<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
-    const bool has_lumped = lumped_diagonal.size() > 0;
-    if (has_constraints || has_lumped)
-      {
-        free_source.copy_locally_owned_data_from(src);
-        distribute(free_source);
-        lumped_source.clear();
-        for (const unsigned int i : lumped_functions)
-          {
-            lumped_source.push_back(free_source.local_element(i));
-            free_source.local_element(i) = 0.;
-          }
-        cross.vmult(dst, free_source);
-        for (const unsigned int i : lumped_functions)
-          dst.local_element(i) = 0.;
-        if (has_lumped)
-          {
-            for (unsigned int k = 0; k < lumped_functions.size(); ++k)
-              free_source.local_element(lumped_functions[k]) = lumped_source[k];
-            for (unsigned int i = 0; i < dst.locally_owned_size(); ++i)
-              dst.local_element(i) +=
-                lumped_diagonal.local_element(i) * free_source.local_element(i);
-          }
-        coefficients.condense(dst);
-      }
-    else
-      cross.vmult(dst, src);
+    // Rows and columns without mass are zero.
+    cross.vmult(dst, src);
     for (const unsigned int i : inactive_functions)
       dst.local_element(i) = inactive_diagonal * src.local_element(i);
-  }
-
-
-
-  template <int dim>
-  void
-  MassOperator<dim>::distribute(VectorType &x) const
-  {
-    for (const unsigned int i : inactive_functions)
-      x.local_element(i) = 0.;
-    coefficients.distribute(x);
-  }
-
-
-
-  template <int dim>
-  void
-  MassOperator<dim>::condense(VectorType &x) const
-  {
-    coefficients.condense(x);
-    for (const unsigned int i : inactive_functions)
-      x.local_element(i) = 0.;
-  }
-
-
-
-  template <int dim>
-  VectorType
-  MassOperator<dim>::lumped() const
-  {
-    VectorType sums;
-    initialize_dof_vector(sums);
-    cross.row_sums(sums);
-    coefficients.condense(sums);
-    for (const unsigned int i : inactive_functions)
-      sums.local_element(i) = inactive_diagonal;
-    return sums;
-  }
-
-
-
-  template <int dim>
-  types::global_dof_index
-  MassOperator<dim>::n_active() const
-  {
-    return Utilities::MPI::sum(types::global_dof_index(
-                                 spline_space->n_locally_owned_dofs() -
-                                 inactive_functions.size()),
-                               spline_space->communicator());
   }
 
 

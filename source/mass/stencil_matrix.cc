@@ -341,19 +341,6 @@ namespace greville
 
 
 
-  template <int dim>
-  std::size_t
-  StencilMatrix<dim>::memory_consumption() const
-  {
-    std::size_t n_rows = 0;
-    for (const Segment &segment : segments)
-      n_rows += segment.end - segment.begin;
-    return n_rows * half * sizeof(double) +
-           (places.size() + lines.size()) * sizeof(unsigned int);
-  }
-
-
-
   template class StencilMatrix<2>;
   template class StencilMatrix<3>;
 } // namespace greville

@@ -23,12 +23,14 @@ namespace greville
 
   template <int dim>
   ExtendedMassSolver<dim>::ExtendedMassSolver(
-    ExtendedMass<dim>        &mass,
-    const SolverParameters   &parameters,
-    const SmootherParameters &smoother_parameters)
+    ExtendedMass<dim>          &mass,
+    const SolverParameters     &parameters,
+    const SmootherParameters   &smoother_parameters,
+    const ColumnPreconditioner &preconditioner)
     : mass(mass)
     , parameters(parameters)
     , smoother_parameters(smoother_parameters)
+    , other_preconditioner(preconditioner)
   {}
 
 
@@ -39,6 +41,8 @@ namespace greville
                                   const double new_total_mass)
   {
     total_mass = new_total_mass;
+    if (other_preconditioner)
+      return;
     if (is_due || smoother_parameters.reuse == 0 ||
         mass.alike() != factor_alike)
       factorize();
@@ -152,6 +156,12 @@ namespace greville
                                         const unsigned int width,
                                         const unsigned int n_columns) const
   {
+    if (other_preconditioner)
+      {
+        other_preconditioner(z, r, width, n_columns);
+        mass.zero_held_unknowns(z, width);
+        return;
+      }
     if (factors.size() == 1 && factor_rows.empty())
       {
         std::copy_n(r.begin(), r.locally_owned_size(), z.begin());
@@ -277,9 +287,9 @@ namespace greville
     mass.read_fields(unknowns,
                      std::vector<const VectorField<dim> *>(x.begin(), x.end()),
                      width);
-    if (n_holds != mass.n_holds())
+    if (n_holds != mass.n_holds() && !other_preconditioner)
       hold();
-    const bool  was_fresh = is_fresh;
+    const bool  was_fresh = is_fresh || other_preconditioner;
     SolveResult result =
       run(was_fresh ? parameters.max_iterations
                     : std::min(parameters.max_iterations,
@@ -361,15 +371,23 @@ namespace greville
     const double   start = largest_ratio(now, target);
     double         ratio = start;
     unsigned int   k     = 0;
-    Columns<width> rho{};
+    Columns<width> rho{}, alpha{};
     while (ratio > parameters.tolerance && std::isfinite(ratio) &&
            k < max_iterations)
       {
         precondition(z, r, width, n_fields * dim);
         const auto     new_rho = dot<width>(r, z, comm);
-        Columns<width> beta, alpha, minus_alpha;
+        Columns<width> beta, minus_alpha;
         for (int c = 0; c < width; ++c)
           beta[c] = rho[c] > 0. ? new_rho[c] / rho[c] : 0.;
+        if (other_preconditioner && k > 0)
+          {
+            // It may change from one time to the next: beta is that of Polak
+            // and Ribiere, with r - alpha q for the new residual.
+            const auto change = dot<width>(q, z, comm);
+            for (int c = 0; c < width; ++c)
+              beta[c] = rho[c] > 0. ? -alpha[c] * change[c] / rho[c] : 0.;
+          }
         rho = new_rho;
         scale_and_add<width>(p, beta, ones, z);
         mass.vmult(q, p, width);
@@ -447,20 +465,6 @@ namespace greville
       excess_iterations += n_iterations - fresh_iterations;
     is_fresh = false;
     is_due   = excess_iterations > smoother_parameters.reuse;
-  }
-
-
-
-  template <int dim>
-  std::size_t
-  ExtendedMassSolver<dim>::memory_consumption() const
-  {
-    std::size_t n = factor_places.size() * sizeof(unsigned int) +
-                    factor_rows.size() * sizeof(int) +
-                    work.size() * sizeof(double);
-    for (const Factors &part : factors)
-      n += part.cholesky.memory_consumption();
-    return n;
   }
 
 

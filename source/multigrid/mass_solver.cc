@@ -72,18 +72,6 @@ namespace greville
 
 
 
-  template <int dim>
-  std::size_t
-  MassHierarchy<dim>::memory_consumption() const
-  {
-    std::size_t n = 0;
-    for (const auto &level : levels)
-      n += level->memory_consumption();
-    return n;
-  }
-
-
-
   namespace
   {
     const std::vector<std::string> solver_names = {"p-multigrid",
@@ -189,7 +177,7 @@ namespace greville
         // p = 1 alone is solved by the coarse solver: to the end.
         const auto levels = hierarchy.all_levels();
         preconditioner    = std::make_unique<PMultigrid<dim>>(
-          levels,
+          typename PMultigrid<dim>::Levels(levels.begin(), levels.end()),
           multigrid_parameters,
           smoother_parameters,
           levels.size() == 1 ? 0.5 * parameters.tolerance
@@ -197,13 +185,13 @@ namespace greville
       }
     else if (name == "cg-jacobi")
       preconditioner =
-        std::make_unique<DiagonalPreconditioner>(finest.mass().diagonal());
+        std::make_unique<DiagonalPreconditioner>(finest.diagonal());
     else if (name == "tensor-product" || name == "cg-tensor-product")
       preconditioner =
         make_smoother<dim>("tensor-product", smoother_parameters, finest, true);
     else if (n_terms > 0)
       {
-        inverse_lumped = finest.mass().lumped();
+        inverse_lumped = finest.lumped();
         for (double &entry : inverse_lumped)
           entry = 1. / entry;
       }
@@ -345,17 +333,6 @@ namespace greville
           reason_of_failure(failure.last_step, failure.last_residual / start);
       }
     result.iterations = control.last_step();
-  }
-
-
-
-  template <int dim>
-  std::size_t
-  MassSolver<dim>::memory_consumption() const
-  {
-    return hierarchy.memory_consumption() +
-           (preconditioner ? preconditioner->memory_consumption() : 0) +
-           inverse_lumped.memory_consumption();
   }
 
 

@@ -23,10 +23,11 @@ namespace greville
 
 
   template <int dim>
-  OrderTransfer<dim>::OrderTransfer(const std::vector<MassLevel<dim> *> &levels,
-                                    const std::string                   &p,
-                                    const std::string                   &r,
-                                    const std::string &weighting)
+  OrderTransfer<dim>::OrderTransfer(
+    const std::vector<const LevelOperator<dim> *> &levels,
+    const std::string                             &p,
+    const std::string                             &r,
+    const std::string                             &weighting)
     : steps(levels.size() - 1)
     , inverses(levels.size())
     , prolongation(p)
@@ -34,13 +35,15 @@ namespace greville
   {
     for (unsigned int l = 1; l < levels.size(); ++l)
       {
-        const MassLevel<dim> &fine   = *levels[l];
-        const MassLevel<dim> &coarse = *levels[l - 1];
-        Step                 &step   = steps[l - 1];
-        step.fine_mass               = &fine.mass();
-        step.coarse_mass             = &coarse.mass();
+        const LevelOperator<dim>  &fine    = *levels[l];
+        const LevelOperator<dim>  &coarse  = *levels[l - 1];
+        const DensityWeights<dim> *density = fine.transfer_weights();
+        Step                      &step    = steps[l - 1];
+        AssertDimension(fine.n_components(), coarse.n_components());
+        step.fine_level   = &fine;
+        step.coarse_level = &coarse;
 
-        if (weighting == "unit")
+        if (weighting == "unit" || !density)
           step.unit_weights = std::make_unique<DensityWeights<dim>>(
             fine.space(),
             fine.space().degree() + 1,
@@ -49,20 +52,24 @@ namespace greville
           CrossMassOperator<dim>(fine.space(),
                                  coarse.space(),
                                  step.unit_weights ? *step.unit_weights
-                                                   : fine.weights());
-        for (VectorType *v : {&step.fine, &step.inverse_row_sums})
+                                                   : *density);
+        for (VectorType *v :
+             {&step.fine, &step.from_fine, &step.inverse_row_sums})
           fine.space().initialize_vector(*v);
-        for (VectorType *v : {&step.coarse, &step.inverse_column_sums})
+        for (VectorType *v :
+             {&step.coarse, &step.from_coarse, &step.inverse_column_sums})
           coarse.space().initialize_vector(*v);
+        initialize_vector(step.fine_sum, fine);
+        initialize_vector(step.coarse_sum, coarse);
 
         step.coarse = 1.;
         step.cross.vmult(step.inverse_row_sums, step.coarse);
         step.fine = 1.;
         step.cross.Tvmult(step.inverse_column_sums, step.fine);
         // With unit weights the sums do not see the holes.
-        for (const unsigned int i : fine.mass().inactive())
+        for (const unsigned int i : fine.inactive())
           step.inverse_row_sums.local_element(i) = 0.;
-        for (const unsigned int i : coarse.mass().inactive())
+        for (const unsigned int i : coarse.inactive())
           step.inverse_column_sums.local_element(i) = 0.;
         invert(step.inverse_row_sums);
         invert(step.inverse_column_sums);
@@ -74,11 +81,13 @@ namespace greville
         {
           inverses[l]           = std::make_unique<Inverse>();
           inverses[l]->solver   = TensorProductSolver<dim>(levels[l]->space());
-          inverses[l]->inactive = levels[l]->mass().inactive();
-          if (weighting == "density")
+          inverses[l]->inactive = levels[l]->inactive();
+          if (weighting == "density" && levels[l]->transfer_weights())
             inverses[l]->weighted =
               std::make_unique<TensorProductPreconditioner<dim>>(
-                inverses[l]->solver, levels[l]->mass());
+                inverses[l]->solver,
+                levels[l]->diagonal(),
+                levels[l]->inactive());
         }
   }
 
@@ -105,19 +114,14 @@ namespace greville
 
   template <int dim>
   void
-  OrderTransfer<dim>::prolongate(const unsigned int to_level,
-                                 VectorType        &dst,
-                                 const VectorType  &src) const
+  OrderTransfer<dim>::prolongate_component(const unsigned int to_level,
+                                           VectorType        &dst,
+                                           const VectorType  &src) const
   {
     const Step &step = steps[to_level - 1];
-    if (step.coarse_mass->expansion().has_extended())
-      {
-        step.coarse = src;
-        step.coarse_mass->distribute(step.coarse);
-        step.cross.vmult(dst, step.coarse);
-      }
-    else
-      step.cross.vmult(dst, src);
+    step.coarse      = src;
+    step.coarse_level->distribute(step.coarse);
+    step.cross.vmult(dst, step.coarse);
     if (prolongation == "exact-l2")
       inverses[to_level]->apply(dst);
     else
@@ -128,11 +132,58 @@ namespace greville
 
   template <int dim>
   void
+  OrderTransfer<dim>::restrict_component(const unsigned int from_level,
+                                         VectorType        &dst,
+                                         const VectorType  &src) const
+  {
+    const Step &step = steps[from_level - 1];
+    step.fine        = src;
+    if (restriction == "transpose")
+      {
+        if (prolongation == "exact-l2")
+          inverses[from_level]->apply(step.fine);
+        else
+          step.fine.scale(step.inverse_row_sums);
+        step.cross.Tvmult(dst, step.fine);
+        step.coarse_level->condense(dst);
+        return;
+      }
+    step.fine_level->distribute(step.fine);
+    step.cross.Tvmult(dst, step.fine);
+    if (restriction == "exact-l2")
+      inverses[from_level - 1]->apply(dst);
+    else
+      dst.scale(step.inverse_column_sums);
+  }
+
+
+
+  template <int dim>
+  void
+  OrderTransfer<dim>::prolongate(const unsigned int to_level,
+                                 VectorType        &dst,
+                                 const VectorType  &src) const
+  {
+    const Step &step = steps[to_level - 1];
+    apply_by_components(step.fine_level->n_components(),
+                        dst,
+                        src,
+                        step.fine,
+                        step.from_coarse,
+                        [&](VectorType &to, const VectorType &from) {
+                          prolongate_component(to_level, to, from);
+                        });
+  }
+
+
+
+  template <int dim>
+  void
   OrderTransfer<dim>::prolongate_and_add(const unsigned int to_level,
                                          VectorType        &dst,
                                          const VectorType  &src) const
   {
-    VectorType &correction = steps[to_level - 1].fine;
+    VectorType &correction = steps[to_level - 1].fine_sum;
     prolongate(to_level, correction, src);
     dst += correction;
   }
@@ -146,49 +197,15 @@ namespace greville
                                        const VectorType  &src) const
   {
     const Step &step = steps[from_level - 1];
-    if (restriction == "transpose")
-      {
-        step.fine = src;
-        if (prolongation == "exact-l2")
-          inverses[from_level]->apply(step.fine);
-        else
-          step.fine.scale(step.inverse_row_sums);
-        step.cross.Tvmult(step.coarse, step.fine);
-        if (step.coarse_mass->expansion().has_extended())
-          step.coarse_mass->condense(step.coarse);
-      }
-    else
-      {
-        if (step.fine_mass->expansion().has_extended())
-          {
-            step.fine = src;
-            step.fine_mass->distribute(step.fine);
-            step.cross.Tvmult(step.coarse, step.fine);
-          }
-        else
-          step.cross.Tvmult(step.coarse, src);
-        if (restriction == "exact-l2")
-          inverses[from_level - 1]->apply(step.coarse);
-        else
-          step.coarse.scale(step.inverse_column_sums);
-      }
-    dst += step.coarse;
-  }
-
-
-
-  template <int dim>
-  std::size_t
-  OrderTransfer<dim>::memory_consumption() const
-  {
-    std::size_t n = 0;
-    for (const Step &step : steps)
-      n += 2 * (step.inverse_row_sums.memory_consumption() +
-                step.inverse_column_sums.memory_consumption());
-    for (const auto &inverse : inverses)
-      if (inverse)
-        n += inverse->solver.memory_consumption();
-    return n;
+    apply_by_components(step.fine_level->n_components(),
+                        step.coarse_sum,
+                        src,
+                        step.coarse,
+                        step.from_fine,
+                        [&](VectorType &to, const VectorType &from) {
+                          restrict_component(from_level, to, from);
+                        });
+    dst += step.coarse_sum;
   }
 
 

@@ -12,32 +12,17 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  OverlappingDomain<dim>::OverlappingDomain(const MassMatrix<dim>   &mass,
-                                            const unsigned int       overlap,
-                                            const SchwarzCombination c,
-                                            const std::string       &ordering)
-    : OverlappingDomain(mass.petsc(),
-                        mass.space().communicator(),
-                        mass.space().owned_functions(),
-                        overlap,
-                        c,
-                        ordering)
-  {}
-
-
-
-  template <int dim>
-  OverlappingDomain<dim>::OverlappingDomain(
-    const Mat                         matrix,
-    const MPI_Comm                    communicator,
-    const std::vector<std::uint64_t> &positions,
-    const unsigned int                overlap,
-    const SchwarzCombination          c,
-    const std::string                &ordering)
+  OverlappingDomain<dim>::OverlappingDomain(const LevelOperator<dim> &level,
+                                            const unsigned int        overlap,
+                                            const SchwarzCombination  c,
+                                            const std::string        &ordering)
     : combination(c)
-    , comm(communicator)
-    , n_owned(positions.size())
+    , comm(level.space().communicator())
+    , n_owned(level.space().owned_functions().size())
   {
+    const Mat                     matrix    = level.matrix();
+    const auto                   &positions = level.space().owned_functions();
+    PetscInt                      n_all;
     std::pair<PetscInt, PetscInt> range;
     check_petsc(MatGetOwnershipRange(matrix, &range.first, &range.second));
     check_petsc(MatGetSize(matrix, &n_all, nullptr));
@@ -80,9 +65,9 @@ namespace greville
     for (const PetscInt number : domain_numbers)
       if (number < range.first || number >= range.second)
         ghosts.add_index(number);
-    owned_range = range;
-    ghosts.fill_index_vector(ghost_numbers);
-    VectorType &values = overlapped_vector(1);
+    IndexSet owned(n_all);
+    owned.add_range(range.first, range.second);
+    values.reinit(owned, ghosts, comm);
     for (const PetscInt number : domain_numbers)
       order.push_back(values.get_partitioner()->global_to_local(number));
 
@@ -90,6 +75,7 @@ namespace greville
     for (unsigned int i = 0; i < n_owned; ++i)
       values.local_element(i) = positions[i];
     values.update_ghost_values();
+    std::vector<std::uint64_t> function_positions;
     for (const unsigned int i : order)
       function_positions.push_back(values.local_element(i));
     values.zero_out_ghost_values();
@@ -130,13 +116,9 @@ namespace greville
         local_copy.reset(permuted);
         local_matrix = permuted;
 
-        const auto old_order     = order;
-        const auto old_positions = function_positions;
+        const auto old_order = order;
         for (unsigned int i = 0; i < order.size(); ++i)
-          {
-            order[i]              = old_order[permutation[i]];
-            function_positions[i] = old_positions[permutation[i]];
-          }
+          order[i] = old_order[permutation[i]];
       }
 
     if (combination == SchwarzCombination::symmetric)
@@ -156,44 +138,19 @@ namespace greville
 
 
   template <int dim>
-  VectorType &
-  OverlappingDomain<dim>::overlapped_vector(const unsigned int width) const
-  {
-    VectorType &vector = overlapped[width];
-    if (vector.get_partitioner()->size() == 0 && n_all > 0)
-      {
-        IndexSet owned(n_all * width), ghosts(n_all * width);
-        owned.add_range(owned_range.first * width, owned_range.second * width);
-        for (const types::global_dof_index number : ghost_numbers)
-          ghosts.add_range(number * width, (number + 1) * width);
-        vector.reinit(owned, ghosts, comm);
-      }
-    return vector;
-  }
-
-
-
-  template <int dim>
   void
   OverlappingDomain<dim>::restrict_to(std::vector<double> &local,
                                       const VectorType    &src,
-                                      const bool           transpose,
-                                      const unsigned int   width) const
+                                      const bool           transpose) const
   {
-    VectorType &values = overlapped_vector(width);
-    std::copy_n(src.begin(), n_owned * width, values.begin());
+    std::copy_n(src.begin(), n_owned, values.begin());
     values.update_ghost_values();
-    local.resize(order.size() * width);
+    local.resize(order.size());
     for (unsigned int i = 0; i < order.size(); ++i)
-      {
-        const double factor = combination == SchwarzCombination::symmetric
-                                ? weights[i]
-                              : transpose && !owns(i) ? 0.
-                                                      : 1.;
-        for (unsigned int c = 0; c < width; ++c)
-          local[i * width + c] =
-            factor * values.local_element(order[i] * width + c);
-      }
+      local[i] = values.local_element(order[i]) *
+                 (combination == SchwarzCombination::symmetric ? weights[i]
+                  : transpose && !owns(i)                      ? 0.
+                                                               : 1.);
     values.zero_out_ghost_values();
   }
 
@@ -203,45 +160,22 @@ namespace greville
   void
   OverlappingDomain<dim>::prolongate_from(const std::vector<double> &local,
                                           VectorType                &dst,
-                                          const bool                 transpose,
-                                          const unsigned int width) const
+                                          const bool transpose) const
   {
     if (combination == SchwarzCombination::restricted && !transpose)
       {
         for (unsigned int i = 0; i < order.size(); ++i)
           if (owns(i))
-            for (unsigned int c = 0; c < width; ++c)
-              dst.local_element(order[i] * width + c) = local[i * width + c];
+            dst.local_element(order[i]) = local[i];
         return;
       }
-    VectorType &values = overlapped_vector(width);
-    values             = 0.;
+    values = 0.;
     for (unsigned int i = 0; i < order.size(); ++i)
-      for (unsigned int c = 0; c < width; ++c)
-        values.local_element(order[i] * width + c) =
-          combination == SchwarzCombination::symmetric
-            ? weights[i] * local[i * width + c]
-            : local[i * width + c];
+      values.local_element(order[i]) =
+        combination == SchwarzCombination::symmetric ? weights[i] * local[i]
+                                                     : local[i];
     values.compress(VectorOperation::add);
-    std::copy_n(values.begin(), n_owned * width, dst.begin());
-  }
-
-
-
-  template <int dim>
-  std::size_t
-  OverlappingDomain<dim>::memory_consumption() const
-  {
-    std::size_t n = order.size() * (sizeof(unsigned int) + 8 + 8);
-    for (const auto &vector : overlapped)
-      n += vector.second.memory_consumption();
-    if (local_copy)
-      {
-        MatInfo info;
-        check_petsc(MatGetInfo(local_copy.get(), MAT_LOCAL, &info));
-        n += info.memory;
-      }
-    return n;
+    std::copy_n(values.begin(), n_owned, dst.begin());
   }
 
 
@@ -262,12 +196,6 @@ namespace greville
         transpose ? ilut.solve_transpose(x) : ilut.solve(x);
       }
 
-      std::size_t
-      memory_consumption() const override
-      {
-        return ilut.memory_consumption();
-      }
-
     private:
       ILUT ilut;
     };
@@ -286,12 +214,6 @@ namespace greville
       solve(double *x, const bool) const override
       {
         factors.solve(x, 1);
-      }
-
-      std::size_t
-      memory_consumption() const override
-      {
-        return factors.memory_consumption();
       }
 
     private:
@@ -345,12 +267,6 @@ namespace greville
         view_in  = PetscVectorView(PETSC_COMM_SELF, n);
         view_out = PetscVectorView(PETSC_COMM_SELF, n);
         scratch.resize(n);
-
-        MatInfo info;
-        Mat     factor;
-        check_petsc(PCFactorGetMatrix(handle, &factor));
-        check_petsc(MatGetInfo(factor, MAT_LOCAL, &info));
-        bytes = info.nz_used * (sizeof(double) + sizeof(PetscInt));
       }
 
       void
@@ -368,18 +284,11 @@ namespace greville
           x[i] = scaling[i] * scratch[i];
       }
 
-      std::size_t
-      memory_consumption() const override
-      {
-        return bytes + 2 * scaling.size() * sizeof(double);
-      }
-
     private:
       PetscHandle<PC, PCDestroy>  pc;
       std::vector<double>         scaling;
       mutable std::vector<double> scratch;
       PetscVectorView             view_in, view_out;
-      std::size_t                 bytes = 0;
     };
   } // namespace
 
@@ -485,16 +394,6 @@ namespace greville
   AdditiveSchwarz<dim>::Tvmult(VectorType &dst, const VectorType &src) const
   {
     apply(dst, src, true);
-  }
-
-
-
-  template <int dim>
-  std::size_t
-  AdditiveSchwarz<dim>::memory_consumption() const
-  {
-    return domain->memory_consumption() +
-           (solver ? solver->memory_consumption() : 0);
   }
 
 

@@ -44,9 +44,9 @@ namespace greville
     prm.add_parameter(
       "Overlap",
       overlap,
-      "ilut, ilu0, ic0, schwarz: overlap of the domains of processes, in "
+      "ilut, ilu0, ic0: overlap of the domains of processes, in "
       "layers of the matrix's graph (p coefficients each). In simulations with "
-      "the mass consistent and the coarsening auto it has no effect. Unit: "
+      "'Solver/Method' = cg-ic0 it has no effect. Unit: "
       "layers.",
       Patterns::Integer(0, 10));
     prm.add_parameter("Ordering",
@@ -56,20 +56,10 @@ namespace greville
                       Patterns::Selection("lexicographic|rcm|amd|nd|qmd|1wd"));
     prm.add_parameter("Combination",
                       combination,
-                      "ilut, ilu0, ic0, schwarz: how overlapping corrections "
+                      "ilut, ilu0, ic0: how overlapping corrections "
                       "are put together; automatic is symmetric in a symmetric "
                       "cycle (restriction = transpose), else restricted.",
                       Patterns::Selection("automatic|restricted|symmetric"));
-    prm.add_parameter("Box size",
-                      box_size,
-                      "schwarz: coefficients of a box in each direction, "
-                      "without its overlap. Unit: coefficients.",
-                      Patterns::Integer(1, 64));
-    prm.add_parameter("Box overlap",
-                      box_overlap,
-                      "schwarz: coefficients that a box takes from its "
-                      "neighbours on each side. Unit: coefficients.",
-                      Patterns::Integer(0, 64));
     prm.add_parameter(
       "Damping",
       damping,
@@ -128,18 +118,19 @@ namespace greville
     class JacobiSmoother : public DiagonalPreconditioner
     {
     public:
-      JacobiSmoother(const MassLevel<dim> &level, const double damping)
-        : DiagonalPreconditioner(level.mass().diagonal())
+      JacobiSmoother(const LevelOperator<dim> &level, const double damping)
+        : DiagonalPreconditioner(level.diagonal())
       {
         // Some power steps. The start is a function of the position only, so
         // that the estimate does not depend on the number of processes.
         VectorType x, y;
-        level.space().initialize_vector(x);
-        level.space().initialize_vector(y);
-        const auto &positions = level.space().owned_functions();
-        for (unsigned int i = 0; i < positions.size(); ++i)
+        initialize_vector(x, level);
+        initialize_vector(y, level);
+        const auto        &positions = level.space().owned_functions();
+        const unsigned int n         = level.n_components();
+        for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
           x.local_element(i) =
-            1. + 0.5 * std::sin(12.9898 * (positions[i] % 104729));
+            1. + 0.5 * std::sin(12.9898 * (positions[i / n] % 104729) + i % n);
         double lambda = 1.;
         for (unsigned int step = 0; step < 15; ++step)
           {
@@ -158,7 +149,7 @@ namespace greville
     class ChebyshevSmoother : public Preconditioner
     {
     public:
-      ChebyshevSmoother(const MassLevel<dim>     &level,
+      ChebyshevSmoother(const LevelOperator<dim> &level,
                         const SmootherParameters &parameters)
         : matrix(level)
       {
@@ -167,12 +158,12 @@ namespace greville
         data.smoothing_range     = parameters.chebyshev_range;
         data.eig_cg_n_iterations = 15;
         data.preconditioner =
-          std::make_shared<DiagonalMatrix<VectorType>>(level.mass().diagonal());
+          std::make_shared<DiagonalMatrix<VectorType>>(level.diagonal());
         for (double &entry : data.preconditioner->get_vector())
           entry = 1. / entry;
         chebyshev.initialize(matrix, data);
         VectorType vector;
-        level.space().initialize_vector(vector);
+        initialize_vector(vector, level);
         chebyshev.estimate_eigenvalues(vector);
       }
 
@@ -182,19 +173,13 @@ namespace greville
         chebyshev.vmult(dst, src);
       }
 
-      std::size_t
-      memory_consumption() const override
-      {
-        return 0;
-      }
-
     private:
       /**
        * A level in the form that deal.II's class wants.
        */
       struct Matrix : public Observable
       {
-        Matrix(const MassLevel<dim> &level)
+        Matrix(const LevelOperator<dim> &level)
           : level(level)
         {}
 
@@ -207,16 +192,16 @@ namespace greville
         types::global_dof_index
         m() const
         {
-          return level.space().n_dofs();
+          return level.diagonal().size();
         }
 
         double
         el(const unsigned int i, const unsigned int) const
         {
-          return level.mass().diagonal()(i);
+          return level.diagonal()(i);
         }
 
-        const MassLevel<dim> &level;
+        const LevelOperator<dim> &level;
       };
 
       using Chebyshev =
@@ -231,21 +216,15 @@ namespace greville
     class TensorProductSmoother : public Preconditioner
     {
     public:
-      TensorProductSmoother(const MassLevel<dim> &level)
+      TensorProductSmoother(const LevelOperator<dim> &level)
         : solver(level.space())
-        , preconditioner(solver, level.mass())
+        , preconditioner(solver, level.diagonal(), level.inactive())
       {}
 
       void
       vmult(VectorType &dst, const VectorType &src) const override
       {
         preconditioner.vmult(dst, src);
-      }
-
-      std::size_t
-      memory_consumption() const override
-      {
-        return preconditioner.memory_consumption();
       }
 
     private:
@@ -278,14 +257,58 @@ namespace greville
         backward.vmult(dst, src);
       }
 
-      std::size_t
-      memory_consumption() const override
+    private:
+      PetscPreconditioner forward, backward;
+    };
+
+
+
+    /**
+     * A smoother of one component for each of several.
+     */
+    template <int dim>
+    class SmootherByComponents : public Preconditioner
+    {
+    public:
+      SmootherByComponents(std::unique_ptr<Preconditioner> smoother,
+                           const LevelOperator<dim>       &level)
+        : smoother(std::move(smoother))
+        , n_components(level.n_components())
       {
-        return 0;
+        level.space().initialize_vector(to);
+        level.space().initialize_vector(from);
+      }
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        apply_by_components(n_components,
+                            dst,
+                            src,
+                            to,
+                            from,
+                            [&](VectorType &y, const VectorType &x) {
+                              smoother->vmult(y, x);
+                            });
+      }
+
+      void
+      Tvmult(VectorType &dst, const VectorType &src) const override
+      {
+        apply_by_components(n_components,
+                            dst,
+                            src,
+                            to,
+                            from,
+                            [&](VectorType &y, const VectorType &x) {
+                              smoother->Tvmult(y, x);
+                            });
       }
 
     private:
-      PetscPreconditioner forward, backward;
+      const std::unique_ptr<Preconditioner> smoother;
+      const unsigned int                    n_components;
+      mutable VectorType                    to, from;
     };
 
 
@@ -293,7 +316,7 @@ namespace greville
     template <int dim>
     using Maker =
       std::function<std::unique_ptr<Preconditioner>(const SmootherParameters &,
-                                                    const MassLevel<dim> &,
+                                                    const LevelOperator<dim> &,
                                                     const bool symmetric)>;
 
     SchwarzCombination
@@ -313,13 +336,13 @@ namespace greville
     std::unique_ptr<Preconditioner>
     make_schwarz(
       const SmootherParameters                                     &p,
-      const MassLevel<dim>                                         &level,
+      const LevelOperator<dim>                                     &level,
       const bool                                                    symmetric,
       const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make)
     {
       return std::make_unique<AdditiveSchwarz<dim>>(
         std::make_unique<OverlappingDomain<dim>>(
-          level.matrix(), p.overlap, combination_of(p, symmetric), p.ordering),
+          level, p.overlap, combination_of(p, symmetric), p.ordering),
         make);
     }
 
@@ -330,6 +353,7 @@ namespace greville
     {
       std::string name;
       bool        needs_matrix;
+      bool        by_components;
       Maker<dim>  make;
     };
 
@@ -343,9 +367,10 @@ namespace greville
     smoothers()
     {
       using P                                   = const SmootherParameters &;
-      using L                                   = const MassLevel<dim> &;
+      using L                                   = const LevelOperator<dim> &;
       static const std::vector<Entry<dim>> list = {
         {"ilut",
+         true,
          true,
          [](P p, L level, const bool symmetric) {
            return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
@@ -354,12 +379,14 @@ namespace greville
          }},
         {"ilu0",
          true,
+         true,
          [](P p, L level, const bool symmetric) {
            return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
              return make_ilu0(m, p.shift);
            });
          }},
         {"ic0",
+         true,
          true,
          [](P p, L level, const bool symmetric) {
            return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
@@ -368,44 +395,37 @@ namespace greville
          }},
         {"jacobi",
          false,
+         false,
          [](P p, L level, const bool) {
            return std::make_unique<JacobiSmoother<dim>>(level, p.damping);
          }},
         {"gauss-seidel",
          true,
+         true,
          [](P, L level, const bool) {
-           return std::make_unique<GaussSeidelSmoother>(level.matrix().petsc());
+           return std::make_unique<GaussSeidelSmoother>(level.matrix());
          }},
         {"symmetric-gauss-seidel",
          true,
+         true,
          [](P, L level, const bool) {
            return std::make_unique<PetscPreconditioner>(
-             level.matrix().petsc(), "-pc_type sor -pc_sor_local_symmetric");
+             level.matrix(), "-pc_type sor -pc_sor_local_symmetric");
          }},
         {"chebyshev",
+         false,
          false,
          [](P p, L level, const bool) {
            return std::make_unique<ChebyshevSmoother<dim>>(level, p);
          }},
-        {"schwarz",
-         true,
-         [](P p, L level, const bool symmetric) {
-           const auto combination = combination_of(p, symmetric);
-           return std::make_unique<BoxSchwarz<dim>>(
-             std::make_unique<OverlappingDomain<dim>>(
-               level.matrix(), p.overlap, combination, "lexicographic"),
-             level.matrix(),
-             p.box_size,
-             p.box_overlap,
-             combination);
-         }},
         {"tensor-product",
          false,
+         true,
          [](P, L level, const bool) {
            return std::make_unique<TensorProductSmoother<dim>>(level);
          }},
-        {"petsc", true, [](P p, L level, const bool) {
-           return std::make_unique<PetscPreconditioner>(level.matrix().petsc(),
+        {"petsc", true, true, [](P p, L level, const bool) {
+           return std::make_unique<PetscPreconditioner>(level.matrix(),
                                                         p.petsc_options);
          }}};
       return list;
@@ -454,10 +474,15 @@ namespace greville
   std::unique_ptr<Preconditioner>
   make_smoother(const std::string        &name,
                 const SmootherParameters &parameters,
-                const MassLevel<dim>     &level,
+                const LevelOperator<dim> &level,
                 const bool                symmetric)
   {
-    return find_smoother<dim>(name).make(parameters, level, symmetric);
+    const Entry<dim> &entry    = find_smoother<dim>(name);
+    auto              smoother = entry.make(parameters, level, symmetric);
+    if (level.n_components() == 1 || !entry.by_components)
+      return smoother;
+    return std::make_unique<SmootherByComponents<dim>>(std::move(smoother),
+                                                       level);
   }
 
 
@@ -465,11 +490,11 @@ namespace greville
   template std::unique_ptr<Preconditioner>
   make_smoother<2>(const std::string &,
                    const SmootherParameters &,
-                   const MassLevel<2> &,
+                   const LevelOperator<2> &,
                    const bool);
   template std::unique_ptr<Preconditioner>
   make_smoother<3>(const std::string &,
                    const SmootherParameters &,
-                   const MassLevel<3> &,
+                   const LevelOperator<3> &,
                    const bool);
 } // namespace greville

@@ -393,28 +393,22 @@ namespace greville
 
 
   template <int dim>
-  std::size_t
-  TensorProductSolver<dim>::memory_consumption() const
-  {
-    std::size_t n = buffer.size() + other_buffer.size();
-    for (const auto &factor : factors)
-      n += factor.rows.size() + factor.diagonal.size();
-    return n * sizeof(double) + 2 * bytes_sent();
-  }
-
-
-
-  template <int dim>
   TensorProductPreconditioner<dim>::TensorProductPreconditioner(
-    const TensorProductSolver<dim> &s, const MassOperator<dim> &m)
+    const TensorProductSolver<dim>  &s,
+    const VectorType                &all_diagonals,
+    const std::vector<unsigned int> &inactive_functions)
     : solver(&s)
-    , mass(&m)
-    , scaling(m.space().n_locally_owned_dofs())
+    , inactive(&inactive_functions)
   {
-    for (unsigned int i = 0; i < scaling.size(); ++i)
-      scaling[i] =
-        std::sqrt(solver->diagonal(i) / mass->diagonal().local_element(i));
-    for (const unsigned int i : mass->inactive())
+    const unsigned int n = solver->n_unknowns();
+    const unsigned int n_components =
+      n > 0 ? all_diagonals.locally_owned_size() / n : 1;
+    for (unsigned int i = 0; i < n; ++i)
+      {
+        diagonal.push_back(all_diagonals.local_element(i * n_components));
+        scaling.push_back(std::sqrt(solver->diagonal(i) / diagonal[i]));
+      }
+    for (const unsigned int i : *inactive)
       scaling[i] = 0.;
   }
 
@@ -430,18 +424,8 @@ namespace greville
     solver->solve(dst);
     for (unsigned int i = 0; i < scaling.size(); ++i)
       dst.local_element(i) *= scaling[i];
-    for (const unsigned int i : mass->inactive())
-      dst.local_element(i) =
-        src.local_element(i) / mass->diagonal().local_element(i);
-  }
-
-
-
-  template <int dim>
-  std::size_t
-  TensorProductPreconditioner<dim>::memory_consumption() const
-  {
-    return solver->memory_consumption() + scaling.size() * sizeof(double);
+    for (const unsigned int i : *inactive)
+      dst.local_element(i) = src.local_element(i) / diagonal[i];
   }
 
 

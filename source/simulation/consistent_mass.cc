@@ -18,59 +18,60 @@ namespace greville
                     walls)
     , parameters(parameters)
     , walls(walls)
-    , extensions(this->orders.n_levels())
   {
     typename CellFilling<dim>::Walls contact_walls;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       contact_walls[w] = walls.is_friction(w);
     filling.reinit(this->space(), contact_walls);
     extended_mass.reinit(this->space());
-    if (parameters.solver.method == "cg-ic0")
-      solver_of_all =
-        std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
-                                                  parameters.solver,
-                                                  parameters.smoother);
-    else
-      make_groups();
+    const auto make_solver = [&]() {
+      return std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
+                                                       parameters.solver,
+                                                       parameters.smoother,
+                                                       make_preconditioner());
+    };
+    mass_solver = make_solver();
     if (walls.have_friction())
-      solver_of_held =
-        std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
-                                                  parameters.solver,
-                                                  parameters.smoother);
+      solver_of_held = make_solver();
   }
 
 
 
   template <int dim>
-  void
-  ConsistentMass<dim>::make_groups()
+  ColumnPreconditioner
+  ConsistentMass<dim>::make_preconditioner()
   {
-    for (unsigned int c = 0; c < dim; ++c)
+    const std::string &method = parameters.solver.method;
+    if (method == "cg-ic0")
+      return {};
+    if (method == "cg-p-multigrid")
       {
-        bool found = false;
-        for (Group &group : groups)
-          if (!found && walls.hold_the_same(c, group.components[0]))
-            {
-              group.components.push_back(c);
-              found = true;
-            }
-        if (found)
-          continue;
-        Group group;
-        group.components = {c};
-        std::vector<unsigned int> n_points;
-        for (unsigned int l = 0; l < this->orders.n_levels(); ++l)
-          n_points.push_back(2 * this->orders[l].degree() + 1);
-        group.mass =
-          std::make_unique<MassHierarchy<dim>>(this->orders, n_points);
-        group.solver =
-          std::make_unique<MassSolver<dim>>(parameters.solver.method,
-                                            *group.mass,
-                                            parameters.solver,
-                                            parameters.multigrid,
-                                            parameters.smoother);
-        groups.push_back(std::move(group));
+        if (!multigrid)
+          multigrid = std::make_unique<ExtendedMultigrid<dim>>(
+            this->orders,
+            extended_mass,
+            [this](const SplineSpace<dim> &space, const unsigned int c) {
+              return held_at_walls(space, walls, c);
+            },
+            parameters.multigrid,
+            parameters.smoother);
+        return [this](VectorType        &z,
+                      const VectorType  &r,
+                      const unsigned int width,
+                      const unsigned int n_columns) {
+          multigrid->vmult(z, r, width, n_columns);
+        };
       }
+    return [this](VectorType        &z,
+                  const VectorType  &r,
+                  const unsigned int width,
+                  const unsigned int) {
+      const bool is_scaled = parameters.solver.method == "cg-jacobi";
+      for (unsigned int i = 0; i < r.locally_owned_size(); ++i)
+        z.local_element(i) =
+          r.local_element(i) /
+          (is_scaled ? diagonal.local_element(i / width) : 1.);
+    };
   }
 
 
@@ -83,8 +84,12 @@ namespace greville
     const PointTransfer<dim>                       &transfer)
   {
     this->lumped_mass.copy_locally_owned_data_from(lumped);
-    const bool unknowns_changed = update_extensions(bodies, transfer);
-    extended_mass.begin(extension(), unknowns_changed);
+    transfer.filling(bodies, filled_part);
+    const bool unknowns_changed =
+      filling.update(filled_part, parameters.scheme.filling);
+    if (unknowns_changed)
+      spline_extension.reinit(this->space(), filling);
+    extended_mass.begin(spline_extension, unknowns_changed);
     if (unknowns_changed)
       extended_mass.hold(this->held);
     held_solver_is_behind = held_solver_is_behind || unknowns_changed;
@@ -94,72 +99,15 @@ namespace greville
     for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
       total_mass += lumped.local_element(i);
     total_mass = Utilities::MPI::sum(total_mass, this->space().communicator());
-    if (solver_of_all)
-      solver_of_all->update(unknowns_changed, total_mass);
-    else
-      update_groups(bodies, transfer, unknowns_changed);
-  }
-
-
-
-  template <int dim>
-  bool
-  ConsistentMass<dim>::update_extensions(
-    const std::vector<const MaterialPoints<dim> *> &bodies,
-    const PointTransfer<dim>                       &transfer)
-  {
-    transfer.filling(bodies, filled_part);
-    if (!filling.update(filled_part, parameters.scheme.filling))
-      return false;
-    for (unsigned int l = 0; l < extensions.size(); ++l)
-      if (l + 1 == extensions.size() || !solver_of_all)
-        extensions[l].reinit(this->orders[l], filling);
-    return true;
-  }
-
-
-
-  template <int dim>
-  void
-  ConsistentMass<dim>::update_groups(
-    const std::vector<const MaterialPoints<dim> *> &bodies,
-    const PointTransfer<dim>                       &transfer,
-    const bool                                      unknowns_changed)
-  {
-    const bool with_levels =
-      MassSolver<dim>::uses_multigrid(parameters.solver.method);
-    for (unsigned int k = 0; k < groups.size(); ++k)
-      {
-        const auto levels = groups[k].mass->all_levels();
-        for (unsigned int l = 0; l < levels.size(); ++l)
-          if (l + 1 == levels.size() || with_levels)
-            {
-              if (unknowns_changed)
-                levels[l]->constrain(walls.constraints(this->orders[l],
-                                                       groups[k].components[0]),
-                                     extensions[l]);
-              if (k == 0)
-                transfer.mass_weights(bodies, levels[l]->weights());
-              else
-                levels[l]->weights() =
-                  groups[0].mass->all_levels()[l]->weights();
-            }
-        groups[k].solver->assemble();
-        groups[k].solver->setup();
-      }
-  }
-
-
-
-  template <int dim>
-  void
-  ConsistentMass<dim>::change_held()
-  {
-    AssertThrow(groups.empty(),
-                ExcMessage("Bodies with an imposed velocity go with "
-                           "'Solver/Method' = cg-ic0, not with <" +
-                           solver() + ">."));
-    extended_mass.hold(this->held);
+    if (parameters.solver.method == "cg-jacobi")
+      extended_mass.approximate_diagonal(diagonal);
+    if (multigrid)
+      multigrid->update(filling,
+                        unknowns_changed,
+                        [&](DensityWeights<dim> &weights) {
+                          transfer.mass_weights(bodies, weights);
+                        });
+    mass_solver->update(unknowns_changed, total_mass);
   }
 
 
@@ -171,8 +119,7 @@ namespace greville
                              const std::vector<double> &shares)
   {
     AssertDimension(x.size(), b.size());
-    check(solver_of_all ? solver_of_all->solve(x, b, shares)
-                        : solve_components(x, b));
+    check(mass_solver->solve(x, b, shares));
   }
 
 
@@ -181,14 +128,13 @@ namespace greville
   void
   ConsistentMass<dim>::check(const SolveResult &result)
   {
-    // What does not iterate is not meant to reach a tolerance.
-    AssertThrow(!result.iterations || result.converged,
-                ExcMessage("The solver <" + parameters.solver.method +
+    AssertThrow(result.converged,
+                ExcMessage("The solver <" + solver() +
                            "> of the mass matrix failed: it " + result.reason +
                            ". The matrix is singular where a body has fewer "
                            "points across it than functions of 'Grid/Order' "
                            "see it: look at 'Points per direction'."));
-    this->iterations = result.iterations.value_or(0);
+    this->iterations = *result.iterations;
   }
 
 
@@ -210,55 +156,6 @@ namespace greville
     const SolveResult result = solver_of_held->solve({&x}, {&b});
     extended_mass.hold(this->held);
     check(result);
-  }
-
-
-
-  template <int dim>
-  SolveResult
-  ConsistentMass<dim>::solve_components(
-    const std::vector<VectorField<dim> *>       &x,
-    const std::vector<const VectorField<dim> *> &b)
-  {
-    // The solvers of the groups start from zero, and have the unknowns where
-    // the space has them.
-    constexpr unsigned int width = 4;
-    VectorType             unknowns, rows, full, full_rows;
-    extended_mass.initialize_vector(unknowns, width);
-    extended_mass.initialize_vector(rows, width);
-    this->space().initialize_vector(full);
-    this->space().initialize_vector(full_rows);
-    const auto &functions = extended_mass.unknown_functions();
-
-    SolveResult result;
-    result.converged = true;
-    for (unsigned int k = 0; k < x.size(); ++k)
-      {
-        extended_mass.restrict_fields(rows, {b[k]}, width);
-        extended_mass.subtract_held(rows, {x[k]}, width);
-        for (const Group &group : groups)
-          for (const unsigned int c : group.components)
-            {
-              full_rows = 0.;
-              for (unsigned int u = 0; u < functions.size(); ++u)
-                full_rows.local_element(functions[u]) =
-                  rows.local_element(u * width + c);
-              const SolveResult part = group.solver->solve(full, full_rows);
-              for (unsigned int u = 0; u < functions.size(); ++u)
-                unknowns.local_element(u * width + c) =
-                  full.local_element(functions[u]);
-              if (part.iterations)
-                result.iterations =
-                  std::max(result.iterations.value_or(0), *part.iterations);
-              if (!part.converged)
-                {
-                  result.converged = false;
-                  result.reason    = part.reason;
-                }
-            }
-        extended_mass.write_fields({x[k]}, unknowns, width);
-      }
-    return result;
   }
 
 

@@ -9,22 +9,63 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    /**
+     * Values of owned functions, for all local ones.
+     */
+    template <int dim>
+    std::vector<unsigned char>
+    with_ghosts(const SplineSpace<dim>           &space,
+                const std::vector<unsigned char> &owned)
+    {
+      VectorType values;
+      space.initialize_vector(values);
+      for (unsigned int i = 0; i < owned.size(); ++i)
+        values.local_element(i) = owned[i];
+      values.update_ghost_values();
+      std::vector<unsigned char> result(space.owned_functions().size() +
+                                        space.ghost_functions().size());
+      for (unsigned int f = 0; f < result.size(); ++f)
+        result[f] = static_cast<unsigned char>(values.local_element(f));
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  std::vector<unsigned char>
+  held_at_walls(const SplineSpace<dim> &space,
+                const Walls<dim>       &walls,
+                const unsigned int      component)
+  {
+    std::vector<unsigned char> held(space.owned_functions().size(), 0);
+    const Constraints          at_walls = walls.constraints(space, component);
+    for (const auto &line : at_walls.get_lines())
+      held[space.partitioner()->global_to_local(line.index)] = 1;
+    return with_ghosts(space, held);
+  }
+
+
+
   template <int dim>
   GridMass<dim>::GridMass(const unsigned int             degree,
                           DistributedTriangulation<dim> &triangulation,
                           const std::string             &coarsening,
                           const Walls<dim>              &walls)
     : orders(triangulation, degree, coarsening)
-    , held(space().owned_functions().size())
   {
     space().initialize_vector(lumped_mass);
+    held.assign(space().owned_functions().size() +
+                  space().ghost_functions().size(),
+                0);
     for (unsigned int c = 0; c < dim; ++c)
       {
-        const Constraints at_wall = walls.constraints(space(), c);
-        for (const auto &line : at_wall.get_lines())
-          held[space().partitioner()->global_to_local(line.index)] |= 1 << c;
+        const auto at_walls = held_at_walls(space(), walls, c);
+        for (unsigned int f = 0; f < held.size(); ++f)
+          held[f] |= at_walls[f] << c;
       }
-    held      = for_local_functions(held);
     wall_held = held;
   }
 
@@ -35,16 +76,7 @@ namespace greville
   GridMass<dim>::for_local_functions(
     const std::vector<unsigned char> &owned) const
   {
-    VectorType bits;
-    space().initialize_vector(bits);
-    for (unsigned int i = 0; i < owned.size(); ++i)
-      bits.local_element(i) = owned[i];
-    bits.update_ghost_values();
-    std::vector<unsigned char> result(space().owned_functions().size() +
-                                      space().ghost_functions().size());
-    for (unsigned int f = 0; f < result.size(); ++f)
-      result[f] = static_cast<unsigned char>(bits.local_element(f));
-    return result;
+    return with_ghosts(space(), owned);
   }
 
 
@@ -169,6 +201,14 @@ namespace greville
 
 
 
+  template std::vector<unsigned char>
+  held_at_walls<2>(const SplineSpace<2> &,
+                   const Walls<2> &,
+                   const unsigned int);
+  template std::vector<unsigned char>
+  held_at_walls<3>(const SplineSpace<3> &,
+                   const Walls<3> &,
+                   const unsigned int);
   template class GridMass<2>;
   template class GridMass<3>;
   template std::unique_ptr<GridMass<2>>

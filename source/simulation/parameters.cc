@@ -186,7 +186,7 @@ namespace greville
   void
   ConsistentSolverParameters::declare(ParameterHandler &prm)
   {
-    MassSolverParameters::declare(prm);
+    SolverParameters::declare(prm);
     prm.add_parameter(
       "Method",
       method,

@@ -232,51 +232,6 @@ namespace greville
 
 
   template <int dim>
-  AffineConstraints<double>
-  Extension<dim>::constraints() const
-  {
-    const SplineSpace<dim> &space = *spline_space;
-    Assert(space.n_components() == 1,
-           ExcMessage("Constraints of extended functions are those of a space "
-                      "of one component."));
-    std::vector<std::uint64_t> all_positions, positions;
-    std::vector<double>        all_weights, weights;
-    std::vector<std::size_t>   begin(1, 0);
-    for (const unsigned int f : extended_numbers)
-      {
-        row(f, positions, weights);
-        all_positions.insert(all_positions.end(),
-                             positions.begin(),
-                             positions.end());
-        all_weights.insert(all_weights.end(), weights.begin(), weights.end());
-        begin.push_back(all_positions.size());
-      }
-    const auto numbers = space.global_numbers(all_positions);
-
-    IndexSet lines = space.locally_relevant_dofs();
-    {
-      auto sorted = numbers;
-      std::sort(sorted.begin(), sorted.end());
-      sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-      lines.add_indices(sorted.begin(), sorted.end());
-      lines.compress();
-    }
-    AffineConstraints<double> result(lines);
-    for (unsigned int k = 0; k < extended_numbers.size(); ++k)
-      {
-        const auto line =
-          space.partitioner()->local_to_global(extended_numbers[k]);
-        result.add_line(line);
-        for (std::size_t e = begin[k]; e < begin[k + 1]; ++e)
-          result.add_entry(line, numbers[e], all_weights[e]);
-      }
-    result.close();
-    return result;
-  }
-
-
-
-  template <int dim>
   typename Extension<dim>::Counts
   Extension<dim>::counts() const
   {

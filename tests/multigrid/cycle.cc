@@ -1,11 +1,77 @@
 // The own V-cycle is deal.II's; W and F are what their recursions say; the
 // symmetric cycle is symmetric; smoothing steps count.
 
+#include <deal.II/lac/precondition.h>
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/multigrid/mg_coarse.h>
+#include <deal.II/multigrid/mg_matrix.h>
+#include <deal.II/multigrid/mg_smoother.h>
 #include <deal.II/multigrid/multigrid.h>
 
+#include <greville/multigrid/mass_level.h>
 #include <greville/multigrid/p_multigrid.h>
+#include <greville/spline/order_hierarchy.h>
 
 #include "density.h"
+
+namespace
+{
+  /**
+   * Levels and smoothers in the form that deal.II's classes want.
+   */
+  struct Operator : public Observable
+  {
+    void
+    vmult(VectorType &dst, const VectorType &src) const
+    {
+      level->vmult(dst, src);
+    }
+
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const
+    {
+      level->vmult(dst, src);
+    }
+
+    const LevelOperator<2> *level = nullptr;
+  };
+
+  struct Smoother : public Observable
+  {
+    struct AdditionalData
+    {
+      std::shared_ptr<const Preconditioner> smoother;
+    };
+
+    void
+    initialize(const Operator &, const AdditionalData &data)
+    {
+      smoother = data.smoother;
+    }
+
+    void
+    clear()
+    {
+      smoother.reset();
+    }
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const
+    {
+      smoother->vmult(dst, src);
+    }
+
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const
+    {
+      smoother->Tvmult(dst, src);
+    }
+
+    std::shared_ptr<const Preconditioner> smoother;
+  };
+} // namespace
+
+
 
 int
 main(int argc, char **argv)
@@ -15,7 +81,7 @@ main(int argc, char **argv)
   const OrderHierarchy<2>                    orders(box.mesh, 4);
   const auto                                 rho = density<2>("smooth");
   std::vector<std::unique_ptr<MassLevel<2>>> owners;
-  std::vector<MassLevel<2> *>                levels;
+  std::vector<const LevelOperator<2> *>      levels;
   for (unsigned int l = 0; l < orders.n_levels(); ++l)
     {
       owners.push_back(std::make_unique<MassLevel<2>>(orders[l], *rho));
@@ -50,20 +116,51 @@ main(int argc, char **argv)
       VectorType          x(b), y(b);
       cycle.vmult(x, b);
 
-      Multigrid<VectorType> multigrid(cycle.matrices(),
-                                      cycle.coarse_solver(),
-                                      cycle.transfer(),
-                                      cycle.pre_smoother(),
-                                      cycle.post_smoother(),
+      // deal.II's cycle of the same parts.
+      const unsigned int                      top = orders.n_levels() - 1;
+      MGLevelObject<Operator>                 operators(0, top);
+      MGLevelObject<Smoother::AdditionalData> smoothers(0, top);
+      const OrderTransfer<2>                  transfer(levels,
+                                      parameters.prolongation,
+                                      parameters.restriction,
+                                      parameters.weighting);
+      for (unsigned int l = 0; l <= top; ++l)
+        {
+          operators[l].level = levels[l];
+          if (l > 0)
+            smoothers[l].smoother =
+              make_smoother<2>(parameters.smoother,
+                               smoother_parameters,
+                               *levels[l],
+                               restriction == "transpose");
+        }
+      const mg::Matrix<VectorType> matrices(operators);
+      MGSmootherPrecondition<Operator, Smoother, VectorType> pre, post;
+      pre.initialize(operators, smoothers);
+      post.initialize(operators, smoothers);
+      post.set_transpose(restriction == "transpose");
+      ReductionControl           control(1000, 1e-30, coarse);
+      SolverCG<VectorType>       cg(control);
+      const PreconditionIdentity identity;
+      const MGCoarseGridIterativeSolver<VectorType,
+                                        SolverCG<VectorType>,
+                                        Operator,
+                                        PreconditionIdentity>
+                            coarse_solver(cg, operators[0], identity);
+      Multigrid<VectorType> multigrid(matrices,
+                                      coarse_solver,
+                                      transfer,
+                                      pre,
+                                      post,
                                       0,
-                                      (orders.n_levels() - 1),
+                                      top,
                                       Multigrid<VectorType>::v_cycle);
-      multigrid.defect.resize(0, (orders.n_levels() - 1));
-      for (unsigned int l = 0; l <= (orders.n_levels() - 1); ++l)
+      multigrid.defect.resize(0, top);
+      for (unsigned int l = 0; l <= top; ++l)
         orders[l].initialize_vector(multigrid.defect[l]);
-      multigrid.defect[(orders.n_levels() - 1)] = b;
+      multigrid.defect[top] = b;
       multigrid.cycle();
-      y = multigrid.solution[(orders.n_levels() - 1)];
+      y = multigrid.solution[top];
       check(restriction + ": as deal.II's V-cycle", difference(x, y), 1e-11);
 
       for (const std::string type : {"V", "W", "F"})
@@ -95,9 +192,11 @@ main(int argc, char **argv)
   // equals the F-cycle's; with 4, ..., 1 it does not.
   parameters.restriction = "lumped-l2";
   {
-    const std::vector<MassLevel<2> *> three{levels[0], levels[1], levels[2]};
-    const VectorType                  c = pseudo_random_vector(orders[2]);
-    VectorType                        w(c), f(c);
+    const std::vector<const LevelOperator<2> *> three{levels[0],
+                                                      levels[1],
+                                                      levels[2]};
+    const VectorType c = pseudo_random_vector(orders[2]);
+    VectorType       w(c), f(c);
     parameters.cycle = "W";
     PMultigrid<2>(three, parameters, smoother_parameters, coarse).vmult(w, c);
     parameters.cycle = "F";

@@ -5,6 +5,7 @@
 // name is given: doc/data/disk_projection.csv).
 
 #include <greville/mass/fmpm.h>
+#include <greville/mass/mass_operator.h>
 #include <greville/multigrid/extended_mass_solver.h>
 #include <greville/particles/body.h>
 #include <greville/particles/point_transfer.h>

@@ -1,12 +1,11 @@
-// Extended B-splines: the matrix-free and the assembled operator are the dense
-// matrix E^T M' E, with coefficients held at a wall and lumped fragments, on
-// any number of processes; transfers keep constants, the transpose is the
+// Extended B-splines: a level, applied and assembled, is the dense matrix
+// E^T M~ E, with coefficients held at a wall and lumped fragments, on any
+// number of processes; transfers keep constants, the transpose is the
 // transpose, and solvers converge.
-
-#include <deal.II/lac/full_matrix.h>
 
 #include <greville/multigrid/mass_solver.h>
 
+#include "dense.h"
 #include <filling.h>
 
 // Weights where cells are filled, more or less at random.
@@ -28,78 +27,6 @@ fill_weights(DensityWeights<dim>    &weights,
 
 
 
-// Coefficients held at the lower wall in the last direction.
-template <int dim>
-Constraints
-held_at_floor(const SplineSpace<dim> &space, const bool is_held)
-{
-  Constraints constraints;
-  constraints.reinit(space.locally_owned_dofs());
-  for (unsigned int i = 0; i < space.owned_functions().size() && is_held; ++i)
-    if (multi_index<dim>(space.owned_functions()[i],
-                         space.n_functions())[dim - 1] == 0)
-      constraints.add_line(space.partitioner()->local_range().first + i);
-  constraints.close();
-  return constraints;
-}
-
-
-
-// The matrix by its definition, on one process; its diagonal is 0 where
-// coefficients are inactive.
-template <int dim>
-FullMatrix<double>
-dense(const SplineSpace<dim>    &space,
-      const DensityWeights<dim> &weights,
-      const Extension<dim>      &extension,
-      const Constraints         &held)
-{
-  const unsigned int           n = space.n_dofs();
-  const CrossMassOperator<dim> cross(space, space, weights);
-  FullMatrix<double>           M(n, n), lumped(n, n), E(n, n), product(n, n);
-  VectorType                   unit, column;
-  space.initialize_vector(unit);
-  space.initialize_vector(column);
-  for (unsigned int j = 0; j < n; ++j)
-    {
-      unit    = 0.;
-      unit(j) = 1.;
-      cross.vmult(column, unit);
-      for (unsigned int i = 0; i < n; ++i)
-        M(i, j) = column(i);
-    }
-  lumped = M;
-  for (unsigned int i = 0; i < n; ++i)
-    for (unsigned int j = 0; j < i; ++j)
-      if (extension[i] == Extension<dim>::lumped ||
-          extension[j] == Extension<dim>::lumped)
-        {
-          lumped(i, i) += M(i, j);
-          lumped(j, j) += M(i, j);
-          lumped(i, j) -= M(i, j);
-          lumped(j, i) -= M(i, j);
-        }
-  std::vector<std::uint64_t> positions;
-  std::vector<double>        row;
-  for (unsigned int i = 0; i < n; ++i)
-    if (held.is_constrained(i))
-      continue;
-    else if (extension[i] != Extension<dim>::extended)
-      E(i, i) = 1.;
-    else
-      {
-        extension.row(i, positions, row);
-        for (unsigned int k = 0; k < row.size(); ++k)
-          if (!held.is_constrained(positions[k]))
-            E(i, positions[k]) = row[k];
-      }
-  lumped.mmult(product, E);
-  E.Tmmult(M, product);
-  return M;
-}
-
-
-
 template <int dim>
 void
 test(const MultiIndex<dim> &cells,
@@ -110,6 +37,12 @@ test(const MultiIndex<dim> &cells,
 {
   print() << dim << "D, p = " << p << ", " << name
           << (is_held ? ", held at a wall" : "") << std::endl;
+  // Coefficients held at the lower wall in the last direction.
+  const auto is_at_floor = [&](const SplineSpace<dim> &space,
+                               const std::uint64_t     position) {
+    return is_held &&
+           multi_index<dim>(position, space.n_functions())[dim - 1] == 0;
+  };
   // Once on all processes, and on each alone.
   Box<dim>               box(cells), own_box(cells, MPI_COMM_SELF);
   const SplineSpace<dim> space(box.mesh, p), own_space(own_box.mesh, p);
@@ -121,29 +54,34 @@ test(const MultiIndex<dim> &cells,
 
   DensityWeights<dim> own_weights(own_space, 2 * p + 1);
   fill_weights<dim>(own_weights, own_space, is_filled);
-  const FullMatrix<double> exact   = dense(own_space,
-                                         own_weights,
-                                         own_extension,
-                                         held_at_floor(own_space, is_held));
-  double                   largest = 0.;
+  const FullMatrix<double> exact = dense<dim>(
+    own_space, own_weights, own_extension, [&](const std::uint64_t position) {
+      return is_at_floor(own_space, position);
+    });
+  double largest = 0.;
   for (unsigned int i = 0; i < exact.m(); ++i)
     largest = std::max(largest, exact(i, i));
 
   MassLevel<dim> free(space, DensityWeights<dim>(space, 2 * p + 1));
   fill_weights<dim>(free.weights(), space, is_filled);
-  free.constrain(held_at_floor(space, is_held), extension);
+  std::vector<unsigned char> held;
+  for (unsigned int f = 0;
+       f < space.owned_functions().size() + space.ghost_functions().size();
+       ++f)
+    held.push_back(is_at_floor(space, space.function_position(f)));
+  free.extend(extension, held);
   free.assemble(false, false);
-  const VectorType diagonal = free.mass().diagonal();
+  const VectorType diagonal = free.diagonal();
   free.assemble(true, false);
   // A second assembly gives the same matrix.
   free.assemble(true, false);
 
   const VectorType x = pseudo_random_vector(space);
   VectorType       y(x), z(x), sums(x), wanted(x), wanted_diagonal(x), one(x);
-  free.mass().vmult(y, x);
-  free.matrix().vmult(z, x);
+  free.vmult(y, x);
+  free.assembled()->vmult(z, x);
   one = 1.;
-  for (const unsigned int i : free.mass().inactive())
+  for (const unsigned int i : free.inactive())
     one.local_element(i) = 0.;
   for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
     {
@@ -161,19 +99,22 @@ test(const MultiIndex<dim> &cells,
         difference(diagonal, wanted_diagonal),
         1e-12);
   check("  diagonal, assembled",
-        difference(free.mass().diagonal(), wanted_diagonal),
+        difference(free.diagonal(), wanted_diagonal),
         1e-12);
   VectorType u(x), Mu(x);
   for (unsigned int i = 0; i < u.locally_owned_size(); ++i)
     u.local_element(i) = std::cos(3. * x.local_element(i));
-  free.mass().vmult(Mu, u);
+  free.vmult(Mu, u);
   check("  symmetric",
         std::abs(y * u - x * Mu) / (y.l2_norm() * u.l2_norm()),
         1e-13);
   const auto counts = extension.counts();
+  const auto n_active =
+    space.n_dofs() -
+    Utilities::MPI::sum(free.inactive().size(), MPI_COMM_WORLD);
   print() << "  " << counts.stable << " stable, " << counts.extended
-          << " extended, " << counts.lumped << " lumped, active "
-          << free.mass().n_active() << std::endl;
+          << " extended, " << counts.lumped << " lumped, active " << n_active
+          << std::endl;
 
   // Mass, and the row sums.
   free.mass().cross_mass().row_sums(sums);
@@ -182,15 +123,14 @@ test(const MultiIndex<dim> &cells,
     mass += sums.local_element(i);
   mass = Utilities::MPI::sum(mass, MPI_COMM_WORLD);
   print() << "  mass " << std::setprecision(4) << mass << std::endl;
-  if (!is_held)
-    {
-      free.mass().vmult(y, one);
-      check("  keeps the mass", std::abs(y * one / mass - 1.), 1e-12);
-      VectorType lumped = free.mass().lumped();
-      lumped.scale(one);
-      lumped -= y;
-      check("  row sums", lumped.l2_norm() / y.l2_norm(), 1e-11);
-    }
+  if (is_held)
+    return;
+  free.vmult(y, one);
+  check("  keeps the mass", std::abs(y * one / mass - 1.), 1e-12);
+  VectorType lumped = free.lumped();
+  lumped.scale(one);
+  lumped -= y;
+  check("  row sums", lumped.l2_norm() / y.l2_norm(), 1e-11);
 }
 
 
@@ -209,61 +149,57 @@ test_transfer(const MultiIndex<dim> &cells,
   filling.update(fillings<dim>(fine, is_filled), 0.8);
   MassLevel<dim> fine_level(fine, DensityWeights<dim>(fine, 2 * p + 1));
   MassLevel<dim> coarse_level(coarse, DensityWeights<dim>(coarse, 2 * q + 1));
-  for (const bool is_held : {false, true})
+  for (MassLevel<dim> *level : {&coarse_level, &fine_level})
     {
-      for (MassLevel<dim> *level : {&coarse_level, &fine_level})
-        {
-          fill_weights<dim>(level->weights(), level->space(), is_filled);
-          const Extension<dim> extension(level->space(), filling);
-          level->constrain(held_at_floor(level->space(), is_held), extension);
-          level->assemble(false, false);
-        }
-      for (const std::string prolongation : {"lumped-l2", "exact-l2"})
-        {
-          const std::string name =
-            "  " + prolongation + (is_held ? ", held: " : ": ");
-          const std::vector<MassLevel<dim> *> levels{&coarse_level,
-                                                     &fine_level};
-          const OrderTransfer<dim>            transposed(levels,
-                                              prolongation,
-                                              "transpose",
-                                              "density");
-          VectorType e = pseudo_random_vector(coarse), r(e);
-          VectorType f = pseudo_random_vector(fine), Ie(f);
-          transposed.prolongate(1, Ie, e);
-          r = 0.;
-          transposed.restrict_and_add(1, r, f);
-          check(name + "transpose",
-                std::abs(Ie * f - e * r) / (Ie.l2_norm() * f.l2_norm()),
-                1e-13);
-          double inactive = 0.;
-          for (const unsigned int i : fine_level.mass().inactive())
-            inactive += std::abs(Ie.local_element(i));
-          for (const unsigned int i : coarse_level.mass().inactive())
-            inactive += std::abs(r.local_element(i));
-          check(name + "inactive coefficients", max_all(inactive), 0.);
+      fill_weights<dim>(level->weights(), level->space(), is_filled);
+      const Extension<dim> extension(level->space(), filling);
+      level->extend(extension);
+      level->assemble(false, false);
+    }
+  for (const std::string prolongation : {"lumped-l2", "exact-l2"})
+    {
+      const std::string name = "  " + prolongation + ": ";
+      const std::vector<const LevelOperator<dim> *> levels{&coarse_level,
+                                                           &fine_level};
+      const OrderTransfer<dim>                      transposed(levels,
+                                          prolongation,
+                                          "transpose",
+                                          "density");
+      VectorType e = pseudo_random_vector(coarse), r(e);
+      VectorType f = pseudo_random_vector(fine), Ie(f);
+      transposed.prolongate(1, Ie, e);
+      r = 0.;
+      transposed.restrict_and_add(1, r, f);
+      check(name + "transpose",
+            std::abs(Ie * f - e * r) / (Ie.l2_norm() * f.l2_norm()),
+            1e-13);
+      double inactive = 0.;
+      for (const unsigned int i : fine_level.inactive())
+        inactive += std::abs(Ie.local_element(i));
+      for (const unsigned int i : coarse_level.inactive())
+        inactive += std::abs(r.local_element(i));
+      check(name + "inactive coefficients", max_all(inactive), 0.);
 
-          if (prolongation == "lumped-l2" && !is_held)
-            {
-              const OrderTransfer<dim> own(levels,
-                                           "lumped-l2",
-                                           "lumped-l2",
-                                           "density");
-              e = 1.;
-              own.prolongate(1, Ie, e);
-              for (const unsigned int i : fine_level.mass().inactive())
-                Ie.local_element(i) = 1.;
-              Ie.add(-1.);
-              f = 1.;
-              r = 0.;
-              own.restrict_and_add(1, r, f);
-              for (const unsigned int i : coarse_level.mass().inactive())
-                r.local_element(i) = 1.;
-              r.add(-1.);
-              check(name + "constants",
-                    std::max(Ie.linfty_norm(), r.linfty_norm()),
-                    1e-11);
-            }
+      if (prolongation == "lumped-l2")
+        {
+          const OrderTransfer<dim> own(levels,
+                                       "lumped-l2",
+                                       "lumped-l2",
+                                       "density");
+          e = 1.;
+          own.prolongate(1, Ie, e);
+          for (const unsigned int i : fine_level.inactive())
+            Ie.local_element(i) = 1.;
+          Ie.add(-1.);
+          f = 1.;
+          r = 0.;
+          own.restrict_and_add(1, r, f);
+          for (const unsigned int i : coarse_level.inactive())
+            r.local_element(i) = 1.;
+          r.add(-1.);
+          check(name + "constants",
+                std::max(Ie.linfty_norm(), r.linfty_norm()),
+                1e-11);
         }
     }
 }
@@ -302,13 +238,13 @@ test_solvers(const MultiIndex<dim> &cells,
       {
         fill_weights<dim>(level->weights(), level->space(), is_filled, 0.1);
         const Extension<dim> extension(level->space(), filling);
-        level->constrain(held_at_floor(level->space(), true), extension);
+        level->extend(extension);
       }
     MassSolver<dim> solver(name, mass, solver_parameters, multigrid, smoother);
     solver.assemble();
     solver.setup();
     VectorType x = pseudo_random_vector(orders.finest()), b(x);
-    mass.finest().mass().condense(b);
+    mass.finest().condense(b);
     const SolveResult result = solver.solve(x, b);
     if (reference.size() == 0)
       reference = x;

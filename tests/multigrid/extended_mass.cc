@@ -1,26 +1,23 @@
-// The fast path of simulations: ExtendedMass is the matrix E^T M' E of
-// MassOperator, with fragments, held functions and any width, StencilMatrix is
-// MassMatrix, and ExtendedMassSolver solves, with an old factorization, too.
+// The fast path of simulations: ExtendedMass is the dense matrix E^T M~ E, with
+// fragments, held functions and any width, StencilMatrix is MassOperator,
+// filled from points and from weights, and ExtendedMassSolver solves, with an
+// old factorization, too.
 
 #include <greville/multigrid/extended_mass_solver.h>
 #include <greville/particles/point_transfer.h>
 
+#include "dense.h"
 #include "points.h"
 #include <numeric>
 
-// Coefficients held at the lower wall in direction d.
+// Whether component c is held: at the lower wall in direction c.
 template <int dim>
-Constraints
-held_at_wall(const SplineSpace<dim> &space, const unsigned int d)
+bool
+is_held_at_wall(const SplineSpace<dim> &space,
+                const std::uint64_t     position,
+                const unsigned int      c)
 {
-  Constraints constraints;
-  constraints.reinit(space.locally_owned_dofs());
-  for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
-    if (multi_index<dim>(space.owned_functions()[i], space.n_functions())[d] ==
-        0)
-      constraints.add_line(space.partitioner()->local_range().first + i);
-  constraints.close();
-  return constraints;
+  return multi_index<dim>(position, space.n_functions())[c] == 0;
 }
 
 
@@ -34,8 +31,7 @@ held_bits(const SplineSpace<dim> &space)
                                   space.ghost_functions().size());
   for (unsigned int f = 0; f < held.size(); ++f)
     for (unsigned int c = 0; c < dim; ++c)
-      if (multi_index<dim>(space.function_position(f),
-                           space.n_functions())[c] == 0)
+      if (is_held_at_wall(space, space.function_position(f), c))
         held[f] |= 1 << c;
   return held;
 }
@@ -123,52 +119,85 @@ test_products(const MultiIndex<dim> &cells,
     Utilities::MPI::sum(mass.n_owned_unknowns(), MPI_COMM_WORLD);
   check("  unknowns", n_unknowns == counts.stable + counts.lumped);
 
-  MassLevel<dim> level(space, DensityWeights<dim>(space, 2 * p + 1));
-  problem.transfer.mass_weights({&problem.points}, level.weights());
-
   {
-    StencilMatrix<dim> stencil;
-    stencil.reinit(space);
-    std::vector<unsigned int> all(problem.held.size());
-    std::iota(all.begin(), all.end(), 0);
-    stencil.set_rows(all);
-    problem.transfer.add_mass_matrix({&problem.points}, stencil);
-    level.constrain(Constraints());
-    level.assemble(true, false);
-    VectorType x = pseudo_random_vector(space), y(x), z(x);
-    for (const unsigned int i : level.mass().inactive())
+    DensityWeights<dim> weights(space, 2 * p + 1);
+    problem.transfer.mass_weights({&problem.points}, weights);
+    const MassOperator<dim> reference(space, weights);
+    VectorType              x = pseudo_random_vector(space), y(x), z(x);
+    for (const unsigned int i : reference.inactive())
       x.local_element(i) = 0.;
-    level.matrix().vmult(z, x);
+    reference.vmult(z, x);
     x.update_ghost_values();
-    ZeroedArray<double> from(stencil.size()), to(stencil.size());
-    for (const unsigned int f : all)
-      from[stencil.place(f)] = x.local_element(f);
-    stencil.vmult(to.data(), from.data(), 1);
-    y = 0.;
-    for (const unsigned int f : all)
-      y.local_element(f) = to[stencil.place(f)];
-    y.compress(VectorOperation::add);
-    check("  StencilMatrix", difference(y, z), 1e-12);
+    for (const bool from_weights : {false, true})
+      {
+        StencilMatrix<dim> stencil;
+        stencil.reinit(space);
+        std::vector<unsigned int> all(problem.held.size());
+        std::iota(all.begin(), all.end(), 0);
+        stencil.set_rows(all);
+        if (from_weights)
+          add_mass_matrix(stencil, weights);
+        else
+          problem.transfer.add_mass_matrix({&problem.points}, stencil);
+        ZeroedArray<double> from(stencil.size()), to(stencil.size());
+        for (const unsigned int f : all)
+          from[stencil.place(f)] = x.local_element(f);
+        stencil.vmult(to.data(), from.data(), 1);
+        y = 0.;
+        for (const unsigned int f : all)
+          y.local_element(f) = to[stencil.place(f)];
+        y.compress(VectorOperation::add);
+        check("  StencilMatrix", difference(y, z), 1e-12);
+      }
   }
 
   // Columns of components that are held at different walls, or not at all.
   std::vector<std::vector<VectorType>> x(2), y(2);
-  std::vector<VectorType>              diagonal(2);
-  for (const bool is_held : {false, true})
-    for (unsigned int c = 0; c < 8; ++c)
+  {
+    Box<dim>               own_box(cells, MPI_COMM_SELF);
+    const SplineSpace<dim> own_space(own_box.mesh, p);
+    CellFilling<dim>       own_filling(own_space);
+    own_filling.update(fillings<dim>(own_space, is_filled), 0.7);
+    const Extension<dim>      own_extension(own_space, own_filling);
+    const MaterialPoints<dim> own_points =
+      random_points<dim>(own_space, p, is_filled);
+    PointTransfer<dim> own_transfer;
+    own_transfer.reinit(own_space);
+    DensityWeights<dim> own_weights(own_space, 2 * p + 1);
+    own_transfer.mass_weights({&own_points}, own_weights);
+    for (const bool is_held : {false, true})
       {
-        level.constrain(is_held ? held_at_wall(space, c % dim) : Constraints(),
-                        problem.extension);
-        level.assemble(false, false);
-        VectorType column(pseudo_random_vector(space)), product(column);
-        for (unsigned int i = 0; i < column.locally_owned_size(); ++i)
-          column.local_element(i) =
-            std::sin((c + 1.) * 3. * column.local_element(i));
-        level.mass().vmult(product, column);
-        x[is_held].push_back(column);
-        y[is_held].push_back(product);
-        diagonal[is_held] = level.mass().diagonal();
+        std::vector<FullMatrix<double>> exact;
+        for (unsigned int c = 0; c < (is_held ? dim : 1); ++c)
+          exact.push_back(
+            dense<dim>(own_space,
+                       own_weights,
+                       own_extension,
+                       [&](const std::uint64_t position) {
+                         return is_held &&
+                                is_held_at_wall(own_space, position, c);
+                       }));
+        for (unsigned int c = 0; c < 8; ++c)
+          {
+            const auto value = [&](const std::uint64_t position) {
+              return std::sin((c + 1.) * 3. * pseudo_random(position));
+            };
+            const FullMatrix<double> &A = exact[is_held ? c % dim : 0];
+            VectorType                column, product;
+            space.initialize_vector(column);
+            space.initialize_vector(product);
+            for (unsigned int i = 0; i < column.locally_owned_size(); ++i)
+              {
+                const std::uint64_t row = space.owned_functions()[i];
+                column.local_element(i) = value(row);
+                for (unsigned int j = 0; j < A.n(); ++j)
+                  product.local_element(i) += A(row, j) * value(j);
+              }
+            x[is_held].push_back(column);
+            y[is_held].push_back(product);
+          }
       }
+  }
 
   const auto         &functions = mass.unknown_functions();
   std::vector<double> errors;

@@ -2,7 +2,7 @@
 // shifts, errors, and all widths give the same.
 
 #include <greville/linear_algebra/incomplete_cholesky.h>
-#include <greville/mass/mass_matrix.h>
+#include <greville/multigrid/mass_level.h>
 #include <greville/multigrid/schwarz.h>
 
 #include <tests.h>
@@ -74,9 +74,10 @@ test_kronecker(const unsigned int n_cells, const unsigned int p)
   const SplineSpace<dim>                 space(box.mesh, p);
   const Functions::ConstantFunction<dim> one(1.);
   const DensityWeights<dim>              weights(space, p + 1, one);
-  const MassMatrix<dim>                  mass(space, weights);
-  Mat                                    matrix;
-  check_petsc(MatGetDiagonalBlock(mass.petsc(), &matrix));
+  MassLevel<dim>                         mass(space, weights);
+  mass.assemble(true, true);
+  Mat matrix;
+  check_petsc(MatGetDiagonalBlock(mass.matrix(), &matrix));
   const LowerTriangle lower = lower_triangle(matrix);
   IncompleteCholesky  factors;
   factors.factorize(lower);

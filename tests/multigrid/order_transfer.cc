@@ -3,6 +3,7 @@
 
 #include <deal.II/lac/full_matrix.h>
 
+#include <greville/multigrid/mass_level.h>
 #include <greville/multigrid/order_transfer.h>
 
 #include "density.h"
@@ -25,12 +26,13 @@ test(const unsigned int p, const unsigned int q, const std::string &rho_name)
                                  std::to_string(q) + " to " +
                                  std::to_string(p) + ", " + rho_name + ", " +
                                  weighting + ", " + prolongation;
-        const std::vector<MassLevel<dim> *> levels{&coarse_level, &fine_level};
-        const OrderTransfer<dim>            transposed(levels,
+        const std::vector<const LevelOperator<dim> *> levels{&coarse_level,
+                                                             &fine_level};
+        const OrderTransfer<dim>                      transposed(levels,
                                             prolongation,
                                             "transpose",
                                             weighting);
-        const OrderTransfer<dim>            own(levels,
+        const OrderTransfer<dim>                      own(levels,
                                      prolongation,
                                      prolongation,
                                      weighting);
@@ -56,13 +58,13 @@ test(const unsigned int p, const unsigned int q, const std::string &rho_name)
           {
             constant = 1.;
             own.prolongate(1, Ie, constant);
-            for (const unsigned int i : fine_level.mass().inactive())
+            for (const unsigned int i : fine_level.inactive())
               Ie.local_element(i) += 1.;
             Ie.add(-1.);
             f = 1.;
             r = 0.;
             own.restrict_and_add(1, r, f);
-            for (const unsigned int i : coarse_level.mass().inactive())
+            for (const unsigned int i : coarse_level.inactive())
               r.local_element(i) += 1.;
             r.add(-1.);
             check(name + ": constants",

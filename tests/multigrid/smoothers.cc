@@ -4,6 +4,7 @@
 
 #include <deal.II/lac/solver_cg.h>
 
+#include <greville/multigrid/mass_level.h>
 #include <greville/multigrid/smoother.h>
 
 #include "density.h"
@@ -58,7 +59,6 @@ main(int argc, char **argv)
      {"jacobi", 100, 260},
      {"symmetric-gauss-seidel", 25, 80},
      {"chebyshev", 30, 90},
-     {"schwarz", 3, 25},
      {"tensor-product", 5, 25},
      {"petsc", 2, 60}};
   std::string all;
@@ -90,7 +90,7 @@ main(int argc, char **argv)
 
   // Restricted combinations and Gauss-Seidel are not symmetric, but have a
   // transpose.
-  for (const std::string name : {"ilut", "ic0", "schwarz", "gauss-seidel"})
+  for (const std::string name : {"ilut", "ic0", "gauss-seidel"})
     {
       SmootherParameters parameters;
       parameters.combination = "restricted";
@@ -112,7 +112,6 @@ main(int argc, char **argv)
         const std::string                               &name,
         const std::function<void(SmootherParameters &)> &set) {
       SmootherParameters parameters, changed;
-      parameters.box_size = changed.box_size = 6;
       set(changed);
       const double before =
         signature(level, *make_smoother<2>(name, parameters, level, false));
@@ -127,11 +126,6 @@ main(int argc, char **argv)
   effect("shift", "ilu0", [](auto &p) { p.shift = 0.01; });
   effect("ordering", "ic0", [](auto &p) { p.ordering = "rcm"; });
   effect("ordering", "ilut", [](auto &p) { p.ordering = "amd"; });
-  effect("box size", "schwarz", [](auto &p) { p.box_size = 4; });
-  effect("box overlap", "schwarz", [](auto &p) { p.box_overlap = 0; });
-  effect("combination", "schwarz", [](auto &p) {
-    p.combination = "symmetric";
-  });
   effect("damping", "jacobi", [](auto &p) { p.damping = 0.7; });
   effect("degree", "chebyshev", [](auto &p) { p.chebyshev_degree = 2; });
   effect("range", "chebyshev", [](auto &p) { p.chebyshev_range = 5; });

@@ -2,6 +2,7 @@
 // processes, and its preconditioner is symmetric for others and leaves inactive
 // coefficients alone.
 
+#include <greville/mass/mass_operator.h>
 #include <greville/multigrid/tensor_product_solver.h>
 
 #include "density.h"
@@ -20,7 +21,9 @@ test(const MultiIndex<dim> &cells, const unsigned int p)
                                       p + 1,
                                       Functions::ConstantFunction<dim>(3.));
     const MassOperator<dim>                mass(space, weights);
-    const TensorProductPreconditioner<dim> inverse(solver, mass);
+    const TensorProductPreconditioner<dim> inverse(solver,
+                                                   mass.diagonal(),
+                                                   mass.inactive());
     const VectorType                       x = pseudo_random_vector(space);
     VectorType                             y(x), z(x);
     mass.vmult(y, x);
@@ -38,7 +41,9 @@ test(const MultiIndex<dim> &cells, const unsigned int p)
     const auto                             rho = density<dim>("holes");
     const DensityWeights<dim>              weights(space, p + 1, *rho);
     const MassOperator<dim>                mass(space, weights);
-    const TensorProductPreconditioner<dim> inverse(solver, mass);
+    const TensorProductPreconditioner<dim> inverse(solver,
+                                                   mass.diagonal(),
+                                                   mass.inactive());
     VectorType                             x = pseudo_random_vector(space);
     VectorType                             y(x), Sx(x), Sy(x);
     for (unsigned int i = 0; i < y.locally_owned_size(); ++i)

@@ -1,22 +1,10 @@
 // With weights of material points at 2 p + 1 Gauss points per direction, the
 // mass operator is the sum over the points.
 
-#include <greville/mass/mass_matrix.h>
+#include <greville/multigrid/mass_level.h>
 #include <greville/particles/point_transfer.h>
 
 #include "points.h"
-
-// Constraints of the coefficients at the lower wall in x and the upper one in
-// y.
-template <int dim>
-bool
-is_held(const SplineSpace<dim> &space, const std::uint64_t position)
-{
-  const auto index = multi_index<dim>(position, space.n_functions());
-  return index[0] == 0 || index[1] + 1 == space.n_functions()[1];
-}
-
-
 
 // The largest difference of two vectors, relative to the second.
 double
@@ -63,15 +51,14 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
   transfer.mass_weights({&a, &a}, weights);
   transfer.mass_weights({&a, &b}, weights);
 
-  // Direct sums: lumped mass, diagonal, and the product with a vector x, all of
-  // it and without what is held.
-  DirectSums<dim> sums(space, 4);
+  // Direct sums: lumped mass, diagonal, and the product with a vector x.
+  DirectSums<dim> sums(space, 3);
   double          total = 0.;
   for (const MaterialPoints<dim> *points : {&a, &b})
     points->for_each([&](const unsigned int, const auto q) {
       const double     m = q.mass();
       const Point<dim> x = q.position();
-      double           u = 0., u_free = 0.;
+      double           u = 0.;
       total += m;
       for_each_function<dim>(space,
                              x,
@@ -80,8 +67,6 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
                                  const double N,
                                  const Tensor<1, dim> &) {
                                u += N * pseudo_random(f);
-                               u_free +=
-                                 is_held(space, f) ? 0. : N * pseudo_random(f);
                              });
       for_each_function<dim>(space,
                              x,
@@ -92,7 +77,6 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
                                sums(f, 0) += m * N;
                                sums(f, 1) += m * N * N;
                                sums(f, 2) += m * N * u;
-                               sums(f, 3) += m * N * u_free;
                              });
     });
   sums.add_processes();
@@ -102,88 +86,48 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
     largest_diagonal = std::max(largest_diagonal, sums(f, 1));
 
   const VectorType x = pseudo_random_vector(space);
-  for (const bool with_constraints : {false, true})
+  MassLevel<dim>   level(space, weights);
+  level.assemble(true, true);
+  const MassOperator<dim> &mass = level.mass();
+
+  // Inactive is what meets no mass (as far as double precision can tell).
+  std::vector<bool> inactive(space.owned_functions().size(), false);
+  for (const unsigned int i : mass.inactive())
+    inactive[i] = true;
+  bool       right_ones = true;
+  VectorType lumped(x), diagonal(x), product(x);
+  for (unsigned int i = 0; i < inactive.size(); ++i)
     {
-      Constraints constraints;
-      constraints.reinit(space.locally_owned_dofs());
-      const auto first = space.partitioner()->local_range().first;
-      for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
-        if (with_constraints && is_held(space, space.owned_functions()[i]))
-          constraints.add_line(first + i);
-      constraints.close();
-      const MassOperator<dim> mass(space, weights, constraints);
-
-      // Inactive is what is held or meets no mass (as far as double precision
-      // can tell).
-      std::vector<bool> inactive(space.owned_functions().size(), false);
-      for (const unsigned int i : mass.inactive())
-        inactive[i] = true;
-      bool       right_ones = true;
-      VectorType lumped(x), diagonal(x), product(x);
-      for (unsigned int i = 0; i < inactive.size(); ++i)
-        {
-          const std::uint64_t f    = space.owned_functions()[i];
-          const bool          held = with_constraints && is_held(space, f);
-          if (held || sums(f, 1) == 0.)
-            right_ones &= inactive[i];
-          else if (inactive[i])
-            right_ones &= sums(f, 1) <= 1e-14 * largest_diagonal;
-          lumped.local_element(i) = inactive[i] ? largest_diagonal : sums(f, 0);
-          diagonal.local_element(i) =
-            inactive[i] ? largest_diagonal : sums(f, 1);
-          product.local_element(i) = inactive[i]
-                                       ? largest_diagonal * x.local_element(i)
-                                       : sums(f, with_constraints ? 3 : 2);
-        }
-      VectorType y(x), z(x);
-      mass.vmult(y, x);
-      const std::string name =
-        with_constraints ? "  held at walls, " : "  free, ";
-      check(name + "product", max_difference(y, product), bound);
-      check(name + "lumped mass", max_difference(mass.lumped(), lumped), bound);
-      check(name + "diagonal",
-            max_difference(mass.diagonal(), diagonal),
-            bound);
-      check(name + "inactive coefficients", on_all(right_ones));
-      if (!with_constraints)
-        {
-          // The largest entries of held coefficients would hide what is small:
-          // the mass.
-          VectorType sums_of_rows(x);
-          mass.cross_mass().row_sums(sums_of_rows);
-          double sum = 0.;
-          for (unsigned int i = 0; i < sums_of_rows.locally_owned_size(); ++i)
-            sum += sums_of_rows.local_element(i);
-          sum = Utilities::MPI::sum(sum, MPI_COMM_WORLD);
-          check(name + "total mass", std::abs(sum / total - 1.), bound);
-          print() << "  inactive: " << space.n_dofs() - mass.n_active()
-                  << " of " << space.n_dofs() << std::endl;
-        }
-
-      MassMatrix<dim> matrix;
-      matrix.reinit(space);
-      matrix.assemble(weights);
-      matrix.assemble(weights, constraints);
-      matrix.vmult(z, x);
-      check(name + "assembled", max_difference(z, product), bound);
-
-      // Rows and columns of held coefficients.
-      if (with_constraints)
-        {
-          VectorType held(x);
-          for (unsigned int i = 0; i < inactive.size(); ++i)
-            held.local_element(i) =
-              is_held(space, space.owned_functions()[i]) ? 1. : 0.;
-          VectorType expected(held);
-          expected *= largest_diagonal;
-          mass.vmult(y, held);
-          matrix.vmult(z, held);
-          check(name + "columns",
-                std::max(max_difference(y, expected),
-                         max_difference(z, expected)),
-                bound);
-        }
+      const std::uint64_t f = space.owned_functions()[i];
+      if (sums(f, 1) == 0.)
+        right_ones &= inactive[i];
+      else if (inactive[i])
+        right_ones &= sums(f, 1) <= 1e-14 * largest_diagonal;
+      lumped.local_element(i)   = inactive[i] ? largest_diagonal : sums(f, 0);
+      diagonal.local_element(i) = inactive[i] ? largest_diagonal : sums(f, 1);
+      product.local_element(i) =
+        inactive[i] ? largest_diagonal * x.local_element(i) : sums(f, 2);
     }
+  VectorType y(x), z(x);
+  mass.vmult(y, x);
+  check("  product", max_difference(y, product), bound);
+  check("  lumped mass", max_difference(level.lumped(), lumped), bound);
+  check("  diagonal", max_difference(mass.diagonal(), diagonal), bound);
+  check("  inactive coefficients", on_all(right_ones));
+  // The largest entries of inactive coefficients would hide what is small: the
+  // mass.
+  VectorType sums_of_rows(x);
+  mass.cross_mass().row_sums(sums_of_rows);
+  double sum = 0.;
+  for (unsigned int i = 0; i < sums_of_rows.locally_owned_size(); ++i)
+    sum += sums_of_rows.local_element(i);
+  sum = Utilities::MPI::sum(sum, MPI_COMM_WORLD);
+  check("  total mass", std::abs(sum / total - 1.), bound);
+  print() << "  inactive: "
+          << Utilities::MPI::sum(mass.inactive().size(), MPI_COMM_WORLD)
+          << " of " << space.n_dofs() << std::endl;
+  level.vmult(z, x);
+  check("  assembled", max_difference(z, product), bound);
 }
 
 

@@ -176,21 +176,6 @@ test_polynomials(const unsigned int  n,
   size = Utilities::MPI::sum(size, MPI_COMM_WORLD);
   print() << "  mean of all weights at random: " << std::setprecision(5)
           << sum / size << std::endl;
-
-  // The same lines as constraints.
-  const auto   constraints = extension.constraints();
-  unsigned int n_lines     = 0;
-  double       difference  = 0.;
-  for (const auto &line : constraints.get_lines())
-    {
-      n_lines += space.locally_owned_dofs().is_element(line.index);
-      double weight = -1.;
-      for (const auto &entry : line.entries)
-        weight += entry.second;
-      difference = std::max(difference, std::abs(weight));
-    }
-  check("  lines of constraints",
-        max_all(n_lines != n_owned) == 0. && max_all(difference) < 1e-8);
 }
 
 

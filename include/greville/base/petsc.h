@@ -43,9 +43,8 @@ namespace greville
   using PetscHandle = std::unique_ptr<std::remove_pointer_t<Handle>,
                                       internal::PetscDeleter<Handle, destroy>>;
 
-  using PetscMatrix   = PetscHandle<Mat, MatDestroy>;
-  using PetscVector   = PetscHandle<Vec, VecDestroy>;
-  using PetscIndexSet = PetscHandle<IS, ISDestroy>;
+  using PetscMatrix = PetscHandle<Mat, MatDestroy>;
+  using PetscVector = PetscHandle<Vec, VecDestroy>;
 
   /**
    * A PETSc vector without memory of its own: PETSc works on the owned entries

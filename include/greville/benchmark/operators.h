@@ -1,7 +1,7 @@
 #ifndef greville_benchmark_operators_h
 #define greville_benchmark_operators_h
 
-#include <greville/mass/mass_level.h>
+#include <greville/multigrid/mass_level.h>
 
 namespace greville
 {

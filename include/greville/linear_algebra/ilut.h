@@ -39,9 +39,6 @@ namespace greville
     void
     solve_transpose(double *x) const;
 
-    std::size_t
-    memory_consumption() const;
-
   private:
     struct Triangle
     {

@@ -82,9 +82,6 @@ namespace greville
     void
     solve(double *x, const unsigned int width) const;
 
-    std::size_t
-    memory_consumption() const;
-
   private:
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
 

@@ -32,11 +32,6 @@ namespace greville
     /**
      * Zero: PETSc does not tell.
      */
-    std::size_t
-    memory_consumption() const override
-    {
-      return 0;
-    }
 
   private:
     PetscHandle<PC, PCDestroy> pc;

@@ -6,8 +6,8 @@
 namespace greville
 {
   /**
-   * An approximate inverse S of a mass matrix M, to be used as the smoother
-   * x += S (b - M x) or inside a Krylov method.
+   * An approximate inverse S of a matrix A, to be used as the smoother
+   * x += S (b - A x) or inside a Krylov method.
    */
   class Preconditioner
   {
@@ -28,12 +28,6 @@ namespace greville
     {
       vmult(dst, src);
     }
-
-    /**
-     * Bytes of this object on this process, as far as it knows them.
-     */
-    virtual std::size_t
-    memory_consumption() const = 0;
   };
 
 
@@ -58,12 +52,6 @@ namespace greville
       for (unsigned int i = 0; i < src.locally_owned_size(); ++i)
         dst.local_element(i) =
           inverse_diagonal.local_element(i) * src.local_element(i);
-    }
-
-    std::size_t
-    memory_consumption() const override
-    {
-      return inverse_diagonal.memory_consumption();
     }
 
   protected:

@@ -52,6 +52,12 @@ namespace greville
       return values.data() + cell_begin[cell];
     }
 
+    const double *
+    at_cell(const unsigned int cell) const
+    {
+      return values.data() + cell_begin[cell];
+    }
+
     /**
      * Set all weights to zero.
      */

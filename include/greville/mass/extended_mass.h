@@ -179,6 +179,19 @@ namespace greville
     vmult(VectorType &y, VectorType &x, const unsigned int width) const;
 
     /**
+     * Collective. values = E x for one column @p x of unknowns, that of
+     * component 0: the coefficients of the owned functions of the space.
+     */
+    void
+    distribute(VectorType &values, VectorType &x) const;
+
+    /**
+     * Collective. rows = E^T b for one column.
+     */
+    void
+    condense(VectorType &rows, const VectorType &b) const;
+
+    /**
      * rows = E^T b for fields b of the space, one behind the other: component c
      * of field k is column k dim + c.
      */
@@ -258,9 +271,6 @@ namespace greville
     void
     approximate_diagonal(VectorType &diagonal) const;
 
-    std::size_t
-    memory_consumption() const;
-
   private:
     void
     number_unknowns();
@@ -287,6 +297,22 @@ namespace greville
 
     void
     zero_held(double *values, const unsigned int width) const;
+
+    /**
+     * The owned rows of E x for a column of a component, and what the owned
+     * entries of b give to E^T b.
+     */
+    void
+    distribute_column(double            *values,
+                      const double      *x,
+                      const unsigned int width,
+                      const unsigned int component) const;
+
+    void
+    condense_column(double            *rows,
+                    const unsigned int width,
+                    const double      *b,
+                    const unsigned int component) const;
 
     unsigned int
     n_owned_functions() const

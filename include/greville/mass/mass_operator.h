@@ -1,7 +1,7 @@
 #ifndef greville_mass_mass_operator_h
 #define greville_mass_mass_operator_h
 
-#include <greville/mass/expansion.h>
+#include <greville/mass/density_weights.h>
 
 #include <memory>
 
@@ -96,16 +96,6 @@ namespace greville
    * (see CrossMassOperator). Coefficients whose functions meet no mass are
    * *inactive*: their row and column would be zero; M has the largest diagonal
    * entry there, so that a right-hand side of zero gives zero.
-   *
-   * Coefficients with constraints are treated as inactive ones. If some have
-   * entries (extended B-splines), the operator is E^T M E on the others, with
-   * the matrix E of the constraints (see Expansion).
-   *
-   * Some coefficients L can be lumped: M is replaced by
-   *   M' = M + sum_(i < j, i in L or j in L) m_ij (e_i - e_j) (e_i - e_j)^T,
-   * which has no other entries in the rows and columns of L than the diagonal.
-   * Row sums, and so mass and momentum, stay the same. With the projections
-   * P_L, P_N = 1 - P_L it is P_N M P_N + diag(P_N M P_L 1 + P_L M 1).
    */
   template <int dim>
   class MassOperator
@@ -116,25 +106,11 @@ namespace greville
 
     MassOperator() = default;
 
-    MassOperator(const SplineSpace<dim>    &space,
-                 const DensityWeights<dim> &weights,
-                 const Constraints         &constraints = Constraints())
-    {
-      reinit(space, weights, constraints);
-    }
-
     /**
-     * Collective. Space and weights are kept by reference. @p constraints are
-     * those of Expansion, @p lumped the local numbers of the owned coefficients
-     * in L. The diagonal is computed unless there is one @p with_diagonal to
-     * take over, of E^T M' E with zero where coefficients are constrained.
+     * Collective. Space and weights are kept by reference.
      */
-    void
-    reinit(const SplineSpace<dim>          &space,
-           const DensityWeights<dim>       &weights,
-           const Constraints               &constraints   = Constraints(),
-           const std::vector<unsigned int> &lumped        = {},
-           const VectorType                *with_diagonal = nullptr);
+    MassOperator(const SplineSpace<dim>    &space,
+                 const DensityWeights<dim> &weights);
 
     const SplineSpace<dim> &
     space() const
@@ -143,33 +119,13 @@ namespace greville
     }
 
     /**
-     * M itself, without constraints and lumping.
+     * M itself.
      */
     const CrossMassOperator<dim> &
     cross_mass() const
     {
       return cross;
     }
-
-    const Expansion<dim> &
-    expansion() const
-    {
-      return coefficients;
-    }
-
-    /**
-     * A right-hand side for the operator from one for M: x <- E^T x, and zero
-     * where coefficients are inactive. Collective.
-     */
-    void
-    condense(VectorType &x) const;
-
-    /**
-     * All coefficients from the active ones: x <- E x, zero where coefficients
-     * are inactive and not extended. Collective.
-     */
-    void
-    distribute(VectorType &x) const;
 
     size_type
     m() const
@@ -208,13 +164,6 @@ namespace greville
     }
 
     /**
-     * The row sums (the lumped mass), with the diagonal of inactive
-     * coefficients. Those of extended B-splines can be negative.
-     */
-    VectorType
-    lumped() const;
-
-    /**
      * Local numbers of the inactive coefficients of this process.
      */
     const std::vector<unsigned int> &
@@ -223,45 +172,23 @@ namespace greville
       return inactive_functions;
     }
 
-    /**
-     * Number of active coefficients of all processes. Collective.
-     */
-    dealii::types::global_dof_index
-    n_active() const;
-
-    std::size_t
-    memory_consumption() const
-    {
-      return cross.memory_consumption() + matrix_diagonal.memory_consumption() +
-             coefficients.memory_consumption();
-    }
-
   private:
     const SplineSpace<dim>   *spline_space = nullptr;
     CrossMassOperator<dim>    cross;
     VectorType                matrix_diagonal;
     double                    inactive_diagonal = 1.;
     std::vector<unsigned int> inactive_functions;
-    bool                      has_constraints = false;
-    Expansion<dim>            coefficients;
-    mutable VectorType        free_source;
-
-    // Lumped coefficients; the two others are empty where no process has any.
-    std::vector<unsigned int>   lumped_functions;
-    VectorType                  lumped_diagonal;
-    mutable std::vector<double> lumped_source;
   };
 
 
 
   /**
    * Give @p diagonal the value of its largest entry where it is zero, up to the
-   * round-off of weights of both signs, or constrained. Returns this value and
-   * the local numbers of those entries. Collective.
+   * round-off of weights of both signs. Returns this value and the local
+   * numbers of those entries. Collective.
    */
   std::pair<double, std::vector<unsigned int>>
-  fill_inactive(VectorType        &diagonal,
-                const Constraints &constraints = Constraints());
+  fill_inactive(VectorType &diagonal);
 } // namespace greville
 
 #endif

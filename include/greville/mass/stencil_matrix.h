@@ -2,7 +2,7 @@
 #define greville_mass_stencil_matrix_h
 
 #include <greville/base/zeroed_array.h>
-#include <greville/spline/spline_space.h>
+#include <greville/mass/density_weights.h>
 
 #include <algorithm>
 
@@ -25,15 +25,6 @@ namespace greville
   class StencilMatrix
   {
   public:
-    /**
-     * The number of vectors that vmult() works on at once.
-     */
-    static constexpr bool
-    is_width(const unsigned int width)
-    {
-      return width == 1 || width == 2 || width == 4 || width == 8;
-    }
-
     /**
      * The space is kept by reference.
      */
@@ -128,17 +119,11 @@ namespace greville
     for_each_lower_entry(const unsigned int i, const Visit &visit) const;
 
     /**
-     * y = M x for @p width interleaved vectors, which have to be zero at all
-     * places without a row.
+     * y = M x for @p width (1, 2, 4 or 8) interleaved vectors, which have to be
+     * zero at all places without a row.
      */
     void
     vmult(double *y, const double *x, const unsigned int width) const;
-
-    /**
-     * Bytes of rows on this process.
-     */
-    std::size_t
-    memory_consumption() const;
 
   private:
     /**
@@ -185,6 +170,17 @@ namespace greville
     ZeroedArray<double>   values;
     ZeroedArray<unsigned> line_of; // by place
   };
+
+
+
+  /**
+   * Add the mass matrix of weights at Gauss points. All functions of cells with
+   * mass have to have a row.
+   */
+  template <int dim>
+  void
+  add_mass_matrix(StencilMatrix<dim>        &matrix,
+                  const DensityWeights<dim> &weights);
 
 
 

@@ -6,14 +6,28 @@
 #include <greville/mass/extended_mass.h>
 #include <greville/multigrid/smoother.h>
 
+#include <functional>
+
 namespace greville
 {
+  /**
+   * z = B r with a preconditioner B, for the first @p n_columns columns of
+   * vectors of unknowns with @p width of them.
+   */
+  using ColumnPreconditioner =
+    std::function<void(VectorType        &z,
+                       const VectorType  &r,
+                       const unsigned int width,
+                       const unsigned int n_columns)>;
+
+
+
   /**
    * Conjugate gradients for A x = b with an ExtendedMass, for all components of
    * one or two vector fields together: one pass over matrix and factors serves
    * all of them. The preconditioner is PartitionedCholesky in lexicographic
-   * order, one factorization for all components that have the same E.
-   * It has no coarse level: doc/mass_of_points.md shows what one would bring.
+   * order, one factorization for all components that have the same E, or
+   * another one, which need not be linear nor know what is held.
    *
    * A factorization serves the matrices of following steps, too, until the
    * iterations that their solves need more than the first one add up to
@@ -29,11 +43,13 @@ namespace greville
   {
   public:
     /**
-     * Parameters and mass are kept by reference.
+     * Parameters and mass are kept by reference. Without another
+     * @p preconditioner this class factorizes.
      */
-    ExtendedMassSolver(ExtendedMass<dim>        &mass,
-                       const SolverParameters   &parameters,
-                       const SmootherParameters &smoother_parameters);
+    ExtendedMassSolver(ExtendedMass<dim>          &mass,
+                       const SolverParameters     &parameters,
+                       const SmootherParameters   &smoother_parameters,
+                       const ColumnPreconditioner &preconditioner = {});
 
     /**
      * Collective. The mass has changed, and with it the set of unknowns if
@@ -71,9 +87,6 @@ namespace greville
     {
       return factorizations;
     }
-
-    std::size_t
-    memory_consumption() const;
 
   private:
     void
@@ -141,9 +154,10 @@ namespace greville
             const std::vector<double> &shares,
             const unsigned int         max_iterations);
 
-    ExtendedMass<dim>        &mass;
-    const SolverParameters   &parameters;
-    const SmootherParameters &smoother_parameters;
+    ExtendedMass<dim>         &mass;
+    const SolverParameters    &parameters;
+    const SmootherParameters  &smoother_parameters;
+    const ColumnPreconditioner other_preconditioner;
 
     double                        total_mass = 0.;
     std::vector<Factors>          factors;

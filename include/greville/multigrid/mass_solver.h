@@ -2,6 +2,7 @@
 #define greville_multigrid_mass_solver_h
 
 #include <greville/linear_algebra/solve_result.h>
+#include <greville/multigrid/mass_level.h>
 #include <greville/multigrid/p_multigrid.h>
 #include <greville/spline/order_hierarchy.h>
 
@@ -58,9 +59,6 @@ namespace greville
      */
     void
     clear();
-
-    std::size_t
-    memory_consumption() const;
 
   private:
     std::vector<std::unique_ptr<MassLevel<dim>>> levels;
@@ -132,12 +130,6 @@ namespace greville
      */
     static bool
     uses_multigrid(const std::string &name);
-
-    /**
-     * Bytes of operators and preconditioner on this process.
-     */
-    std::size_t
-    memory_consumption() const;
 
   private:
     void

@@ -3,7 +3,8 @@
 
 #include <deal.II/multigrid/mg_base.h>
 
-#include <greville/mass/mass_level.h>
+#include <greville/mass/mass_operator.h>
+#include <greville/multigrid/level_operator.h>
 #include <greville/multigrid/tensor_product_solver.h>
 
 #include <string>
@@ -21,13 +22,15 @@ namespace greville
    * - restriction "lumped-l2": D_l^-1 P^T with D_l = diag(P^T 1), the paper's;
    *   "exact-l2": M_l^-1 P^T; "transpose": the transpose of the prolongation,
    *   which makes a cycle with a symmetric smoother symmetric.
-   * The weight w is the density ("density") or 1 ("unit"). Inactive
-   * coefficients neither give nor take.
+   * The weight w is the density of LevelOperator::transfer_weights()
+   * ("density") or 1 ("unit"). Inactive coefficients neither give nor take.
+   * Operators of several components have the same transfer for each.
    *
    * With extended B-splines, P acts on all coefficients of a spline, E_l e with
-   * the matrix E_l of Expansion, and what it gives to coefficients that are not
-   * extended is taken: prolongation D_k^-1 P E_l, the transpose
-   * E_l^T P^T D_k^-1, restriction D_l^-1 P^T E_k. So constants stay constants.
+   * the matrix E_l of LevelOperator::distribute(), and what it gives to
+   * coefficients that are not extended is taken: prolongation D_k^-1 P E_l, the
+   * transpose E_l^T P^T D_k^-1, restriction D_l^-1 P^T E_k. So constants stay
+   * constants.
    */
   template <int dim>
   class OrderTransfer : public dealii::MGTransferBase<VectorType>
@@ -52,13 +55,12 @@ namespace greville
     }
 
     /**
-     * Collective. @p levels, whose operators have to be made, are kept by
-     * reference.
+     * Collective. @p levels are kept by reference.
      */
-    OrderTransfer(const std::vector<MassLevel<dim> *> &levels,
-                  const std::string                   &prolongation,
-                  const std::string                   &restriction,
-                  const std::string                   &weighting);
+    OrderTransfer(const std::vector<const LevelOperator<dim> *> &levels,
+                  const std::string                             &prolongation,
+                  const std::string                             &restriction,
+                  const std::string                             &weighting);
 
     void
     prolongate(const unsigned int to_level,
@@ -75,22 +77,31 @@ namespace greville
                      VectorType        &dst,
                      const VectorType  &src) const override;
 
-    std::size_t
-    memory_consumption() const;
-
   private:
+    void
+    prolongate_component(const unsigned int to_level,
+                         VectorType        &dst,
+                         const VectorType  &src) const;
+
+    void
+    restrict_component(const unsigned int from_level,
+                       VectorType        &dst,
+                       const VectorType  &src) const;
+
     /**
      * Between a level and the next coarser one.
      */
     struct Step
     {
-      const MassOperator<dim>             *fine_mass;
-      const MassOperator<dim>             *coarse_mass;
+      const LevelOperator<dim>            *fine_level;
+      const LevelOperator<dim>            *coarse_level;
       std::unique_ptr<DensityWeights<dim>> unit_weights;
       CrossMassOperator<dim>               cross;
       VectorType                           inverse_row_sums;
       VectorType                           inverse_column_sums;
-      mutable VectorType                   fine, coarse;
+      mutable VectorType                   fine, coarse; // one component
+      mutable VectorType                   from_fine, from_coarse;
+      mutable VectorType                   fine_sum, coarse_sum; // all of them
     };
 
     /**

@@ -1,8 +1,6 @@
 #ifndef greville_multigrid_p_multigrid_h
 #define greville_multigrid_p_multigrid_h
 
-#include <deal.II/multigrid/mg_base.h>
-
 #include <greville/multigrid/order_transfer.h>
 #include <greville/multigrid/smoother.h>
 #include <greville/spline/order_hierarchy.h>
@@ -34,13 +32,13 @@ namespace greville
 
   /**
    * p-multigrid (R. Tielen, M. Moeller, C. Vuik, Efficient multigrid based
-   * solvers for B-spline MPM, 2019) for M x = b on a hierarchy of orders. On
+   * solvers for B-spline MPM, 2019) for A x = b on a hierarchy of orders. On
    * level l, with smoother S,
-   *   x <- x + S (b - M x)                         nu1 times,
-   *   e  = cycle(l - 1, restriction of b - M x)    once (V) or twice (W), or an
+   *   x <- x + S (b - A x)                         nu1 times,
+   *   e  = cycle(l - 1, restriction of b - A x)    once (V) or twice (W), or an
    *                                                F- and a V-cycle (F),
    *   x <- x + prolongation of e,
-   *   x <- x + S (b - M x)                         nu2 times,
+   *   x <- x + S (b - A x)                         nu2 times,
    * and conjugate gradients on level 0. With restriction = "transpose" the
    * steps after the coarse correction use S^T, so that V- and W-cycles are
    * symmetric (up to the tolerance of the coarse solver).
@@ -49,61 +47,29 @@ namespace greville
    * smoothing steps.
    *
    * The cycle is not dealii::Multigrid's, whose W-cycle runs as a V-cycle up to
-   * version 9.7. Its parts have deal.II's interfaces and can be given to it.
+   * version 9.7.
    */
   template <int dim>
   class PMultigrid : public Preconditioner
   {
   public:
+    using Levels = std::vector<const LevelOperator<dim> *>;
+
     /**
-     * Collective. @p levels, whose operators have to be made, are kept by
-     * reference, from the coarsest to the finest. @p coarse_tolerance is the
-     * relative tolerance on level 0. For coarsening = "none" there is one
-     * level.
+     * Collective. @p levels are kept by reference, from the coarsest to the
+     * finest. @p coarse_tolerance is the relative tolerance on level 0. For
+     * coarsening = "none" there is one level.
      */
-    PMultigrid(const std::vector<MassLevel<dim> *> &levels,
-               const PMultigridParameters          &parameters,
-               const SmootherParameters            &smoother_parameters,
-               const double                         coarse_tolerance);
-    ~PMultigrid() override;
+    PMultigrid(const Levels               &levels,
+               const PMultigridParameters &parameters,
+               const SmootherParameters   &smoother_parameters,
+               const double                coarse_tolerance);
 
     /**
      * One cycle with the initial guess zero.
      */
     void
     vmult(VectorType &dst, const VectorType &src) const override;
-
-    /**
-     * As vmult(); for symmetric cycles only.
-     */
-    void
-    Tvmult(VectorType &dst, const VectorType &src) const override;
-
-    std::size_t
-    memory_consumption() const override;
-
-    // The parts, in deal.II's interfaces.
-
-    const dealii::MGMatrixBase<VectorType> &
-    matrices() const;
-
-    const dealii::MGSmootherBase<VectorType> &
-    pre_smoother() const;
-
-    const dealii::MGSmootherBase<VectorType> &
-    post_smoother() const;
-
-    /**
-     * Not with coarsening = "none".
-     */
-    const dealii::MGCoarseGridBase<VectorType> &
-    coarse_solver() const;
-
-    const OrderTransfer<dim> &
-    transfer() const
-    {
-      return order_transfer;
-    }
 
   private:
     enum class Cycle
@@ -112,10 +78,6 @@ namespace greville
       W,
       F
     };
-
-    class Matrices;
-    class Smoother;
-    class CoarseSolver;
 
     /**
      * Improve x[level] for the right-hand side b[level]; begin with zero where
@@ -126,13 +88,33 @@ namespace greville
           const Cycle        type,
           const bool         from_zero) const;
 
-    OrderTransfer<dim>                           order_transfer;
-    Cycle                                        cycle_type;
+    /**
+     * @p n_steps steps x += S (b - A x), the first one from x = 0 where
+     * @p from_zero, with S^T if @p transpose.
+     */
+    void
+    smooth(const unsigned int level,
+           const unsigned int n_steps,
+           const bool         transpose,
+           const bool         from_zero) const;
+
+    /**
+     * residual = b - A x.
+     */
+    void
+    compute_residual(const unsigned int level) const;
+
+    void
+    solve_coarse() const;
+
+    const Levels                                 levels;
+    const PMultigridParameters                   parameters;
+    const double                                 coarse_tolerance;
+    const bool                                   is_symmetric, has_coarse;
+    OrderTransfer<dim>                           transfer;
     std::vector<std::unique_ptr<Preconditioner>> smoothers;
-    std::unique_ptr<Matrices>                    level_matrices;
-    std::unique_ptr<Smoother>                    pre, post;
-    std::unique_ptr<CoarseSolver>                coarse;
-    mutable std::vector<VectorType>              x, b, residual;
+    std::unique_ptr<Preconditioner>              coarse_preconditioner;
+    mutable std::vector<VectorType>              x, b, residual, correction;
   };
 } // namespace greville
 

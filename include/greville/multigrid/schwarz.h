@@ -3,9 +3,8 @@
 
 #include <greville/linear_algebra/incomplete_cholesky.h>
 #include <greville/linear_algebra/preconditioner.h>
-#include <greville/mass/mass_matrix.h>
+#include <greville/multigrid/level_operator.h>
 
-#include <map>
 #include <string>
 
 namespace greville
@@ -26,7 +25,7 @@ namespace greville
   };
 
   /**
-   * The part of a mass matrix that belongs to this process, with some layers
+   * The part of a matrix that belongs to this process, with some layers
    * of overlap in the graph of the matrix, and the transport of vectors to it
    * and back. Without other processes it is the matrix itself, not a copy.
    */
@@ -35,25 +34,13 @@ namespace greville
   {
   public:
     /**
-     * Collective. @p ordering is "lexicographic" or the name of an ordering of
-     * PETSc ("rcm", "amd", "nd", ...).
+     * Collective. For the matrix() of a level. @p ordering is "lexicographic"
+     * or the name of an ordering of PETSc ("rcm", "amd", "nd", ...).
      */
-    OverlappingDomain(const MassMatrix<dim>   &matrix,
-                      const unsigned int       overlap,
-                      const SchwarzCombination combination,
-                      const std::string       &ordering);
-
-    /**
-     * Collective. The same for any distributed matrix (MPIAIJ), whose rows on
-     * this process belong to functions at lexicographic @p positions. PETSc's
-     * communicator of the matrix ends with its last matrix, @p comm does not.
-     */
-    OverlappingDomain(const Mat                         matrix,
-                      const MPI_Comm                    comm,
-                      const std::vector<std::uint64_t> &positions,
-                      const unsigned int                overlap,
-                      const SchwarzCombination          combination,
-                      const std::string                &ordering);
+    OverlappingDomain(const LevelOperator<dim> &level,
+                      const unsigned int        overlap,
+                      const SchwarzCombination  combination,
+                      const std::string        &ordering);
 
     /**
      * The local matrix A_s, sequential, in the chosen ordering.
@@ -77,15 +64,6 @@ namespace greville
     }
 
     /**
-     * Lexicographic positions of the functions of the domain in its ordering.
-     */
-    const std::vector<std::uint64_t> &
-    positions() const
-    {
-      return function_positions;
-    }
-
-    /**
      * Whether this process owns the entry.
      */
     bool
@@ -96,14 +74,12 @@ namespace greville
 
     /**
      * local = R_s src, weighted for the symmetric combination. For the
-     * transpose of a restricted combination call with @p transpose. Vectors
-     * are @p width interleaved ones.
+     * transpose of a restricted combination call with @p transpose.
      */
     void
     restrict_to(std::vector<double> &local,
                 const VectorType    &src,
-                const bool           transpose,
-                const unsigned int   width = 1) const;
+                const bool           transpose) const;
 
     /**
      * dst = sum_s R_s^T local, weighted or restricted.
@@ -111,30 +87,18 @@ namespace greville
     void
     prolongate_from(const std::vector<double> &local,
                     VectorType                &dst,
-                    const bool                 transpose,
-                    const unsigned int         width = 1) const;
-
-    std::size_t
-    memory_consumption() const;
+                    const bool                 transpose) const;
 
   private:
-    SchwarzCombination                           combination;
-    MPI_Comm                                     comm;
-    unsigned int                                 n_owned;
-    PetscInt                                     n_all = 0;
-    std::pair<PetscInt, PetscInt>                owned_range;
-    std::vector<dealii::types::global_dof_index> ghost_numbers;
-    Mat                                          local_matrix = nullptr;
-    PetscMatrix                                  local_copy;
-    std::vector<unsigned int>  order; // local number in overlapped
-    std::vector<std::uint64_t> function_positions;
-    std::vector<double>        weights; // W_s^(1/2)
+    SchwarzCombination        combination;
+    MPI_Comm                  comm;
+    unsigned int              n_owned;
+    Mat                       local_matrix = nullptr;
+    PetscMatrix               local_copy;
+    std::vector<unsigned int> order;   // local number in overlapped
+    std::vector<double>       weights; // W_s^(1/2)
 
-    // Owned and overlapping entries, by width.
-    mutable std::map<unsigned int, VectorType> overlapped;
-
-    VectorType &
-    overlapped_vector(const unsigned int width) const;
+    mutable VectorType values; // owned and overlapping entries
   };
 
 
@@ -149,9 +113,6 @@ namespace greville
 
     virtual void
     solve(double *x, const bool transpose) const = 0;
-
-    virtual std::size_t
-    memory_consumption() const = 0;
   };
 
   /**
@@ -202,9 +163,6 @@ namespace greville
     void
     Tvmult(VectorType &dst, const VectorType &src) const override;
 
-    std::size_t
-    memory_consumption() const override;
-
   private:
     void
     apply(VectorType &dst, const VectorType &src, const bool transpose) const;
@@ -212,47 +170,6 @@ namespace greville
     std::unique_ptr<const OverlappingDomain<dim>> domain;
     std::unique_ptr<LocalSolver>                  solver;
     mutable std::vector<double>                   local;
-  };
-
-
-
-  /**
-   * Additive Schwarz with many small domains, boxes of coefficients that are
-   * solved exactly by dense Cholesky factorizations. A box has
-   * @p box_size coefficients per direction and @p overlap more on each side,
-   * as far as the process's domain goes.
-   */
-  template <int dim>
-  class BoxSchwarz : public Preconditioner
-  {
-  public:
-    BoxSchwarz(std::unique_ptr<const OverlappingDomain<dim>> domain,
-               const MassMatrix<dim>                        &matrix,
-               const unsigned int                            box_size,
-               const unsigned int                            overlap,
-               const SchwarzCombination                      combination);
-    ~BoxSchwarz() override;
-
-    void
-    vmult(VectorType &dst, const VectorType &src) const override;
-
-    void
-    Tvmult(VectorType &dst, const VectorType &src) const override;
-
-    std::size_t
-    memory_consumption() const override;
-
-  private:
-    struct Box;
-
-    void
-    apply(VectorType &dst, const VectorType &src, const bool transpose) const;
-
-    std::unique_ptr<const OverlappingDomain<dim>> domain;
-    SchwarzCombination                            combination;
-    std::vector<Box>                              boxes;
-    std::vector<double>                           weights;
-    mutable std::vector<double>                   local, sum;
   };
 } // namespace greville
 

@@ -4,7 +4,7 @@
 #include <deal.II/base/parameter_handler.h>
 
 #include <greville/linear_algebra/preconditioner.h>
-#include <greville/mass/mass_level.h>
+#include <greville/multigrid/level_operator.h>
 
 #include <string>
 
@@ -33,8 +33,6 @@ namespace greville
     unsigned int overlap        = 1;
     std::string  ordering       = "lexicographic";
     std::string  combination    = "automatic";
-    unsigned int box_size       = 8;
-    unsigned int box_overlap    = 2;
 
     // Point smoothers
     double       damping          = 1.;
@@ -49,20 +47,21 @@ namespace greville
    * - "ilut": ILUT on overlapping domains, one per process,
    * - "ilu0", "ic0": ILU(0) and IC(0) of the diagonally scaled matrix,
    * likewise,
-   * - "jacobi": omega D^-1, omega = damping / lambda_max(D^-1 M),
+   * - "jacobi": omega D^-1, omega = damping / lambda_max(D^-1 A),
    * - "gauss-seidel": forward before and backward after the coarse correction
    *   of a symmetric cycle, "symmetric-gauss-seidel": forward and backward;
    *   both process by process (PETSc's SOR),
-   * - "chebyshev": deal.II's polynomial smoother on D^-1 M,
-   * - "schwarz": small overlapping boxes, solved exactly,
+   * - "chebyshev": deal.II's polynomial smoother on D^-1 A,
    * - "tensor-product": TensorProductPreconditioner,
    * - "petsc": the PETSc preconditioner that the options describe.
+   * Those that work on LevelOperator::matrix() or on the space do so component
+   * by component.
    */
   std::string
   smoother_names();
 
   /**
-   * Whether a smoother needs the assembled matrix.
+   * Whether a smoother needs LevelOperator::matrix().
    */
   bool
   smoother_needs_matrix(const std::string &name);
@@ -77,7 +76,7 @@ namespace greville
   std::unique_ptr<Preconditioner>
   make_smoother(const std::string        &name,
                 const SmootherParameters &parameters,
-                const MassLevel<dim>     &level,
+                const LevelOperator<dim> &level,
                 const bool                symmetric);
 } // namespace greville
 

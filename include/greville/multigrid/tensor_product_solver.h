@@ -2,7 +2,7 @@
 #define greville_multigrid_tensor_product_solver_h
 
 #include <greville/linear_algebra/preconditioner.h>
-#include <greville/mass/mass_operator.h>
+#include <greville/spline/spline_space.h>
 
 namespace greville
 {
@@ -76,6 +76,12 @@ namespace greville
     void
     solve(VectorType &x) const;
 
+    unsigned int
+    n_unknowns() const
+    {
+      return space->n_locally_owned_dofs();
+    }
+
     /**
      * The diagonal of M_1 x ... x M_1 at the owned function number @p i.
      */
@@ -87,9 +93,6 @@ namespace greville
      */
     std::size_t
     bytes_sent() const;
-
-    std::size_t
-    memory_consumption() const;
 
   private:
     /**
@@ -142,21 +145,21 @@ namespace greville
     TensorProductPreconditioner() = default;
 
     /**
-     * Collective. @p solver and @p mass are kept by reference.
+     * The arguments are kept by reference. @p diagonal may have several
+     * components, of which the first one counts.
      */
-    TensorProductPreconditioner(const TensorProductSolver<dim> &solver,
-                                const MassOperator<dim>        &mass);
+    TensorProductPreconditioner(const TensorProductSolver<dim>  &solver,
+                                const VectorType                &diagonal,
+                                const std::vector<unsigned int> &inactive);
 
     void
     vmult(VectorType &dst, const VectorType &src) const override;
 
-    std::size_t
-    memory_consumption() const override;
-
   private:
-    const TensorProductSolver<dim> *solver = nullptr;
-    const MassOperator<dim>        *mass   = nullptr;
-    std::vector<double>             scaling; // D^(1/2), 0 where inactive
+    const TensorProductSolver<dim>  *solver   = nullptr;
+    const std::vector<unsigned int> *inactive = nullptr;
+    std::vector<double>              diagonal;
+    std::vector<double>              scaling; // D^(1/2), 0 where inactive
   };
 } // namespace greville
 

@@ -2,17 +2,15 @@
 #define greville_simulation_consistent_mass_h
 
 #include <greville/multigrid/extended_mass_solver.h>
-#include <greville/multigrid/mass_solver.h>
+#include <greville/multigrid/extended_multigrid.h>
 #include <greville/simulation/grid_mass.h>
 
 namespace greville
 {
   /**
    * The consistent mass matrix M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the points
-   * on extended B-splines, see Extension and ExtendedMass. With the method
-   * "cg-ic0" all components of the fields are solved together by an
-   * ExtendedMassSolver; with others one after the other by MassSolvers, one for
-   * each set of walls.
+   * on extended B-splines, see Extension and ExtendedMass. All components of
+   * the fields are solved together by an ExtendedMassSolver.
    */
   template <int dim>
   class ConsistentMass : public GridMass<dim>
@@ -95,7 +93,7 @@ namespace greville
     const Extension<dim> &
     extension() const
     {
-      return extensions.back();
+      return spline_extension;
     }
 
     std::uint64_t
@@ -113,7 +111,7 @@ namespace greville
     void
     forget() override
     {
-      for (auto *const solver : {solver_of_all.get(), solver_of_held.get()})
+      for (auto *const solver : {mass_solver.get(), solver_of_held.get()})
         if (solver)
           solver->forget();
     }
@@ -121,25 +119,21 @@ namespace greville
     unsigned int
     n_factorizations() const override
     {
-      return solver_of_all ? solver_of_all->n_factorizations() : 0;
+      return mass_solver->n_factorizations();
     }
 
   private:
     /**
-     * Components that share their constraints.
+     * The preconditioner of Solver/Method, empty for "cg-ic0".
      */
-    struct Group
+    ColumnPreconditioner
+    make_preconditioner();
+
+    void
+    change_held() override
     {
-      std::vector<unsigned int>           components;
-      std::unique_ptr<MassHierarchy<dim>> mass;
-      std::unique_ptr<MassSolver<dim>>    solver;
-    };
-
-    void
-    make_groups();
-
-    void
-    change_held() override;
+      extended_mass.hold(this->held);
+    }
 
     void
     multiply_at_held(VectorField<dim>       &rows,
@@ -155,33 +149,15 @@ namespace greville
     void
     check(const SolveResult &result);
 
-    /**
-     * By the MassSolvers of the groups.
-     */
-    SolveResult
-    solve_components(const std::vector<VectorField<dim> *>       &x,
-                     const std::vector<const VectorField<dim> *> &b);
-
-    /**
-     * Classify cells and functions by the points.
-     */
-    bool
-    update_extensions(const std::vector<const MaterialPoints<dim> *> &bodies,
-                      const PointTransfer<dim>                       &transfer);
-
-    void
-    update_groups(const std::vector<const MaterialPoints<dim> *> &bodies,
-                  const PointTransfer<dim>                       &transfer,
-                  const bool unknowns_changed);
-
     const SimulationParameters              &parameters;
     const Walls<dim>                        &walls;
-    std::vector<Group>                       groups;
     std::vector<double>                      filled_part; // of owned cells
     CellFilling<dim>                         filling;
-    std::vector<Extension<dim>>              extensions; // by level
+    Extension<dim>                           spline_extension;
     ExtendedMass<dim>                        extended_mass;
-    std::unique_ptr<ExtendedMassSolver<dim>> solver_of_all;
+    VectorType                               diagonal;  // for "cg-jacobi"
+    std::unique_ptr<ExtendedMultigrid<dim>>  multigrid; // "cg-p-multigrid"
+    std::unique_ptr<ExtendedMassSolver<dim>> mass_solver;
     std::unique_ptr<ExtendedMassSolver<dim>> solver_of_held; // solve_held()
     bool                                     held_solver_is_behind = true;
     double                                   total_mass            = 0.;

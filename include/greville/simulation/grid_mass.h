@@ -200,6 +200,18 @@ namespace greville
 
 
   /**
+   * Collective. The local functions of a space that walls hold in a component:
+   * 1, others 0.
+   */
+  template <int dim>
+  std::vector<unsigned char>
+  held_at_walls(const SplineSpace<dim> &space,
+                const Walls<dim>       &walls,
+                const unsigned int      component);
+
+
+
+  /**
    * Collective. Make the mass of the name @p mass, one of
    * SchemeParameters::mass. Parameters, triangulation and walls are kept by
    * reference.

@@ -95,7 +95,7 @@ namespace greville
   /**
    * The solver of the consistent mass.
    */
-  struct ConsistentSolverParameters : MassSolverParameters
+  struct ConsistentSolverParameters : SolverParameters
   {
     void
     declare(dealii::ParameterHandler &prm);

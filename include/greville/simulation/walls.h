@@ -1,13 +1,16 @@
 #ifndef greville_simulation_walls_h
 #define greville_simulation_walls_h
 
+#include <deal.II/lac/affine_constraints.h>
+
 #include <greville/base/expression.h>
-#include <greville/mass/mass_operator.h>
 #include <greville/particles/point_transfer.h>
 #include <greville/simulation/parameters.h>
 
 namespace greville
 {
+  using Constraints = dealii::AffineConstraints<double>;
+
   /**
    * The walls of the grid. On open knot vectors only the functions of the first
    * or last index of a direction do not vanish at a wall, and the value there

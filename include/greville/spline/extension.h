@@ -1,8 +1,6 @@
 #ifndef greville_spline_extension_h
 #define greville_spline_extension_h
 
-#include <deal.II/lac/affine_constraints.h>
-
 #include <greville/spline/cell_filling.h>
 
 namespace greville
@@ -24,7 +22,7 @@ namespace greville
    *   with weights d^-12 of the distance d of host and function in 2D, and of
    *   the nearest ones in 3D (what that is good for: doc/mass_of_points.md),
    * - *lumped*: it sees fragments only. Such functions stay, but not their
-   *   products with others: see MassMatrix.
+   *   products with others: see ExtendedMass.
    *
    * Numbers of functions are the local ones of the space; all functions of
    * owned cells have a class on each process.
@@ -69,12 +67,6 @@ namespace greville
       return *spline_space;
     }
 
-    const CellFilling<dim> &
-    filling() const
-    {
-      return *cell_filling;
-    }
-
     Class
     operator[](const unsigned int function) const
     {
@@ -99,14 +91,6 @@ namespace greville
     row(const unsigned int          function,
         std::vector<std::uint64_t> &positions,
         std::vector<double>        &weights) const;
-
-    /**
-     * Collective. The lines of E for the functions of owned cells, in global
-     * numbers, closed. The local lines are those and the stable coefficients
-     * that occur in them.
-     */
-    dealii::AffineConstraints<double>
-    constraints() const;
 
     /**
      * Collective.

@@ -1,0 +1,78 @@
+#ifndef greville_multigrid_extended_multigrid_h
+#define greville_multigrid_extended_multigrid_h
+
+#include <greville/mass/extended_mass.h>
+#include <greville/multigrid/mass_solver.h>
+
+namespace greville
+{
+  /**
+   * The cycle of PMultigrid for the mass of points on extended B-splines, as a
+   * preconditioner of ExtendedMassSolver: column by column of the vectors of
+   * unknowns. Components that hold the same functions share their levels.
+   */
+  template <int dim>
+  class ExtendedMultigrid
+  {
+  public:
+    /**
+     * Whether a component holds the local functions of a space (not zero).
+     */
+    using HeldFunctions =
+      std::function<std::vector<unsigned char>(const SplineSpace<dim> &space,
+                                               const unsigned int component)>;
+
+    /**
+     * Collective. The arguments are kept by reference. The mass is that of the
+     * finest order.
+     */
+    ExtendedMultigrid(const OrderHierarchy<dim>  &orders,
+                      const ExtendedMass<dim>    &mass,
+                      const HeldFunctions        &held,
+                      const PMultigridParameters &parameters,
+                      const SmootherParameters   &smoother_parameters);
+
+    /**
+     * Collective. The mass has changed, and with it the set of unknowns if
+     * @p unknowns_changed; then @p filling is that of the new ones.
+     * @p fill(weights) fills the weights of a level.
+     */
+    void
+    update(const CellFilling<dim>                           &filling,
+           const bool                                        unknowns_changed,
+           const std::function<void(DensityWeights<dim> &)> &fill);
+
+    /**
+     * Collective. z = one cycle for each of the first @p n_columns columns of
+     * r, which has @p width of them.
+     */
+    void
+    vmult(VectorType        &z,
+          const VectorType  &r,
+          const unsigned int width,
+          const unsigned int n_columns) const;
+
+  private:
+    /**
+     * The levels of components that hold the same functions.
+     */
+    struct Group
+    {
+      unsigned int                        component; // the first
+      std::unique_ptr<MassHierarchy<dim>> levels;
+      std::unique_ptr<PMultigrid<dim>>    cycle;
+    };
+
+    const OrderHierarchy<dim>  &orders;
+    const ExtendedMass<dim>    &mass;
+    const PMultigridParameters &parameters;
+    const SmootherParameters   &smoother_parameters;
+
+    const HeldFunctions           held;
+    std::vector<Group>            groups;
+    std::array<unsigned int, dim> group_of; // component
+    mutable VectorType            to, from;
+  };
+} // namespace greville
+
+#endif

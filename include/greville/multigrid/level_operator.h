@@ -1,0 +1,148 @@
+#ifndef greville_multigrid_level_operator_h
+#define greville_multigrid_level_operator_h
+
+#include <greville/base/petsc.h>
+#include <greville/mass/density_weights.h>
+
+namespace greville
+{
+  /**
+   * A symmetric positive definite operator A of one order of a hierarchy: all
+   * that a cycle, a smoother and a transfer ask for. Vectors have a coefficient
+   * for each function of a spline space and component c, interleaved: entry
+   * i * n_components() + c of local function i.
+   *
+   * *Inactive* functions are those that A leaves out, as they meet no material,
+   * are held, or depend on others (extended B-splines). Their rows and columns
+   * are zero but for the diagonal, so that a right-hand side of zero gives
+   * zero.
+   */
+  template <int dim>
+  class LevelOperator
+  {
+  public:
+    virtual ~LevelOperator() = default;
+
+    /**
+     * The space of a component.
+     */
+    virtual const SplineSpace<dim> &
+    space() const = 0;
+
+    virtual unsigned int
+    n_components() const
+    {
+      return 1;
+    }
+
+    /**
+     * dst = A src.
+     */
+    virtual void
+    vmult(VectorType &dst, const VectorType &src) const = 0;
+
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const
+    {
+      vmult(dst, src);
+    }
+
+    /**
+     * The diagonal, positive for inactive functions, too.
+     */
+    virtual const VectorType &
+    diagonal() const = 0;
+
+    /**
+     * Local numbers of the inactive functions of this process.
+     */
+    virtual const std::vector<unsigned int> &
+    inactive() const = 0;
+
+    /**
+     * The entries of one component, for smoothers that work on them: of A where
+     * it has one component, otherwise a matrix that stands for all diagonal
+     * blocks (MPIAIJ). Numbers are those of the space.
+     */
+    virtual Mat
+    matrix() const
+    {
+      AssertThrow(false,
+                  dealii::ExcMessage("The smoother needs the entries of an "
+                                     "operator that does not give them."));
+      return nullptr;
+    }
+
+    /**
+     * x <- E x, all coefficients of a spline of one component from the active
+     * ones: zero where functions are inactive, unless they depend on others.
+     * Collective.
+     */
+    virtual void
+    distribute(VectorType &x) const
+    {
+      for (const unsigned int i : inactive())
+        x.local_element(i) = 0.;
+    }
+
+    /**
+     * x <- E^T x, zero where functions are inactive. Collective.
+     */
+    virtual void
+    condense(VectorType &x) const
+    {
+      for (const unsigned int i : inactive())
+        x.local_element(i) = 0.;
+    }
+
+    /**
+     * The points, with their weights, of the L2 products of a transfer; null:
+     * those of the volume.
+     */
+    virtual const DensityWeights<dim> *
+    transfer_weights() const
+    {
+      return nullptr;
+    }
+  };
+
+
+
+  /**
+   * Collective. Make a vector of the operator.
+   */
+  template <int dim>
+  void
+  initialize_vector(VectorType &vector, const LevelOperator<dim> &level);
+
+  /**
+   * Apply @p action(to, from), which works on one component, to all of the
+   * @p n components of interleaved vectors. The vectors @p to and @p from have
+   * the layouts of one component; they are not used for n = 1.
+   */
+  template <typename Action>
+  void
+  apply_by_components(const unsigned int n,
+                      VectorType        &dst,
+                      const VectorType  &src,
+                      VectorType        &to,
+                      VectorType        &from,
+                      const Action      &action)
+  {
+    if (n == 1)
+      {
+        action(dst, src);
+        return;
+      }
+    for (unsigned int c = 0; c < n; ++c)
+      {
+        for (unsigned int i = 0; i < from.locally_owned_size(); ++i)
+          from.local_element(i) = src.local_element(i * n + c);
+        action(to, from);
+        for (unsigned int i = 0; i < to.locally_owned_size(); ++i)
+          dst.local_element(i * n + c) = to.local_element(i);
+      }
+  }
+} // namespace greville
+
+#endif

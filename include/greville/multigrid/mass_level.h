@@ -1,0 +1,179 @@
+#ifndef greville_multigrid_mass_level_h
+#define greville_multigrid_mass_level_h
+
+#include <greville/mass/mass_matrix.h>
+#include <greville/mass/mass_operator.h>
+#include <greville/multigrid/level_operator.h>
+
+#include <optional>
+
+namespace greville
+{
+  /**
+   * The mass matrix of one order of the hierarchy, discretized anew from the
+   * weights: a MassOperator, with extended B-splines an ExtendedMass, and
+   * assembled where somebody needs the entries.
+   */
+  template <int dim>
+  class MassLevel : public LevelOperator<dim>
+  {
+  public:
+    /**
+     * Collective. Evaluates @p density at p + 1 Gauss points per direction; no
+     * operator is made yet. The space is kept by reference.
+     */
+    MassLevel(const SplineSpace<dim>      &space,
+              const dealii::Function<dim> &density);
+
+    /**
+     * As above with @p weights, which the caller fills before assemble().
+     */
+    MassLevel(const SplineSpace<dim> &space, DensityWeights<dim> weights);
+
+    DensityWeights<dim> &
+    weights()
+    {
+      return density_weights;
+    }
+
+    const DensityWeights<dim> &
+    weights() const
+    {
+      return density_weights;
+    }
+
+    /**
+     * Extended B-splines from the next assemble() on. Local functions that are
+     * @p held (not zero) are left out of the columns of E.
+     */
+    void
+    extend(Extension<dim> extension, std::vector<unsigned char> held = {})
+    {
+      given_extension = std::move(extension);
+      held_functions  = std::move(held);
+    }
+
+    /**
+     * Collective. Make the operators. vmult() works on the assembled matrix if
+     * @p apply_matrix, which implies @p with_matrix.
+     */
+    void
+    assemble(const bool with_matrix, const bool apply_matrix);
+
+    /**
+     * Free the operators.
+     */
+    void
+    clear();
+
+    const SplineSpace<dim> &
+    space() const override
+    {
+      return *spline_space;
+    }
+
+    /**
+     * M of all functions, matrix-free.
+     */
+    const MassOperator<dim> &
+    mass() const
+    {
+      Assert(mass_operator, dealii::ExcNotInitialized());
+      return *mass_operator;
+    }
+
+    /**
+     * Null without a matrix.
+     */
+    const MassMatrix<dim> *
+    assembled() const
+    {
+      return mass_matrix.get();
+    }
+
+    Mat
+    matrix() const override
+    {
+      Assert(mass_matrix, dealii::ExcNotInitialized());
+      return mass_matrix->petsc();
+    }
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
+
+    const VectorType &
+    diagonal() const override
+    {
+      return is_extended() ? extended_diagonal : mass().diagonal();
+    }
+
+    const std::vector<unsigned int> &
+    inactive() const override
+    {
+      return is_extended() ? extended_inactive : mass().inactive();
+    }
+
+    /**
+     * The row sums (the lumped mass), with the diagonal of inactive
+     * coefficients. Those of extended B-splines can be negative.
+     */
+    VectorType
+    lumped() const;
+
+    bool
+    is_extended() const
+    {
+      return given_extension.has_value();
+    }
+
+    void
+    distribute(VectorType &x) const override;
+
+    void
+    condense(VectorType &x) const override;
+
+    const DensityWeights<dim> *
+    transfer_weights() const override
+    {
+      return &density_weights;
+    }
+
+  private:
+    /**
+     * Collective. M on the places of unknowns.
+     */
+    void
+    fill_entries();
+
+    void
+    find_extended_diagonal(const LowerTriangle &local_entries);
+
+    /**
+     * The value of @p x at owned unknowns as a vector of these, and back.
+     */
+    void
+    read(VectorType &unknowns, const VectorType &x) const;
+
+    void
+    write(VectorType &x, const VectorType &unknowns) const;
+
+    const SplineSpace<dim>            *spline_space;
+    DensityWeights<dim>                density_weights;
+    std::optional<Extension<dim>>      given_extension;
+    std::vector<unsigned char>         held_functions;
+    std::unique_ptr<MassOperator<dim>> mass_operator;
+    std::unique_ptr<MassMatrix<dim>>   mass_matrix;
+    bool                               apply_matrix = false;
+
+    // For extended B-splines, and for entries: then all functions that meet
+    // mass are unknowns unless an extension is given.
+    std::unique_ptr<ExtendedMass<dim>> entries;
+    CellFilling<dim>                   filling;
+    Extension<dim>                     all_stable;
+    VectorType                         extended_diagonal;
+    std::vector<unsigned int>          extended_inactive;
+    mutable VectorType                 unknown_source, unknown_result;
+  };
+} // namespace greville
+
+#endif

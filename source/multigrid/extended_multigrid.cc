@@ -1,0 +1,117 @@
+#include <greville/multigrid/extended_multigrid.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    std::vector<unsigned int>
+    exact_points(const OrderHierarchy<dim> &orders)
+    {
+      std::vector<unsigned int> result;
+      for (unsigned int l = 0; l < orders.n_levels(); ++l)
+        result.push_back(2 * orders[l].degree() + 1);
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  ExtendedMultigrid<dim>::ExtendedMultigrid(
+    const OrderHierarchy<dim>  &orders,
+    const ExtendedMass<dim>    &mass,
+    const HeldFunctions        &held,
+    const PMultigridParameters &parameters,
+    const SmootherParameters   &smoother_parameters)
+    : orders(orders)
+    , mass(mass)
+    , parameters(parameters)
+    , smoother_parameters(smoother_parameters)
+    , held(held)
+  {
+    orders.finest().initialize_vector(to);
+    orders.finest().initialize_vector(from);
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        const auto differs = [&](const Group &group) {
+          return Utilities::MPI::max<unsigned int>(
+                   held(orders.finest(), c) !=
+                     held(orders.finest(), group.component),
+                   orders.finest().communicator()) == 1;
+        };
+        group_of[c] = 0;
+        while (group_of[c] < groups.size() && differs(groups[group_of[c]]))
+          ++group_of[c];
+        if (group_of[c] == groups.size())
+          groups.push_back(
+            {c,
+             std::make_unique<MassHierarchy<dim>>(orders, exact_points(orders)),
+             nullptr});
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMultigrid<dim>::update(
+    const CellFilling<dim>                           &filling,
+    const bool                                        unknowns_changed,
+    const std::function<void(DensityWeights<dim> &)> &fill)
+  {
+    const bool with_matrix = smoother_needs_matrix(parameters.smoother);
+    for (Group &group : groups)
+      {
+        const auto levels = group.levels->all_levels();
+        for (unsigned int l = 0; l < levels.size(); ++l)
+          {
+            if (unknowns_changed)
+              levels[l]->extend(Extension<dim>(orders[l], filling),
+                                held(orders[l], group.component));
+            if (&group == &groups[0])
+              fill(levels[l]->weights());
+            else
+              levels[l]->weights() =
+                groups[0].levels->all_levels()[l]->weights();
+            levels[l]->assemble(with_matrix &&
+                                  (l > 0 || parameters.coarsening == "none"),
+                                false);
+          }
+        group.cycle = std::make_unique<PMultigrid<dim>>(
+          typename PMultigrid<dim>::Levels(levels.begin(), levels.end()),
+          parameters,
+          smoother_parameters,
+          parameters.coarse_tolerance);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMultigrid<dim>::vmult(VectorType        &z,
+                                const VectorType  &r,
+                                const unsigned int width,
+                                const unsigned int n_columns) const
+  {
+    const auto &functions = mass.unknown_functions();
+    z                     = 0.;
+    for (unsigned int c = 0; c < n_columns; ++c)
+      {
+        from = 0.;
+        for (unsigned int u = 0; u < functions.size(); ++u)
+          from.local_element(functions[u]) = r.local_element(u * width + c);
+        groups[group_of[c % dim]].cycle->vmult(to, from);
+        for (unsigned int u = 0; u < functions.size(); ++u)
+          z.local_element(u * width + c) = to.local_element(functions[u]);
+      }
+  }
+
+
+
+  template class ExtendedMultigrid<2>;
+  template class ExtendedMultigrid<3>;
+} // namespace greville

@@ -1,0 +1,212 @@
+#include <greville/multigrid/mass_level.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  MassLevel<dim>::MassLevel(const SplineSpace<dim> &space,
+                            const Function<dim>    &density)
+    : spline_space(&space)
+    , density_weights(space, space.degree() + 1, density)
+  {}
+
+
+
+  template <int dim>
+  MassLevel<dim>::MassLevel(const SplineSpace<dim> &space,
+                            DensityWeights<dim>     weights)
+    : spline_space(&space)
+    , density_weights(std::move(weights))
+  {}
+
+
+
+  template <int dim>
+  void
+  MassLevel<dim>::assemble(const bool with_matrix, const bool apply)
+  {
+    apply_matrix = apply;
+    mass_operator =
+      std::make_unique<MassOperator<dim>>(*spline_space, density_weights);
+    mass_matrix.reset();
+    const bool needs_matrix = with_matrix || apply;
+    if (!is_extended() && !needs_matrix)
+      {
+        entries.reset();
+        return;
+      }
+    fill_entries();
+    const LowerTriangle local_entries = entries->local_entries(1);
+    if (is_extended())
+      find_extended_diagonal(local_entries);
+    if (needs_matrix)
+      mass_matrix = std::make_unique<MassMatrix<dim>>(*entries,
+                                                      local_entries,
+                                                      inactive(),
+                                                      diagonal().linfty_norm());
+  }
+
+
+
+  template <int dim>
+  void
+  MassLevel<dim>::fill_entries()
+  {
+    const SplineSpace<dim> &space = *spline_space;
+    if (!is_extended())
+      {
+        // Without a threshold, all cells with mass are hosts.
+        std::vector<double> parts(space.owned_cells().size(), 0.);
+        for (unsigned int c = 0; c < parts.size(); ++c)
+          for (unsigned int q = 0; q < density_weights.n_points(); ++q)
+            if (density_weights.at_cell(c)[q * CellBatches<dim>::width()] != 0.)
+              parts[c] = 1.;
+        filling.reinit(space);
+        filling.update(parts, 0.);
+        all_stable.reinit(space, filling);
+      }
+    if (!entries)
+      {
+        entries = std::make_unique<ExtendedMass<dim>>();
+        entries->reinit(space);
+      }
+    entries->begin(is_extended() ? *given_extension : all_stable, true);
+    held_functions.resize(space.owned_functions().size() +
+                            space.ghost_functions().size(),
+                          0);
+    entries->hold(held_functions);
+    add_mass_matrix(entries->matrix(), density_weights);
+    entries->finish();
+    for (VectorType *vector : {&unknown_source, &unknown_result})
+      entries->initialize_vector(*vector, 1);
+  }
+
+
+
+  template <int dim>
+  void
+  MassLevel<dim>::find_extended_diagonal(const LowerTriangle &local_entries)
+  {
+    unknown_result = 0.;
+    for (unsigned int u = 0; u < local_entries.size(); ++u)
+      unknown_result.local_element(u) =
+        local_entries.values[local_entries.row_begin[u + 1] - 1];
+    unknown_result.compress(VectorOperation::add);
+    spline_space->initialize_vector(extended_diagonal);
+    write(extended_diagonal, unknown_result);
+    for (unsigned int f = 0; f < spline_space->owned_functions().size(); ++f)
+      if (held_functions[f] != 0)
+        extended_diagonal.local_element(f) = 0.;
+    extended_inactive = fill_inactive(extended_diagonal).second;
+  }
+
+
+
+  template <int dim>
+  void
+  MassLevel<dim>::clear()
+  {
+    mass_operator.reset();
+    mass_matrix.reset();
+    entries.reset();
+    apply_matrix = false;
+  }
+
+
+
+  template <int dim>
+  void
+  MassLevel<dim>::read(VectorType &unknowns, const VectorType &x) const
+  {
+    const auto &functions = entries->unknown_functions();
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      unknowns.local_element(u) = x.local_element(functions[u]);
+  }
+
+
+
+  template <int dim>
+  void
+  MassLevel<dim>::write(VectorType &x, const VectorType &unknowns) const
+  {
+    const auto &functions = entries->unknown_functions();
+    x                     = 0.;
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      x.local_element(functions[u]) = unknowns.local_element(u);
+  }
+
+
+
+  template <int dim>
+  void
+  MassLevel<dim>::vmult(VectorType &dst, const VectorType &src) const
+  {
+    if (apply_matrix)
+      {
+        mass_matrix->vmult(dst, src);
+        return;
+      }
+    if (!is_extended())
+      {
+        mass_operator->vmult(dst, src);
+        return;
+      }
+    dst = src;
+    LevelOperator<dim>::distribute(dst);
+    read(unknown_source, dst);
+    entries->vmult(unknown_result, unknown_source, 1);
+    write(dst, unknown_result);
+    for (const unsigned int i : extended_inactive)
+      dst.local_element(i) =
+        extended_diagonal.local_element(i) * src.local_element(i);
+  }
+
+
+
+  template <int dim>
+  VectorType
+  MassLevel<dim>::lumped() const
+  {
+    VectorType sums;
+    spline_space->initialize_vector(sums);
+    mass().cross_mass().row_sums(sums);
+    condense(sums);
+    for (const unsigned int i : inactive())
+      sums.local_element(i) = diagonal().local_element(i);
+    return sums;
+  }
+
+
+
+  template <int dim>
+  void
+  MassLevel<dim>::distribute(VectorType &x) const
+  {
+    // Coefficients without mass take part in transfers with unit weights, which
+    // keep constants so.
+    if (!is_extended())
+      return;
+    LevelOperator<dim>::distribute(x);
+    read(unknown_source, x);
+    entries->distribute(x, unknown_source);
+  }
+
+
+
+  template <int dim>
+  void
+  MassLevel<dim>::condense(VectorType &x) const
+  {
+    if (!is_extended())
+      return;
+    entries->condense(unknown_result, x);
+    write(x, unknown_result);
+    LevelOperator<dim>::condense(x);
+  }
+
+
+
+  template class MassLevel<2>;
+  template class MassLevel<3>;
+} // namespace greville
