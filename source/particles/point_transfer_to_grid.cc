@@ -196,20 +196,31 @@ namespace greville
       with_order(space.degree(), [&](const auto size) {
         constexpr int n      = decltype(size)::value;
         const bool    affine = points->layout().find("affine");
-        const auto    add    = [&](const auto m, const auto f, const auto a) {
-          add_points<dim, n, m.value, f.value, a.value>(*points,
-                                                        space,
-                                                        tables,
-                                                        buffer.data());
-        };
-        constexpr std::true_type  yes;
-        constexpr std::false_type no;
-        if (mass && force)
-          affine ? add(yes, yes, yes) : add(yes, yes, no);
+        if (mass && force && affine)
+          add_points<dim, n, true, true, true>(*points,
+                                               space,
+                                               tables,
+                                               buffer.data());
+        else if (mass && force)
+          add_points<dim, n, true, true, false>(*points,
+                                                space,
+                                                tables,
+                                                buffer.data());
+        else if (mass && affine)
+          add_points<dim, n, true, false, true>(*points,
+                                                space,
+                                                tables,
+                                                buffer.data());
         else if (mass)
-          affine ? add(yes, no, yes) : add(yes, no, no);
+          add_points<dim, n, true, false, false>(*points,
+                                                 space,
+                                                 tables,
+                                                 buffer.data());
         else
-          add(no, yes, no);
+          add_points<dim, n, false, true, false>(*points,
+                                                 space,
+                                                 tables,
+                                                 buffer.data());
       });
 
     if (mass)

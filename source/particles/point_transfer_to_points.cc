@@ -46,7 +46,7 @@ namespace greville
       for (unsigned int lane = 0; lane < count; ++lane)
         {
           MaterialPoint &state = states[lane];
-          state    = load_material_point<dim>(points.point(g, lane), layout);
+          load_material_point<dim>(points.point(g, lane), layout, state);
           state.dt = step;
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)

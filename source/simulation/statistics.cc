@@ -143,7 +143,8 @@ namespace greville
             result.gravitational -= m * (gravity * Tensor<1, dim>(position));
             if (!body.rigid_motion)
               {
-                const MaterialPoint point = load_material_point<dim>(p, layout);
+                MaterialPoint point;
+                load_material_point<dim>(p, layout, point);
                 result.strain += V0 * body.material->strain_energy(point);
                 result.dissipation += V0 * body.material->dissipation(point);
               }
@@ -216,7 +217,8 @@ namespace greville
         const PointField       *affine = layout.find("affine");
         body->points.for_each(
           [&](const unsigned int cell, ConstPointRef<dim> p) {
-            const MaterialPoint point = load_material_point<dim>(p, layout);
+            MaterialPoint point;
+            load_material_point<dim>(p, layout, point);
             sum += kinetic_energy_of<dim>(p, cell, affine, transfer) +
                    p.volume0() * (body->material->strain_energy(point) +
                                   body->material->dissipation(point));

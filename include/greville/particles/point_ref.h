@@ -216,14 +216,15 @@ namespace greville
 
 
   /**
-   * A point as its material sees it, with the increment 1.
+   * A point as its material sees it, with the increment 1, from the numbers of
+   * a point. @p point is a new one.
    */
   template <int dim>
-  inline MaterialPoint
+  inline void
   load_material_point(const ConstPointRef<dim> p,
-                      const PointLayout<dim>  &layout)
+                      const PointLayout<dim>  &layout,
+                      MaterialPoint           &point)
   {
-    MaterialPoint point;
     for (unsigned int d = 0; d < 3; ++d)
       point.increment[d][d] = 1.;
     point.F      = p.F();
@@ -231,7 +232,6 @@ namespace greville
     point.stress = p.stress();
     for (unsigned int k = 0; k < layout.n_state; ++k)
       point.state[k] = p[layout.state + k];
-    return point;
   }
 
 
