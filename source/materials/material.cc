@@ -15,8 +15,8 @@ namespace greville
   {
     struct Entry
     {
-      const char *name;
-      std::unique_ptr<Material> (*make)();
+      std::string  name;
+      MakeMaterial make;
     };
 
     template <typename Law>
@@ -29,19 +29,27 @@ namespace greville
     }
 
     // All materials, one line each.
-    const std::vector<Entry> &
+    std::vector<Entry> &
     materials()
     {
-      static const std::vector<Entry> list = {entry<LinearElastic>(),
-                                              entry<NeoHookean>(),
-                                              entry<VonMises>(),
-                                              entry<DruckerPrager>(),
-                                              entry<MohrCoulomb>(),
-                                              entry<NewtonianFluid>(),
-                                              entry<Bingham>()};
+      static std::vector<Entry> list = {entry<LinearElastic>(),
+                                        entry<NeoHookean>(),
+                                        entry<VonMises>(),
+                                        entry<DruckerPrager>(),
+                                        entry<MohrCoulomb>(),
+                                        entry<NewtonianFluid>(),
+                                        entry<Bingham>()};
       return list;
     }
   } // namespace
+
+
+
+  void
+  add_material(const std::string &name, const MakeMaterial make)
+  {
+    materials().push_back({name, make});
+  }
 
 
 
@@ -61,7 +69,7 @@ namespace greville
   {
     std::string names;
     for (const Entry &material : materials())
-      names += (names.empty() ? "" : "|") + std::string(material.name);
+      names += (names.empty() ? "" : "|") + material.name;
     return names;
   }
 

@@ -16,12 +16,23 @@ namespace greville
 
     // All kinds of loads on points, one line each.
     template <int dim>
-    std::vector<PointLoads<dim> (*)(const SimulationParameters &)>
+    std::vector<MakePointLoads<dim>> &
     kinds_of_point_loads()
     {
-      return {BodyForce<dim>::make, Traction<dim>::make};
+      static std::vector<MakePointLoads<dim>> list = {BodyForce<dim>::make,
+                                                      Traction<dim>::make};
+      return list;
     }
   } // namespace
+
+
+
+  template <int dim>
+  void
+  add_point_load(const MakePointLoads<dim> &make)
+  {
+    kinds_of_point_loads<dim>().push_back(make);
+  }
 
 
 
@@ -139,6 +150,10 @@ namespace greville
 
 
 
+  template void
+  add_point_load(const MakePointLoads<2> &);
+  template void
+  add_point_load(const MakePointLoads<3> &);
   template class Loads<2>;
   template class Loads<3>;
 } // namespace greville

@@ -60,7 +60,8 @@ namespace greville
    * A material knows nothing of grids and acts on many points per call.
    *
    * A new material is one header with a class that derives from MaterialLaw,
-   * and one line in the list of source/materials/material.cc.
+   * and one line in the list of source/materials/material.cc; or a call of
+   * add_material() in a program.
    */
   class Material
   {
@@ -185,6 +186,27 @@ namespace greville
   };
 
 
+
+  using MakeMaterial = std::unique_ptr<Material> (*)();
+
+  /**
+   * Add a material to the list, before parameters are read. Not from several
+   * threads.
+   */
+  void
+  add_material(const std::string &name, const MakeMaterial make);
+
+  /**
+   * The same for a class with a default constructor and a static name.
+   */
+  template <typename Law>
+  void
+  add_material()
+  {
+    add_material(Law::name, []() -> std::unique_ptr<Material> {
+      return std::make_unique<Law>();
+    });
+  }
 
   /**
    * The names of all materials, separated by '|'.

@@ -3,6 +3,7 @@
 
 #include <greville/simulation/parameters.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,7 +16,8 @@ namespace greville
    * a weight, a normal) it finds out once and keeps in a field of its own.
    *
    * A new load is one header with a class that derives from it, and one line in
-   * the list of source/simulation/loads.cc.
+   * the list of source/simulation/loads.cc; or a call of add_point_load() in a
+   * program.
    */
   template <int dim>
   class PointLoad
@@ -56,6 +58,20 @@ namespace greville
 
   template <int dim>
   using PointLoads = std::vector<std::unique_ptr<PointLoad<dim>>>;
+
+  /**
+   * Makes the loads of a kind that parameters ask for.
+   */
+  template <int dim>
+  using MakePointLoads =
+    std::function<PointLoads<dim>(const SimulationParameters &parameters)>;
+
+  /**
+   * Add a kind of loads to the list, for simulations that are made afterwards.
+   */
+  template <int dim>
+  void
+  add_point_load(const MakePointLoads<dim> &make);
 
 
 
