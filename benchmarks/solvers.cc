@@ -117,10 +117,10 @@ namespace
           const unsigned int          n_rounds)
   {
     constexpr unsigned int n_fields = 2, n_columns = n_fields * dim;
-    constexpr unsigned int width = dim == 2 ? 4 : 8;
-    Simulation<dim>        simulation(
-      parameters,
-      {parameters.grid.cells, parameters.grid.degree, "consistent", "points"});
+    constexpr unsigned int width      = dim == 2 ? 4 : 8;
+    SimulationParameters   consistent = parameters;
+    consistent.scheme.mass            = "consistent";
+    Simulation<dim>         simulation(consistent, MPI_COMM_WORLD);
     const SplineSpace<dim> &space = simulation.space();
     while (simulation.n_steps() < n_steps)
       simulation.step();
@@ -166,12 +166,10 @@ namespace
 
     std::vector<Method> methods;
 
-    MassSolverParameters solver_parameters("Benchmark solver");
-    SmootherParameters   smoother_parameters("Benchmark smoother");
-    solver_parameters.tolerance = parameters.solver.tolerance;
-    IncompleteCholesky      cholesky;
-    ExtendedMassSolver<dim> solver(mass,
-                                   solver_parameters,
+    IncompleteCholesky       cholesky;
+    const SmootherParameters smoother_parameters;
+    ExtendedMassSolver<dim>  solver(mass,
+                                   parameters.solver,
                                    smoother_parameters);
     solver.update(true, 0.);
     methods.push_back(

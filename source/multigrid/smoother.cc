@@ -313,12 +313,6 @@ namespace greville
 
 
 
-    template <int dim>
-    using Maker =
-      std::function<std::unique_ptr<Preconditioner>(const SmootherParameters &,
-                                                    const LevelOperator<dim> &,
-                                                    const bool symmetric)>;
-
     SchwarzCombination
     combination_of(const SmootherParameters &parameters, const bool symmetric)
     {
@@ -351,10 +345,10 @@ namespace greville
     template <int dim>
     struct Entry
     {
-      std::string name;
-      bool        needs_matrix;
-      bool        by_components;
-      Maker<dim>  make;
+      std::string       name;
+      bool              needs_matrix;
+      bool              by_components;
+      MakeSmoother<dim> make;
     };
 
 
@@ -363,12 +357,12 @@ namespace greville
      * The list of smoothers. A new one is a line here.
      */
     template <int dim>
-    const std::vector<Entry<dim>> &
+    std::vector<Entry<dim>> &
     smoothers()
     {
-      using P                                   = const SmootherParameters &;
-      using L                                   = const LevelOperator<dim> &;
-      static const std::vector<Entry<dim>> list = {
+      using P                             = const SmootherParameters &;
+      using L                             = const LevelOperator<dim> &;
+      static std::vector<Entry<dim>> list = {
         {"ilut",
          true,
          true,
@@ -451,6 +445,18 @@ namespace greville
 
 
 
+  template <int dim>
+  void
+  add_smoother(const std::string       &name,
+               const bool               needs_matrix,
+               const bool               by_components,
+               const MakeSmoother<dim> &make)
+  {
+    smoothers<dim>().push_back({name, needs_matrix, by_components, make});
+  }
+
+
+
   std::string
   smoother_names()
   {
@@ -487,6 +493,16 @@ namespace greville
 
 
 
+  template void
+  add_smoother(const std::string &,
+               const bool,
+               const bool,
+               const MakeSmoother<2> &);
+  template void
+  add_smoother(const std::string &,
+               const bool,
+               const bool,
+               const MakeSmoother<3> &);
   template std::unique_ptr<Preconditioner>
   make_smoother<2>(const std::string &,
                    const SmootherParameters &,

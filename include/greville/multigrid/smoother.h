@@ -6,6 +6,8 @@
 #include <greville/linear_algebra/preconditioner.h>
 #include <greville/multigrid/level_operator.h>
 
+#include <functional>
+#include <memory>
 #include <string>
 
 namespace greville
@@ -59,6 +61,27 @@ namespace greville
    */
   std::string
   smoother_names();
+
+  /**
+   * Makes a smoother, as make_smoother() does.
+   */
+  template <int dim>
+  using MakeSmoother =
+    std::function<std::unique_ptr<Preconditioner>(const SmootherParameters &,
+                                                  const LevelOperator<dim> &,
+                                                  const bool symmetric)>;
+
+  /**
+   * Add a smoother to the list, before parameters are read: it @p needs_matrix
+   * if it works on LevelOperator::matrix(), and is applied @p by_components if
+   * it knows vectors of one component only. Both dimensions have to have it.
+   */
+  template <int dim>
+  void
+  add_smoother(const std::string       &name,
+               const bool               needs_matrix,
+               const bool               by_components,
+               const MakeSmoother<dim> &make);
 
   /**
    * Whether a smoother needs LevelOperator::matrix().
