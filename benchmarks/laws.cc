@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // CPU time of constitutive laws, in ns per point and step: each law in plane
 // strain and in 3D, elastic and with plastic flow in each step. Each number is
 // the median of pairs with a fixed loop of square roots, whose time is printed

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Own solver of the exact mass matrix against PETSc's, on the same matrix: CPU
 // time of IC(0) and of conjugate gradients for two vector fields (velocity and
 // acceleration of a step), ExtendedMassSolver (all columns together, on

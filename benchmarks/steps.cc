@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Time of the steps of a simulation: of some steps after a warm-up, without
 // start and output, on each process. scripts/benchmark runs it in turns for
 // several masses and numbers of processes, and prints medians.

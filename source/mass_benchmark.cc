@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <greville/base/parameters.h>
 #include <greville/base/program.h>
 #include <greville/benchmark/mass_benchmark.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <deal.II/base/quadrature_lib.h>
 
 #include <greville/base/errors.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <greville/mass/extended_mass.h>
 
 #include <algorithm>

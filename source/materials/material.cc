@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <greville/materials/bingham.h>
 #include <greville/materials/drucker_prager.h>
 #include <greville/materials/linear_elastic.h>

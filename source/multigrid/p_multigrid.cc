@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <deal.II/lac/precondition.h>
 #include <deal.II/lac/solver_cg.h>
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #ifndef greville_particles_point_kernels_h
 #define greville_particles_point_kernels_h
 

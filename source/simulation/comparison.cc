@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <greville/base/csv.h>
 #include <greville/base/errors.h>
 #include <greville/simulation/comparison.h>

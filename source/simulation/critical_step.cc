@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <greville/base/largest_eigenvalue.h>
 #include <greville/simulation/critical_step.h>
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <greville/simulation/body_force.h>
 #include <greville/simulation/loads.h>
 #include <greville/simulation/traction.h>

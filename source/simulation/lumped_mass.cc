@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <greville/mass/fmpm.h>
 #include <greville/simulation/lumped_mass.h>
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <greville/simulation/consistent_mass.h>
 #include <greville/simulation/parameters.h>
 #include <greville/simulation/time_integrator.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/move_points.h>
 #include <greville/simulation/simulation.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <greville/simulation/central_differences.h>
 #include <greville/simulation/time_integrator.h>
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #include <deal.II/grid/grid_generator.h>
 
 #include <greville/spline/lattice.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Each kind of wrong input is answered by one clear message.
 
 #include <greville/benchmark/mass_benchmark.h>

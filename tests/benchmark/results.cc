@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // What a run leaves: the columns and rows of its CSV files, the parameters, no
 // temporary file; and each option of the benchmark has an effect on them.
 

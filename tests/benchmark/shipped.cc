@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Every shipped parameter file parses, and doc/parameters.md is what the
 // program says.
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Spectral decompositions; the elastic laws against derivatives of their
 // energy, closed forms, rotations, closed cycles, and their linear limits.
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Fluids against Tait's equation, viscous stresses of known rates, the limits
 // of Bingham's law, tearing, spin, and energies.
 

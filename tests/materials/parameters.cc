@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The list of materials, messages for wrong input, and that every parameter
 // of every material changes what the material does.
 

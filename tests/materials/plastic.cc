@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Elastoplastic laws: thousands of returns against the yield surface and the
 // flow rule, region by region; rotations, energies, elastic and limit states.
 

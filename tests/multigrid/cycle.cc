@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The own V-cycle is deal.II's; W and F are what their recursions say; the
 // symmetric cycle is symmetric; smoothing steps count.
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Projection of a smooth function from the material points of a disk, weighted
 // by their masses: on extended B-splines the errors of values and gradients at
 // the points fall with orders p + 1 and p, those of gradients at the surface,

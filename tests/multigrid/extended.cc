@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Extended B-splines: a level, applied and assembled, is the dense matrix
 // E^T M~ E, with coefficients held at a wall and lumped fragments, on any
 // number of processes; transfers keep constants, the transpose is the

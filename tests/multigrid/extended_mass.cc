@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The fast path of simulations: ExtendedMass is the dense matrix E^T M~ E, with
 // fragments, held functions and any width, StencilMatrix is MassOperator,
 // filled from points and from weights, and ExtendedMassSolver solves, with an

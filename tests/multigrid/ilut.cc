@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // ILUT is exact without dropping, its transpose is the transpose, and both
 // thresholds bound its memory.
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // IC(0): exact for a Kronecker product in lexicographic order, raised pivots,
 // shifts, errors, and all widths give the same.
 

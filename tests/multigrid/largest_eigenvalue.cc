@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The largest eigenvalue of B S, S the second difference of n unknowns and B
 // the inverse of different masses, some of them held: beside LAPACK's, from an
 // arbitrary start, and from the vector of a problem that has changed a little.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // An operator that this file implements, mass plus beta times the Laplacian of
 // one or two components, is a level of PMultigrid: few iterations, whatever the
 // mesh, and the same for all components.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The matrix-free and the assembled operator are the same, on any number of
 // processes the same as on one, symmetric, and right: the sum of all entries is
 // the mass, and the entries of the smallest case are those of a finer

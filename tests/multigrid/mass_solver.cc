@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Every solver by name on constant, smooth and half-empty densities in 2D and
 // 3D: the iterations are in range, or the solver says why it did not converge.
 // FMPM(K) is its series, and the result does not depend on the number of

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // A smoother of a program's own, by name, without a change of the library: the
 // method of Jacobi with a fixed factor, which the cycle of p-multigrid and
 // conjugate gradients around it take.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // PartitionedCholesky with the mass matrices of full and of jagged bodies: the
 // preconditioner is symmetric, leaves out what is held, and conjugate gradients
 // need about as many iterations on several processes as on one.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // L2 projection of a smooth function: order p + 1 for values and p for
 // gradients in 2D and 3D, with every component of a solve in play (extraction,
 // operator, tensor-product inverse, deal.II's integration of errors).

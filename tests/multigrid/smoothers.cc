@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Every smoother, by name: the transpose is the transpose, those that say so
 // are symmetric, and CG with it needs a number of iterations in the expected
 // range. Every parameter of the smoothers changes what they do.

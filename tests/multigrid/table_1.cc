@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Table 1 of Tielen, Moeller and Vuik (2019): on one process not more
 // iterations than published in any entry, for V-, W- and F-cycles; on several
 // at most two more. The same in 3D, where the bound is 3.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The tensor-product inverse is exact for constant density, on any number of
 // processes, and its preconditioner is symmetric for others and leaves inactive
 // coefficients alone.

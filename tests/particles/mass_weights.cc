@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // With weights of material points at 2 p + 1 Gauss points per direction, the
 // mass operator is the sum over the points.
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Points are neither lost nor doubled nor changed, whatever cells and processes
 // they move to.
 

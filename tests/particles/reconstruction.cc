@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Gauss points that carry what was reconstructed from material points: exact
 // for polynomials, and conservative. Cells that are not full keep their points.
 

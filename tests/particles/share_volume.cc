@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Points share their changes of volume with their neighbours: the volume is
 // kept, differences fall, and J follows from the definition, sum by sum.
 

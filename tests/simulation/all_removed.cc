@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // A body that leaves the grid, to the last point: the run ends by itself.
 #include "simulation.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Each kind of wrong input is answered by one clear message, and a run that
 // breaks stops with step, time and point, and leaves its last good state.
 #include <greville/simulation/run.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Exact solutions of bars (benchmarks A1 to A4, A7): orders of convergence.
 #include "simulation.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Wrong input is answered by one message that names what is wrong: every line
 // of the shipped files in turn is removed, misspelled, and given wrong values.
 // Each case runs, or its message names the parameter, its section or its line.

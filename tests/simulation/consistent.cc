@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The exact mass matrix at free surfaces: colliding disks keep energy and
 // momentum; the cycle with all orders gives what the solver of all components
 // gives; a bar breaks.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The critical step: Courant numbers of full boxes beside those that were
 // computed from the eigenvalues of assembled matrices, and what happens on both
 // sides of it.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The balance of energy of damped bodies: the work of damping is that of what a
 // step does, so that the balance closes, and so that the guard sees energy that
 // comes from nothing where damping takes it away again.

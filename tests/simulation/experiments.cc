@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Coarse runs of the experiments: the granular collapse of Bui et al. and the
 // dam break of Martin and Moyce, against the measured data; grid crossing.
 #include <greville/simulation/run.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // What a run and a sweep leave.
 #include <greville/simulation/run.h>
 

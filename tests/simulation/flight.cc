@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Stress-free blocks in free flight across many cells with the exact mass: the
 // filter of the velocity keeps them at rest in themselves, and momentum;
 // without it, round-off grows to a thousand times and more. The guard sees

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The exact mass matrix where a body is too small for it: a disk and a single
 // point fall, and the point is a fragment. Velocities of both are the same, so
 // no point feels a stress. Factorizations serve several steps.

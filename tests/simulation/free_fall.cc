@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // A point, and a body, in free fall: position and shape exact, for all schemes.
 #include "simulation.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Friction walls with consistent and lumped mass: Coulomb's law for the total
 // impulses of a block that slides, rest below the angle of friction,
 // separation, walls that meet, and that nothing goes into a wall.

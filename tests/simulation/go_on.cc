@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // A program that catches the error of a step and goes on gets what it had got
 // without the error: all that a step hands to the next one goes back to the
 // last good state.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Loads, imposed velocities and damping.
 #include "simulation.h"
 

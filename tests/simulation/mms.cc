@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The axis-aligned manufactured solution (benchmark A8) of the shipped files,
 // on coarser grids.
 #include "simulation.h"

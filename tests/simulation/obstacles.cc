@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Bodies with an imposed velocity: they hold others up, let go, hold water, and
 // work as pistons.
 #include "simulation.h"

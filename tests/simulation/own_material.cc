@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // A material of a program's own, by name and with a parameter, without a change
 // of the library: the neo-Hookean law of Poisson's ratio 0 by its shear
 // modulus.

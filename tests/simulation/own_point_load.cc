@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // A load on points of a program's own, without a change of the library: a
 // magnet that pulls points, which it marks at the start. It does what a body
 // force of the same formula does.

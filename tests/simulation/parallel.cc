@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The same run on all processes and on one: statistics of every step agree,
 // with points that cross process borders, for the main ways through the code.
 #include "simulation.h"

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // output/NAME/parameters.prm of each shipped file runs again, from another
 // folder and with results that agree bit for bit. Two sets of parameters live
 // side by side.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Settings that no other test sees: each has an effect. And the hydrostatic
 // column against the published errors of CB-Geo MPM.
 #include <greville/simulation/run.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Every shipped parameter file parses, its files are there, its points can be
 // made on a coarse grid, and doc/simulation_parameters.md is what the program
 // says.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #ifndef greville_tests_simulation_simulation_h
 #define greville_tests_simulation_simulation_h
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // A body that is smaller than the part of the grid of one process flies through
 // it, so that processes have none of its points and functions for many steps:
 // runs end, and conserve momentum.

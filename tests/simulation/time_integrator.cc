@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // A time integrator of a program's own, by name, without a change of the
 // library: symplectic Euler that proposes too long a step and rejects it. With
 // the accepted steps it has the bits of USL.

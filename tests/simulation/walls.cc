@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Walls: what they hold, moving ones, Coulomb friction.
 #include "simulation.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Hosts of cells and classes of functions on drawings, and extension keeps
 // polynomials, at the walls, too.
 

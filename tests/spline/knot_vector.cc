@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Univariate splines against their definition: partition of unity, derivatives
 // against difference quotients, Bezier extraction, blossom, Greville abscissae,
 // cross matrices; on uniform and on general open knot vectors.

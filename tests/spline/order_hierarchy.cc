@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // The orders of the levels.
 
 #include <greville/spline/order_hierarchy.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 // Numbering and ownership on meshes and partitions of all kinds: each dof is
 // owned once, all processes agree on its number, and the coefficients of the
 // Greville points reproduce x on each cell.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #ifndef greville_base_largest_eigenvalue_h
 #define greville_base_largest_eigenvalue_h
 

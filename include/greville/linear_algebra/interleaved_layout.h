@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #ifndef greville_linear_algebra_interleaved_layout_h
 #define greville_linear_algebra_interleaved_layout_h
 

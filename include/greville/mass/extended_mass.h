@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #ifndef greville_mass_extended_mass_h
 #define greville_mass_extended_mass_h
 

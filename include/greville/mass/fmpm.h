@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #ifndef greville_mass_fmpm_h
 #define greville_mass_fmpm_h
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #ifndef greville_materials_hencky_plasticity_h
 #define greville_materials_hencky_plasticity_h
 

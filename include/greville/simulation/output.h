@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #ifndef greville_simulation_output_h
 #define greville_simulation_output_h
 

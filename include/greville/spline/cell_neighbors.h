@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #ifndef greville_spline_cell_neighbors_h
 #define greville_spline_cell_neighbors_h
 

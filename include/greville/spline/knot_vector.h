@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
 #ifndef greville_spline_knot_vector_h
 #define greville_spline_knot_vector_h
 
