@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/memory.h>
+#include <greville/base/parameters.h>
+#include <greville/benchmark/mass_benchmark.h>
+
+#include <filesystem>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  void
+  MassBenchmarkParameters::declare(ParameterHandler &prm)
+  {
+    prm.add_parameter("Dimensions",
+                      dimensions,
+                      "Dimensions to run, one after the other.",
+                      Patterns::List(Patterns::Integer(2, 3), 1));
+    prm.add_parameter("Orders",
+                      orders,
+                      "Orders p of the splines.",
+                      Patterns::List(Patterns::Integer(1, 5), 1));
+    prm.add_parameter(
+      "Cells",
+      cells,
+      "Numbers of cells per direction (times 'Cell ratio'). Lists for several "
+      "dimensions are separated by ';'. Unit: cells.");
+    prm.add_parameter("Solvers",
+                      solvers,
+                      "Solvers: " + MassSolver<2>::names() + ".");
+    prm.add_parameter("Smoothers",
+                      smoothers,
+                      "Smoothers to run each p-multigrid solver with: " +
+                        smoother_names() + ". Empty: the one of p-multigrid.");
+    prm.add_parameter("Cycles",
+                      cycles,
+                      "Cycles to run each p-multigrid solver with: V|W|F. "
+                      "Empty: the one of p-multigrid.");
+    prm.add_parameter("Restrictions",
+                      restrictions,
+                      "Restrictions to run each p-multigrid solver with: " +
+                        OrderTransfer<2>::restrictions() +
+                        ". Empty: the one of p-multigrid.");
+    prm.add_parameter("Prolongations",
+                      prolongations,
+                      "Prolongations to run each p-multigrid solver with: " +
+                        OrderTransfer<2>::prolongations() +
+                        ". Empty: the one of p-multigrid.");
+    prm.add_parameter("Coarsenings",
+                      coarsenings,
+                      "Coarsenings to run each p-multigrid solver with: " +
+                        OrderHierarchy<2>::coarsenings() +
+                        ". Empty: the one of p-multigrid.");
+    prm.add_parameter("Published iterations",
+                      published,
+                      "Tables to compare with in the first of the dimensions: "
+                      "solver:FILE, relative to the parameter file; lines of "
+                      "FILE are cells,iterations at p1,p2,...");
+    prm.add_parameter("Repetitions",
+                      repetitions,
+                      "Each solve runs so many times; the median of each time "
+                      "is reported. Unit: solves.",
+                      Patterns::Integer(1, 1000));
+    prm.add_parameter(
+      "Operator throughput",
+      throughput,
+      "Measure unknowns per second of the matrix-free and the assembled "
+      "operator and of the tensor-product inverse, and the memory bandwidth.");
+    prm.add_parameter(
+      "Print times",
+      print_times,
+      "Print what differs from run to run and from machine to machine: the "
+      "machine, the progress line, the tables of times.");
+    prm.add_parameter("Output directory",
+                      output_directory,
+                      "Where results go. Empty: output/NAME for NAME.prm.");
+  }
+
+
+
+  namespace
+  {
+    template <typename T>
+    void
+    check_different(const std::vector<T> &entries, const std::string &parameter)
+    {
+      for (std::size_t i = 0; i < entries.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          {
+            std::ostringstream entry;
+            entry << entries[i];
+            AssertThrow(entries[i] != entries[j],
+                        ExcMessage("The parameter 'Benchmark/" + parameter +
+                                   "' has the entry <" + entry.str() +
+                                   "> twice."));
+          }
+    }
+
+
+
+    void
+    check_names(const std::vector<std::string> &names,
+                const std::string              &parameter,
+                const std::string              &allowed)
+    {
+      for (const std::string &name : names)
+        check_word(name, "Benchmark/" + parameter, allowed);
+      check_different(names, parameter);
+    }
+  } // namespace
+
+
+
+  std::vector<std::vector<unsigned int>>
+  MassBenchmark::cells_of_dimensions() const
+  {
+    auto lists = Utilities::split_string_list(parameters.cells, ';');
+    if (lists.size() == 1)
+      lists.resize(parameters.dimensions.size(), lists[0]);
+    AssertThrow(
+      lists.size() == parameters.dimensions.size(),
+      ExcMessage("The parameter 'Benchmark/Cells' has to hold one list, or one "
+                 "for each of the dimensions, separated by ';', but "
+                 "is <" +
+                 parameters.cells + ">."));
+    std::vector<std::vector<unsigned int>> result;
+    for (const std::string &list : lists)
+      {
+        result.emplace_back();
+        for (const std::string &word : Utilities::split_string_list(list, ','))
+          {
+            AssertThrow(
+              !word.empty() && word.size() < 8 &&
+                word.find_first_not_of("0123456789") == std::string::npos &&
+                std::stoul(word) > 0,
+              ExcMessage("The parameter 'Benchmark/Cells' has to hold whole "
+                         "numbers of 1 or more, but has <" +
+                         word + ">."));
+            result.back().push_back(std::stoul(word));
+          }
+        AssertThrow(!result.back().empty(),
+                    ExcMessage(
+                      "The parameter 'Benchmark/Cells' holds no number."));
+      }
+    return result;
+  }
+
+
+
+  void
+  MassBenchmark::check_parameters(const std::string &directory)
+  {
+    AssertThrow(!parameters.solvers.empty(),
+                ExcMessage(
+                  "The parameter 'Benchmark/Solvers' is empty. It takes some "
+                  "of " +
+                  MassSolver<2>::names() + "."));
+    for (const std::string &solver : parameters.solvers)
+      MassSolver<2>::check_name(solver, "Benchmark/Solvers");
+    check_different(parameters.solvers, "Solvers");
+    check_different(parameters.dimensions, "Dimensions");
+    check_different(parameters.orders, "Orders");
+    for (const auto &list : cells_of_dimensions())
+      check_different(list, "Cells");
+    smoother_parameters.check();
+    check_names(parameters.smoothers, "Smoothers", smoother_names());
+    check_names(parameters.cycles, "Cycles", "V|W|F");
+    check_names(parameters.restrictions,
+                "Restrictions",
+                OrderTransfer<2>::restrictions());
+    check_names(parameters.prolongations,
+                "Prolongations",
+                OrderTransfer<2>::prolongations());
+    check_names(parameters.coarsenings,
+                "Coarsenings",
+                OrderHierarchy<2>::coarsenings());
+    for (const unsigned int dim : parameters.dimensions)
+      problem_parameters.check(dim);
+    for (const std::string &entry : parameters.published)
+      {
+        const std::size_t colon = entry.find(':');
+        AssertThrow(colon != std::string::npos,
+                    ExcMessage(
+                      "The value <" + entry +
+                      "> of the parameter 'Benchmark/Published iterations' has "
+                      "not the form solver:FILE."));
+        const auto table = std::filesystem::path(directory) /
+                           Utilities::trim(entry.substr(colon + 1));
+        published.emplace_back(
+          Utilities::trim(entry.substr(0, colon)),
+          read_published_table(table.string(),
+                               "Benchmark/Published iterations"));
+      }
+    for (const unsigned int dim : parameters.dimensions)
+      for (const auto &expression :
+           {std::make_pair(problem_parameters.density, "Problem/Density"),
+            std::make_pair(problem_parameters.acceleration,
+                           "Problem/Acceleration")})
+        if (dim == 2)
+          make_function<2>(expression.first, expression.second);
+        else
+          make_function<3>(expression.first, expression.second);
+  }
+} // namespace greville
