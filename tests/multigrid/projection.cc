@@ -10,6 +10,7 @@
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/numerics/vector_tools.h>
 
+#include <greville/mass/mass_operator.h>
 #include <greville/multigrid/tensor_product_solver.h>
 
 #include <tests.h>
