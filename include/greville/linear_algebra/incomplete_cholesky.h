@@ -27,7 +27,7 @@ namespace greville
 
   /**
    * The incomplete Cholesky factorization IC(0),
-   *   M ~ (1 + L) D (1 + L)^T,
+   * @f[ M \approx (1 + L) D (1 + L)^T, @f]
    * where L has entries only where M has (J. Meijerink and H. van der Vorst,
    * 1977). It is that of the matrix scaled to a unit diagonal, to which a shift
    * is added where asked for. A pivot that fails, because it is not safely

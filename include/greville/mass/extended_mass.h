@@ -22,10 +22,15 @@ namespace greville
 
   /**
    * The consistent mass matrix of a body on extended B-splines,
-   *   A = E^T M~ E,   M~ = M + sum_(i or j lumped) M_ij (e_i - e_j)(e_i -
-   * e_j)^T (the sum is over pairs), with the mass matrix M of its points and
-   * the Extension E. Lumped functions, those of fragments, are not coupled with
-   * others in M~, which has the row sums of M: mass and momentum are kept.
+   * @f[
+   *   A = E^T \tilde M E, \qquad
+   *   \tilde M = M + \sum_{\{i, j\}: i \text{ or } j \text{ lumped}}
+   *              M_{ij} (e_i - e_j)(e_i - e_j)^T,
+   * @f]
+   * with the mass matrix M of its points and the Extension E. In the following
+   * M~ is the second matrix. Lumped functions, those of fragments, are not
+   * coupled with others in M~, which has the row sums of M: mass and momentum
+   * are kept.
    *
    * The *unknowns* are the stable and the lumped functions only, numbered
    * without gaps in lexicographic order on each process. Vectors of unknowns

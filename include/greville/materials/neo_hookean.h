@@ -10,9 +10,14 @@ namespace greville
   /**
    * The compressible neo-Hookean law (Bonet, Wood, Nonlinear Continuum
    * Mechanics for Finite Element Analysis, section 6.4.3):
-   *   P = dW / dF = lambda ln(J) F^-T + mu (F - F^-T),
-   *   W = mu (F : F - 3) / 2 - mu ln(J) + lambda ln(J)^2 / 2,
-   *   sigma = P F^T / J = (lambda ln(J) 1 + mu (F F^T - 1)) / J
+   * @f{align*}{
+   *   W &= \tfrac{\mu}{2} (F : F - 3) - \mu \ln J
+   *        + \tfrac{\lambda}{2} (\ln J)^2, \\
+   *   P &= \frac{\partial W}{\partial F}
+   *      = \lambda \ln J \, F^{-T} + \mu (F - F^{-T}), \\
+   *   \sigma &= \frac{1}{J} P F^T
+   *          = \frac{1}{J} (\lambda \ln J \, 1 + \mu (F F^T - 1))
+   * @f}
    * with Lame's constants lambda and mu = G from E and nu; stresses in Pa.
    * With nu = 0 a bar in uniaxial strain F has P = mu (F - 1 / F), mu = E / 2:
    * the law P = E / 2 (F - 1 / F) of one-dimensional manufactured solutions.

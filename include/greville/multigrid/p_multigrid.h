@@ -35,12 +35,14 @@ namespace greville
   /**
    * p-multigrid (R. Tielen, M. Moeller, C. Vuik, Efficient multigrid based
    * solvers for B-spline MPM, 2019) for A x = b on a hierarchy of orders. On
-   * level l, with smoother S,
-   *   x <- x + S (b - A x)                         nu1 times,
-   *   e  = cycle(l - 1, restriction of b - A x)    once (V) or twice (W), or an
-   *                                                F- and a V-cycle (F),
-   *   x <- x + prolongation of e,
-   *   x <- x + S (b - A x)                         nu2 times,
+   * level l, with smoother S, prolongation P and restriction R,
+   * @f{align*}{
+   *   x &\leftarrow x + S (b - A x) && \nu_1 \text{ times}, \\
+   *   e &= \text{cycle}(l - 1, R (b - A x))
+   *     && \text{once (V), twice (W), or an F- and a V-cycle (F)}, \\
+   *   x &\leftarrow x + P e, \\
+   *   x &\leftarrow x + S (b - A x) && \nu_2 \text{ times},
+   * @f}
    * and conjugate gradients on level 0. With restriction = "transpose" the
    * steps after the coarse correction use S^T, so that V- and W-cycles are
    * symmetric (up to the tolerance of the coarse solver).

@@ -40,7 +40,7 @@ namespace greville
   /**
    * The largest step dt that is stable: the one at which the largest eigenvalue
    * of
-   *   B (dt^2 / 4 K + dt / 2 C)
+   * @f[ B \left(\frac{\Delta t^2}{4} K + \frac{\Delta t}{2} C\right) @f]
    * is one. K is the stiffness matrix of the bodies, with the moduli of their
    * materials scaled by the wave moduli of the points, and C that of their
    * largest viscosities, which do not follow the state of a point: a torn fluid
@@ -54,13 +54,18 @@ namespace greville
    * what A M takes from them. For a mode with the eigenvalues k of dt^2 A K and
    * s <= 1 of A M, and with the FLIP share f, sigma = f + (1 - f) s, a step has
    * the characteristic polynomial
-   *   z^2 - (1 + sigma - k) z + sigma - k (sigma - s)      (USL),
-   *   z^2 - (1 + sigma - k s) z + sigma                    (USF, MUSL),
+   * @f{align*}{
+   *   & z^2 - (1 + \sigma - k) z + \sigma - k (\sigma - s) && \text{(USL)},
+   *   \\
+   *   & z^2 - (1 + \sigma - k s) z + \sigma && \text{(USF, MUSL)},
+   * @f}
    * which is stable for k (1 + sigma - s) <= 2 (1 + sigma) and k s <= 2 (1 +
    * sigma). B is a polynomial in s, times A, that is not below the 4 / k of
    * these, and equal to it for f = 1 and at s = 0 and 1:
-   *   (2 - s) A                                            (USL),
-   *   (2 s - (1 - f) s^2) / (1 + f) A                      (USF, MUSL).
+   * @f[
+   *   (2 - s) A \quad \text{(USL)}, \qquad
+   *   \frac{2 s - (1 - f) s^2}{1 + f} A \quad \text{(USF, MUSL)}.
+   * @f]
    * APIC is PIC with an s that is nearer to one: (2 - s) A (USL), A (USF,
    * MUSL). Lumped USL, with s near 0 for the highest frequency, has a step that
    * is shorter by up to the root of 2 than that of A K, lumped MUSL a longer
