@@ -95,7 +95,7 @@ namespace greville
         if (is_outside)
           {
             ++result.n_removed;
-            // What is no number is the worse.
+            // NaN is the worse.
             if (std::isfinite(result.outside_position.norm()))
               {
                 result.outside          = std::int64_t(p.id());

@@ -398,7 +398,7 @@ namespace greville
                     ExcMessage(
                       "The parameter 'Body " + body.first + "/Material' is <" +
                       body.second.material +
-                      ">, which is none of the materials of "
+                      ">; it has to be one of the materials of "
                       "'Simulation/Materials': " +
                       known + "." +
                       did_you_mean(body.second.material, general.materials)));

@@ -16,11 +16,6 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  SplineSpace<dim>::SplineSpace() = default;
-
-
-
-  template <int dim>
   SplineSpace<dim>::SplineSpace(DistributedTriangulation<dim> &triangulation,
                                 const unsigned int             degree,
                                 const unsigned int             n_components)
@@ -481,6 +476,61 @@ namespace greville
 
     // The owner of a dof has one of its cells, so all owned entries are set.
     bernstein.update_ghost_values();
+  }
+
+
+
+  template <int dim>
+  MPI_Comm
+  SplineSpace<dim>::communicator() const
+  {
+    return comm;
+  }
+
+
+
+  template <int dim>
+  const FiniteElement<dim> &
+  SplineSpace<dim>::fe() const
+  {
+    return *element;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  SplineSpace<dim>::n_locally_owned_dofs() const
+  {
+    return components * owned.size();
+  }
+
+
+
+  template <int dim>
+  const IndexSet &
+  SplineSpace<dim>::locally_owned_dofs() const
+  {
+    return partition->locally_owned_range();
+  }
+
+
+
+  template <int dim>
+  void
+  SplineSpace<dim>::initialize_vector(VectorType &vector) const
+  {
+    vector.reinit(partition);
+  }
+
+
+
+  template <int dim>
+  std::uint64_t
+  SplineSpace<dim>::function_position(const unsigned int function) const
+  {
+    return function < owned.size() ? owned[function]
+                                   : ghosts[function - owned.size()];
   }
 
 

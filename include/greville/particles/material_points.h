@@ -168,7 +168,7 @@ namespace greville
 
     /**
      * Whether a point lies in the half-open box of a cell; at the upper walls
-     * of the grid in the closed one. False for what is no number.
+     * of the grid in the closed one. False for NaN.
      */
     bool
     is_inside(const unsigned int cell, const ConstPointRef<dim> point) const;

@@ -47,7 +47,7 @@ namespace greville
     using CellIterator =
       typename dealii::Triangulation<dim>::active_cell_iterator;
 
-    SplineSpace();
+    SplineSpace() = default;
 
     /**
      * As reinit().
@@ -112,20 +112,14 @@ namespace greville
     }
 
     MPI_Comm
-    communicator() const
-    {
-      return comm;
-    }
+    communicator() const;
 
     /**
      * The Bezier elements: FE_Bernstein of order p, or a FESystem of it where
      * there is more than one component.
      */
     const dealii::FiniteElement<dim> &
-    fe() const
-    {
-      return *element;
-    }
+    fe() const;
 
     // Numbers, as of a DoFHandler.
 
@@ -133,16 +127,10 @@ namespace greville
     n_dofs() const;
 
     unsigned int
-    n_locally_owned_dofs() const
-    {
-      return components * owned.size();
-    }
+    n_locally_owned_dofs() const;
 
     const dealii::IndexSet &
-    locally_owned_dofs() const
-    {
-      return partition->locally_owned_range();
-    }
+    locally_owned_dofs() const;
 
     /**
      * The dofs that do not vanish on the cells of this process.
@@ -163,10 +151,7 @@ namespace greville
     }
 
     void
-    initialize_vector(VectorType &vector) const
-    {
-      vector.reinit(partition);
-    }
+    initialize_vector(VectorType &vector) const;
 
     unsigned int
     n_dofs_per_cell() const
@@ -266,11 +251,7 @@ namespace greville
      * The lexicographic position of a function by its local number.
      */
     std::uint64_t
-    function_position(const unsigned int function) const
-    {
-      return function < owned.size() ? owned[function]
-                                     : ghosts[function - owned.size()];
-    }
+    function_position(const unsigned int function) const;
 
   private:
     /**
