@@ -3,8 +3,9 @@
 #ifndef greville_mass_extended_mass_h
 #define greville_mass_extended_mass_h
 
-#include <greville/linear_algebra/incomplete_cholesky.h>
+#include <greville/base/vector_field.h>
 #include <greville/linear_algebra/interleaved_layout.h>
+#include <greville/linear_algebra/lower_triangle.h>
 #include <greville/mass/stencil_matrix.h>
 #include <greville/spline/extension.h>
 
@@ -12,14 +13,6 @@
 
 namespace greville
 {
-  /**
-   * A vector field of the grid: one vector of coefficients per component.
-   */
-  template <int dim>
-  using VectorField = std::array<VectorType, dim>;
-
-
-
   /**
    * The consistent mass matrix of a body on extended B-splines,
    * @f[

@@ -3,8 +3,9 @@
 #ifndef greville_particles_point_transfer_h
 #define greville_particles_point_transfer_h
 
+#include <greville/base/vector_field.h>
 #include <greville/mass/density_weights.h>
-#include <greville/mass/extended_mass.h>
+#include <greville/mass/stencil_matrix.h>
 #include <greville/materials/material.h>
 #include <greville/particles/material_points.h>
 

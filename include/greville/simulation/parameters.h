@@ -271,8 +271,7 @@ namespace greville
     check() const;
 
     /**
-     * What has been read, all parameters of it, as a file that gives the same
-     * run from any folder.
+     * All that was read, as a file that gives the same run from any folder.
      */
     const std::string &
     used() const
