@@ -31,7 +31,8 @@ namespace
 
 
   /**
-   * One step that fails: the position of a point is NaN, or outside of the grid.
+   * One step that fails: the position of a point is NaN, or outside of the
+   * grid.
    */
   void
   fail(Simulation<2> &simulation, const std::string &reason)
