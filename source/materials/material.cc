@@ -66,6 +66,46 @@ namespace greville
 
 
 
+  void
+  Material::tangents(const ArrayView<const MaterialPoint> &points,
+                     const ArrayView<MaterialTangent>     &result,
+                     const unsigned int                    dim) const
+  {
+    AssertDimension(points.size(), result.size());
+    // Small against the strains at which laws bend; rounding errors of f are of
+    // 1e-9 of the step. A power of two adds none.
+    const double                  size = std::ldexp(1., -23);
+    std::array<MaterialPoint, 18> moved;
+    for (std::size_t p = 0; p < points.size(); ++p)
+      {
+        unsigned int n = 0;
+        for (unsigned int k = 0; k < dim; ++k)
+          for (unsigned int l = 0; l < dim; ++l)
+            for (const double change : {size, -size})
+              {
+                MaterialPoint &point = moved[n++];
+                point                = points[p];
+                point.increment[k] += change * points[p].increment[l];
+                point.F[k] += change * points[p].F[l];
+                if (k == l)
+                  point.J *= 1. + change;
+              }
+        update(ArrayView<MaterialPoint>(moved.data(), n));
+
+        result[p] = 0.;
+        n         = 0;
+        for (unsigned int k = 0; k < dim; ++k)
+          for (unsigned int l = 0; l < dim; ++l, n += 2)
+            for (unsigned int i = 0; i < 3; ++i)
+              for (unsigned int j = 0; j < 3; ++j)
+                result[p][i][j][k][l] =
+                  (moved[n].stress[i][j] - moved[n + 1].stress[i][j]) /
+                  (2. * size);
+      }
+  }
+
+
+
   std::string
   material_names()
   {

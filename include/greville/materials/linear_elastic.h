@@ -33,6 +33,12 @@ namespace greville
       elastic.invert_hencky(point, e, stress, name);
     }
 
+    bool
+    has_symmetric_tangent() const override
+    {
+      return true;
+    }
+
     dealii::SymmetricTensor<2, 3>
     trial(const MaterialPoint &point) const
     {

@@ -58,6 +58,16 @@ namespace greville
 
 
   /**
+   * The derivative D_ijkl = d sigma_ij / d l_kl of the Cauchy stress at the end
+   * of a step by l = df f^-1, where f is the increment F_(n+1) F_n^-1: by all
+   * nine l_kl, not only the symmetric ones. Where the law is objective, a spin
+   * w gives w sigma - sigma w.
+   */
+  using MaterialTangent = dealii::Tensor<4, 3>;
+
+
+
+  /**
    * A constitutive law: from the deformation of points to their Cauchy stress.
    * A material knows nothing of grids and acts on many points per call.
    *
@@ -114,6 +124,34 @@ namespace greville
      */
     virtual void
     update(const dealii::ArrayView<MaterialPoint> &points) const = 0;
+
+    /**
+     * The derivatives of the stresses that update() gives for @p points, which
+     * are as update() takes them: stress and state of the beginning of the
+     * step, increment, F and J at the end. A change l dt of the velocity's
+     * gradient changes all three: (1 + l) f, (1 + l) F, (1 + tr(l)) J. For @p
+     * dim 2 the columns with k = 2 or l = 2 are zero, which are not needed in
+     * plane strain. On a kink (at the onset of yield, for instance) the
+     * derivative is that of one side or a mean of both. Throws nothing.
+     *
+     * The default takes central differences of update(), which costs 2 dim^2
+     * calls of it per point and is exact to about 1e-8.
+     */
+    virtual void
+    tangents(const dealii::ArrayView<const MaterialPoint> &points,
+             const dealii::ArrayView<MaterialTangent>     &result,
+             const unsigned int                            dim) const;
+
+    /**
+     * Whether J (D_ijkl + sigma_ij delta_kl - sigma_il delta_jk), which is the
+     * derivative of the first Piola-Kirchhoff stress, is symmetric under ij <->
+     * kl in all states: of hyperelastic and of associated laws.
+     */
+    virtual bool
+    has_symmetric_tangent() const
+    {
+      return false;
+    }
 
     /**
      * Stored elastic energy per volume of the stress-free state, J / m^3.

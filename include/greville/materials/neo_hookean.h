@@ -135,6 +135,12 @@ namespace greville
              elastic.shear * log_J + 0.5 * elastic.lambda * log_J * log_J;
     }
 
+    bool
+    has_symmetric_tangent() const override
+    {
+      return true;
+    }
+
     Moduli
     moduli() const override
     {

@@ -42,6 +42,12 @@ namespace greville
         dealii::Patterns::Double(0.));
     }
 
+    bool
+    has_symmetric_tangent() const override
+    {
+      return true;
+    }
+
     double
     yield_function(const Principal &tau, const double alpha) const
     {
