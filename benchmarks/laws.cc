@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// CPU time of constitutive laws, in ns per point and step: each law in plane
-// strain and in 3D, elastic and with plastic flow in each step. Each number is
+// CPU time of constitutive laws, in ns per point and step: the update and the
+// tangent of each law in plane strain and in 3D, elastic and with plastic flow
+// in each step. Each number is
 // the median of pairs with a fixed loop of square roots, whose time is printed
 // beside it, so that numbers of busy machines can be told from others.
 //
@@ -91,7 +92,8 @@ namespace
 
     // As many points at once as a kernel of the simulation takes.
     constexpr unsigned int n = 256, group = 4, n_steps = 200, n_pairs = 9;
-    double                 nanoseconds[2], reference = 0.;
+    double                 nanoseconds[2], tangent[2], reference = 0.;
+    std::array<MaterialTangent, group> tangents;
     for (const bool plane : {true, false})
       {
         const auto                 f = increments(n, size, plane);
@@ -101,11 +103,11 @@ namespace
           back.push_back(invert(there));
         for (MaterialPoint &point : points)
           material->initialize(point, -2e3 * unit_symmetric_tensor<3>());
-        std::vector<double> times, references;
+        std::vector<double> times, times_of_tangents, references;
         for (unsigned int pair = 0; pair < n_pairs; ++pair)
           {
             references.push_back(reference_loop());
-            double seconds = 0.;
+            double seconds = 0., seconds_of_tangents = 0.;
             for (unsigned int step = 0; step < n_steps; ++step)
               {
                 for (unsigned int i = 0; i < n; ++i)
@@ -115,22 +117,34 @@ namespace
                     points[i].J         = determinant(points[i].F);
                     points[i].dt        = 1e-3;
                   }
-                const double start = cpu_seconds();
+                double start = cpu_seconds();
+                for (unsigned int i = 0; i < n; i += group)
+                  material->tangents(
+                    ArrayView<const MaterialPoint>(points.data() + i, group),
+                    ArrayView<MaterialTangent>(tangents.data(), group),
+                    plane ? 2 : 3);
+                seconds_of_tangents += cpu_seconds() - start;
+                start = cpu_seconds();
                 for (unsigned int i = 0; i < n; i += group)
                   material->update(
                     ArrayView<MaterialPoint>(points.data() + i, group));
                 seconds += cpu_seconds() - start;
               }
             times.push_back(seconds / n_steps / n * 1e9);
+            times_of_tangents.push_back(seconds_of_tangents / n_steps / n *
+                                        1e9);
           }
         nanoseconds[!plane] = median(times);
+        tangent[!plane]     = median(times_of_tangents);
         reference           = median(references) * 1e3;
       }
-    std::printf("| %-16s | %-12s | %8.1f | %8.1f | %8.2f |\n",
+    std::printf("| %-16s | %-14s | %8.1f | %8.1f | %8.1f | %8.1f | %8.2f |\n",
                 name.c_str(),
                 what.c_str(),
                 nanoseconds[0],
+                tangent[0],
                 nanoseconds[1],
+                tangent[1],
                 reference);
   }
 } // namespace
@@ -141,8 +155,10 @@ int
 main(int argc, char **argv)
 {
   Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  std::printf("| law | | plane strain, ns | 3D, ns | reference, ns |\n"
-              "| --- | --- | --- | --- | --- |\n");
+  std::printf(
+    "| law | | plane strain, ns | tangent, ns | 3D, ns | tangent, ns | "
+    "reference, ns |\n"
+    "| --- | --- | --- | --- | --- | --- | --- |\n");
   const std::string stiff = "Youngs modulus = 1e6";
   measure("linear-elastic", {stiff}, 1e-2, "");
   measure("linear-elastic", {stiff}, 0.3, "large strains");

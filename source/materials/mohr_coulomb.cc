@@ -81,4 +81,175 @@ namespace greville
     sin_dilatancy = std::sin(dilatancy_angle * (numbers::PI / 180.));
     peak          = surface(cohesion, friction_angle);
   }
+
+
+
+  MohrCoulomb::Surface
+  MohrCoulomb::slope_of_surface(const double alpha) const
+  {
+    if (!softens)
+      return {0., 0., 0.};
+    const double x     = alpha / softening_strain;
+    const double part  = exponential ? std::exp(-x) : std::max(1. - x, 0.);
+    const double slope = (exponential ? -part
+                          : part > 0. ? -1.
+                                      : 0.) /
+                         softening_strain;
+    const double degree = numbers::PI / 180.;
+    const double c      = last_cohesion + (cohesion - last_cohesion) * part,
+                 angle =
+                   degree * (last_angle + (friction_angle - last_angle) * part);
+    const double change_of_c = (cohesion - last_cohesion) * slope,
+                 change_of_angle =
+                   degree * (friction_angle - last_angle) * slope;
+    const double sine = std::sin(angle), cosine = std::cos(angle);
+    // of c cos(phi)
+    const double change = change_of_c * cosine - c * sine * change_of_angle;
+    return {cosine * change_of_angle,
+            2. * change,
+            sine > 0.
+              ? (change - c * cosine * cosine / sine * change_of_angle) / sine
+              : 0.};
+  }
+
+
+
+  void
+  MohrCoulomb::differentiate_return(const Principal &t,
+                                    const Surface   &s,
+                                    const Surface   &slope,
+                                    double (&by_trial)[3][3],
+                                    Principal &by_parameter) const
+  {
+    // The names are those of returned().
+    Region region;
+    returned(t, s, &region);
+    const double K = elastic.bulk, G = elastic.shear;
+    const double phi = s.sine, psi = sin_dilatancy;
+    const double upper  = 2. * G * (1. + psi / 3.) + 2. * K * psi,
+                 lower  = 2. * G * (1. - psi / 3.) - 2. * K * psi,
+                 middle = (4. / 3. * G - 2. * K) * psi;
+    const double a      = 4. * G * (1. + phi * psi / 3.) + 4. * K * phi * psi;
+    const double change_of_a = (4. / 3. * G + 4. * K) * psi * slope.sine;
+    const bool   right       = region == Region::right;
+
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j)
+        by_trial[i][j] = (i == j && region != Region::apex) ? 1. : 0.;
+    by_parameter.fill(slope.apex);
+    if (region == Region::apex)
+      return;
+
+    // Derivatives of f by t[0], t[1], t[2] and the parameter, and those of the
+    // second plane.
+    const double by_larger = 1. + phi, by_smaller = phi - 1.;
+    double       f[]   = {by_larger,
+                          0.,
+                          by_smaller,
+                          (t[0] + t[2]) * slope.sine - slope.strength};
+    double       f2[4] = {};
+    double       b     = 0.;
+    if (region == Region::plane)
+      f[3] -= s.f(t[0], t[2]) / a * change_of_a;
+    else
+      {
+        const unsigned int larger = right ? 0 : 1, smaller = right ? 1 : 2;
+        f2[larger]  = by_larger;
+        f2[smaller] = by_smaller;
+        f2[3]       = (t[larger] + t[smaller]) * slope.sine - slope.strength;
+        const double sign = right ? 1. : -1.;
+        b = 2. * G * (1. + sign * (phi + psi) - phi * psi / 3.) +
+            4. * K * phi * psi;
+        const double change_of_b =
+          (2. * G * (sign - psi / 3.) + 4. * K * psi) * slope.sine;
+        const double v = s.f(t[0], t[2]), v2 = s.f(t[larger], t[smaller]);
+        const double determinant = (a - b) * (a + b);
+        const double g1          = (a * v - b * v2) / determinant,
+                     g2          = (a * v2 - b * v) / determinant;
+        f[3] -= change_of_a * g1 + change_of_b * g2;
+        f2[3] -= change_of_b * g1 + change_of_a * g2;
+      }
+
+    const double determinant = (a - b) * (a + b);
+    by_parameter.fill(0.);
+    for (unsigned int j = 0; j < 4; ++j)
+      {
+        const double g1 = (a * f[j] - b * f2[j]) / determinant,
+                     g2 = region == Region::plane
+                            ? 0.
+                            : (a * f2[j] - b * f[j]) / determinant;
+        Principal change;
+        if (region == Region::left)
+          change = {{middle * g2 - upper * g1,
+                     middle * g1 - upper * g2,
+                     lower * (g1 + g2)}};
+        else
+          change = {{-upper * (g1 + g2),
+                     middle * g1 + lower * g2,
+                     lower * g1 + middle * g2}};
+        for (unsigned int i = 0; i < 3; ++i)
+          (j < 3 ? by_trial[i][j] : by_parameter[i]) += change[i];
+      }
+    // The two stresses of an edge are equal.
+    if (region != Region::plane)
+      {
+        const unsigned int i = right ? 1 : 0;
+        for (unsigned int j = 0; j < 3; ++j)
+          by_trial[i][j] = by_trial[i + 1][j] =
+            0.5 * (by_trial[i][j] + by_trial[i + 1][j]);
+        by_parameter[i] = by_parameter[i + 1] =
+          0.5 * (by_parameter[i] + by_parameter[i + 1]);
+      }
+  }
+
+
+
+  void
+  MohrCoulomb::differentiate(ReturnTangent                     &tangent,
+                             const Principal                   &trial,
+                             const Principal                   &result,
+                             const double                       alpha,
+                             const bool                         grows,
+                             const std::array<unsigned int, 3> &order) const
+  {
+    double    by_trial[3][3];
+    Principal by_alpha;
+    differentiate_return(
+      trial, surface_at(alpha), slope_of_surface(alpha), by_trial, by_alpha);
+    if (softens && grows)
+      {
+        // d alpha = v (d trial - d result) with the derivatives v of
+        // equivalent_strain().
+        Principal    v;
+        const double mean   = mean_of(trial) - mean_of(result);
+        double       square = 0., change = 0.;
+        for (unsigned int i = 0; i < 3; ++i)
+          {
+            v[i] = trial[i] - result[i] - mean;
+            square += v[i] * v[i];
+          }
+        for (unsigned int i = 0; i < 3; ++i)
+          {
+            v[i] /= std::sqrt(6. * square) * elastic.shear;
+            change += v[i] * by_alpha[i];
+          }
+        Principal alpha_by_trial;
+        for (unsigned int j = 0; j < 3; ++j)
+          alpha_by_trial[j] = (v[j] - v[0] * by_trial[0][j] -
+                               v[1] * by_trial[1][j] - v[2] * by_trial[2][j]) /
+                              (1. + change);
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = 0; j < 3; ++j)
+            by_trial[i][j] += by_alpha[i] * alpha_by_trial[j];
+      }
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j)
+        {
+          tangent.slopes[order[i]][order[j]] = by_trial[i][j];
+          const double difference            = trial[i] - trial[j];
+          if (i < j)
+            tangent.ratios[order[i] + order[j] - 1] =
+              difference > 0. ? (result[i] - result[j]) / difference : 0.;
+        }
+  }
 } // namespace greville

@@ -53,6 +53,25 @@ namespace greville
                              : yield_stress * regularization);
     }
 
+    /**
+     * tau_y (x exp(-x) + exp(-x) - 1) / (2 g^3), x = m g, by its power series
+     * for small x.
+     */
+    double
+    viscosity_slope(const double square) const
+    {
+      const double rate = std::sqrt(square);
+      const double x    = regularization * rate;
+      if (x <= 1e-20)
+        return 0.;
+      const double sum =
+        x < 1e-2 ? -x * x *
+                     (1. / 2. -
+                      x * (1. / 3. - x * (1. / 8. - x * (1. / 30. - x / 144.))))
+                 : x * std::exp(-x) + std::expm1(-x);
+      return yield_stress * sum / (2. * square * rate);
+    }
+
     double
     largest_viscosity() const
     {

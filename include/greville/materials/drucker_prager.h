@@ -128,6 +128,17 @@ namespace greville
         largest_mean < apex ? strength - friction * largest_mean : 0.;
     }
 
+    /**
+     * Where an opening closes without stress, it takes the strain of volume of
+     * the trial state away, whose place in the flow rule nothing takes.
+     */
+    bool
+    has_symmetric_tangent() const override
+    {
+      return std::abs(friction - dilatancy) <= 1e-12 * friction &&
+             (friction == 0. || largest_mean <= 0.);
+    }
+
     double
     yield_function(const Principal &tau, const double) const
     {
@@ -144,7 +155,10 @@ namespace greville
     }
 
     bool
-    return_map(Principal &tau, double &alpha, double &opening) const
+    return_map(Principal     &tau,
+               double        &alpha,
+               double        &opening,
+               ReturnTangent *tangent = nullptr) const
     {
       const double p = mean_of(tau), q = std::sqrt(second_invariant(tau));
       const double f = q + friction * p - strength;
@@ -156,11 +170,22 @@ namespace greville
       if (q > corner_radius)
         {
           const double K = elastic.bulk, G = elastic.shear;
-          const double gamma = f / (G + K * friction * dilatancy);
+          const double sum   = G + K * friction * dilatancy;
+          const double gamma = f / sum;
           radius             = q - G * gamma;
           mean               = p - K * dilatancy * gamma;
+          if (tangent != nullptr && mean <= largest_mean)
+            set_tangent(*tangent,
+                        tau,
+                        radius,
+                        1. - G / sum,
+                        -G * friction / sum,
+                        -K * dilatancy / sum,
+                        1. - K * dilatancy * friction / sum);
           if (mean > largest_mean)
             {
+              if (tangent != nullptr)
+                set_tangent(*tangent, tau, corner_radius, 0., 0., 0., 0.);
               radius = corner_radius;
               mean   = largest_mean;
               opening +=
@@ -170,7 +195,13 @@ namespace greville
           alpha += (q - radius) / (std::sqrt(3.) * G);
         }
       else
-        opening += (p - mean) / elastic.bulk;
+        {
+          opening += (p - mean) / elastic.bulk;
+          // At the apex q is 0.
+          if (tangent != nullptr)
+            set_tangent(
+              *tangent, tau, q, corner_radius > 0. ? 1. : 0., 0., 0., 0.);
+        }
       scale_deviator(tau, q > 0. ? radius / q : 1., mean);
       return true;
     }

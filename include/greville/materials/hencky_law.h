@@ -8,6 +8,20 @@
 namespace greville
 {
   /**
+   * Principal Kirchhoff stresses tau_a of points, d tau_a / d eps_b by their
+   * trial strains, and (tau_a - tau_b) / (eps_a - eps_b) for (a, b) = (0, 1),
+   * (0, 2), (1, 2), Pa.
+   */
+  struct PrincipalTangent
+  {
+    std::array<Lanes, 3>                stress;
+    std::array<std::array<Lanes, 3>, 3> moduli;
+    std::array<Lanes, 3>                secants;
+  };
+
+
+
+  /**
    * What laws in logarithmic elastic strains eps share: elastic constants, the
    * stored energy, and the way from strains to stresses in principal axes,
    * which takes as many points at once as Lanes hold.
@@ -23,7 +37,21 @@ namespace greville
    *           const SpectralDecomposition<Lanes> &spectrum,
    *           const std::array<Lanes, 6> &e, std::array<Lanes, 3> eps) const,
    * which updates the state of @p count points from the trial tensor e, its
-   * spectrum and its strains eps and returns the principal Kirchhoff stresses.
+   * spectrum and its strains eps and returns the principal Kirchhoff stresses;
+   *   PrincipalTangent
+   *   linearize(const MaterialPoint *points, unsigned int count,
+   *             const std::array<Lanes, 3> &eps) const,
+   * the derivatives of these stresses.
+   *
+   * The tangent is that of an isotropic function tau of the trial tensor b (de
+   * Souza Neto, Peric, Owen, appendix A): a change l has db = l b + b l^T, in
+   * principal axes d eps_a = l_aa and
+   *   d tau_aa = sum_b (d tau_a / d eps_b) l_bb,
+   *   d tau_ab = (tau_a - tau_b) / (b_a - b_b) (b_b l_ab + b_a l_ba).
+   * With tau_a - tau_b = s_ab (eps_a - eps_b), where laws know s_ab without
+   * cancellation, and x = b_a / b_b - 1 the last line is
+   *   d tau_ab = s_ab ln(1 + x) / (2 x) (l_ab + (1 + x) l_ba),
+   * which holds to round-off for values that are close or equal.
    */
   template <typename Law>
   class HenckyLaw : public Material
@@ -50,6 +78,19 @@ namespace greville
                      std::min<std::size_t>(n_lanes, points.size() - first));
     }
 
+    void
+    tangents(const dealii::ArrayView<const MaterialPoint> &points,
+             const dealii::ArrayView<MaterialTangent>     &result,
+             const unsigned int                            dim) const final
+    {
+      AssertDimension(points.size(), result.size());
+      for (std::size_t first = 0; first < points.size(); first += n_lanes)
+        differentiate(points.begin() + first,
+                      std::min<std::size_t>(n_lanes, points.size() - first),
+                      result.begin() + first,
+                      dim);
+    }
+
     double
     strain_energy(const MaterialPoint &point) const override
     {
@@ -73,8 +114,15 @@ namespace greville
     ElasticConstants elastic;
 
   private:
+    /**
+     * The trial tensors of @p count points, and J with no number in place of
+     * what is not positive: b = F F^T does not see its sign.
+     */
     void
-    update_lanes(MaterialPoint *points, const unsigned int count) const
+    gather(const MaterialPoint  *points,
+           const unsigned int    count,
+           std::array<Lanes, 6> &e,
+           Lanes                &inverse_J) const
     {
       // Lanes without a point are stress-free.
       double entries[6][n_lanes] = {}, volumes[n_lanes];
@@ -87,30 +135,125 @@ namespace greville
           volumes[lane] = points[lane].J;
         }
       using std::experimental::element_aligned;
-      std::array<Lanes, 6> e;
       for (unsigned int i = 0; i < 6; ++i)
         e[i].copy_from(entries[i], element_aligned);
       Lanes J;
       J.copy_from(volumes, element_aligned);
+      inverse_J =
+        choose(J > 0., 1. / J, Lanes(std::numeric_limits<double>::quiet_NaN()));
+    }
+
+    void
+    update_lanes(MaterialPoint *points, const unsigned int count) const
+    {
+      std::array<Lanes, 6> e;
+      Lanes                inverse_J;
+      gather(points, count, e, inverse_J);
 
       const SpectralDecomposition<Lanes> spectrum(e);
       std::array<Lanes, 3>               tau = law().respond(
         points, count, spectrum, e, logarithmic_strains(spectrum.values));
-      // b = F F^T does not see the sign of J.
-      const Lanes inverse_J =
-        choose(J > 0., 1. / J, Lanes(std::numeric_limits<double>::quiet_NaN()));
       const Lanes modulus = elastic.wave_modulus(tau, inverse_J);
       for (Lanes &t : tau)
         t *= inverse_J;
       const std::array<Lanes, 6> stress = spectrum.assemble(tau);
+      double                     entries[6][n_lanes];
       for (unsigned int i = 0; i < 6; ++i)
-        stress[i].copy_to(entries[i], element_aligned);
+        stress[i].copy_to(entries[i], std::experimental::element_aligned);
       for (unsigned int lane = 0; lane < count; ++lane)
         {
           for (unsigned int i = 0; i < 6; ++i)
             points[lane].stress.access_raw_entry(i) = entries[i][lane];
           points[lane].wave_modulus = modulus[lane];
         }
+    }
+
+    void
+    differentiate(const MaterialPoint *points,
+                  const unsigned int   count,
+                  MaterialTangent     *result,
+                  const unsigned int   dim) const
+    {
+      std::array<Lanes, 6> e;
+      Lanes                inverse_J;
+      gather(points, count, e, inverse_J);
+      const SpectralDecomposition<Lanes> spectrum(e);
+      const auto                         n = spectrum.directions();
+      PrincipalTangent                   tangent =
+        law().linearize(points, count, logarithmic_strains(spectrum.values));
+
+      // Factors of l_ab and l_ba for pairs (a, b), and the tensors n_a n_a^T
+      // and n_a n_b^T + n_b n_a^T.
+      constexpr unsigned int first[] = {0, 0, 1}, second[] = {1, 2, 2};
+      std::array<Lanes, 3>   there, back;
+      std::array<Lanes, 6>   normal[3], shear[3];
+      for (unsigned int pair = 0; pair < 3; ++pair)
+        {
+          const unsigned int a = first[pair], b = second[pair];
+          const Lanes        x = (spectrum.values[a] - spectrum.values[b]) /
+                          (1. + spectrum.values[b]);
+          const Lanes ratio =
+            choose(x == 0.,
+                   Lanes(1.),
+                   log_of_one_plus(x) / choose(x == 0., Lanes(1.), x));
+          there[pair] = 0.5 * inverse_J * tangent.secants[pair] * ratio;
+          back[pair]  = (1. + x) * there[pair];
+        }
+      for (unsigned int i = 0; i < 6; ++i)
+        {
+          constexpr unsigned int rows[]    = {0, 1, 2, 0, 0, 1};
+          constexpr unsigned int columns[] = {0, 1, 2, 1, 2, 2};
+          const unsigned int     r = rows[i], c = columns[i];
+          for (unsigned int a = 0; a < 3; ++a)
+            {
+              normal[a][i] = n[a][r] * n[a][c];
+              shear[a][i]  = n[first[a]][r] * n[second[a]][c] +
+                            n[second[a]][r] * n[first[a]][c];
+            }
+        }
+      for (unsigned int a = 0; a < 3; ++a)
+        {
+          tangent.stress[a] *= inverse_J;
+          for (unsigned int b = 0; b < 3; ++b)
+            tangent.moduli[a][b] *= inverse_J;
+        }
+
+      for (unsigned int lane = 0; lane < count && dim == 2; ++lane)
+        result[lane] = 0.;
+      for (unsigned int k = 0; k < dim; ++k)
+        for (unsigned int l = 0; l < dim; ++l)
+          {
+            Lanes diagonal[3], other[3];
+            for (unsigned int a = 0; a < 3; ++a)
+              {
+                diagonal[a] = tangent.moduli[a][0] * (n[0][k] * n[0][l]) +
+                              tangent.moduli[a][1] * (n[1][k] * n[1][l]) +
+                              tangent.moduli[a][2] * (n[2][k] * n[2][l]);
+                if (k == l)
+                  diagonal[a] -= tangent.stress[a];
+                other[a] = there[a] * (n[first[a]][k] * n[second[a]][l]) +
+                           back[a] * (n[second[a]][k] * n[first[a]][l]);
+              }
+            double entries[6][n_lanes];
+            for (unsigned int i = 0; i < 6; ++i)
+              {
+                const Lanes entry =
+                  (diagonal[0] * normal[0][i] + diagonal[1] * normal[1][i] +
+                   diagonal[2] * normal[2][i]) +
+                  (other[0] * shear[0][i] + other[1] * shear[1][i] +
+                   other[2] * shear[2][i]);
+                entry.copy_to(entries[i], std::experimental::element_aligned);
+              }
+            for (unsigned int lane = 0; lane < count; ++lane)
+              {
+                MaterialTangent &D = result[lane];
+                for (unsigned int i = 0; i < 3; ++i)
+                  D[i][i][k][l] = entries[i][lane];
+                D[0][1][k][l] = D[1][0][k][l] = entries[3][lane];
+                D[0][2][k][l] = D[2][0][k][l] = entries[4][lane];
+                D[1][2][k][l] = D[2][1][k][l] = entries[5][lane];
+              }
+          }
     }
   };
 } // namespace greville

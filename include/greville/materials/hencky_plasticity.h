@@ -4,6 +4,7 @@
 #define greville_materials_hencky_plasticity_h
 
 #include <greville/materials/hencky_law.h>
+#include <greville/materials/return_map.h>
 
 namespace greville
 {
@@ -43,10 +44,11 @@ namespace greville
    * whether it has an opening;
    *   double yield_function(const Principal &tau, double alpha) const,
    * positive where the stress is not possible, Pa;
-   *   bool return_map(Principal &tau, double &alpha, double &opening) const,
+   *   bool return_map(Principal &tau, double &alpha, double &opening,
+   *                   ReturnTangent *tangent = nullptr) const,
    * which leaves an elastic trial stress alone and returns false, or else
-   * returns it to the yield surface and adds to alpha and to the opening; and
-   * if it opens
+   * returns it to the yield surface, adds to alpha and to the opening, and
+   * fills the @p tangent if there is one; and if it opens
    *   double largest_mean_stress(double alpha) const, Pa.
    */
   template <typename Law>
@@ -118,8 +120,9 @@ namespace greville
           if (points[lane].state[opening] > 0.)
             {
               const double closed =
-                close(points[lane],
-                      double(eps[0][lane]) + eps[1][lane] + eps[2][lane]);
+                closing(points[lane],
+                        double(eps[0][lane]) + eps[1][lane] + eps[2][lane]);
+              points[lane].state[opening] -= closed;
               for (Lanes &strain : eps)
                 strain[lane] = strain[lane] + closed / 3.;
               has_changed[lane] = any_changed = true;
@@ -164,6 +167,66 @@ namespace greville
       return tau;
     }
 
+    PrincipalTangent
+    linearize(const MaterialPoint *points,
+              const unsigned int   count,
+              std::array<Lanes, 3> eps) const
+    {
+      // What closes without stress takes the strain of volume away.
+      bool keeps_volume[n_lanes] = {};
+      if constexpr (Law::opens)
+        for (unsigned int lane = 0; lane < count; ++lane)
+          if (points[lane].state[opening] > 0.)
+            {
+              const double closed =
+                closing(points[lane],
+                        double(eps[0][lane]) + eps[1][lane] + eps[2][lane]);
+              for (Lanes &strain : eps)
+                strain[lane] = strain[lane] + closed / 3.;
+              keeps_volume[lane] =
+                closed > 0. && closed < points[lane].state[opening];
+            }
+
+      const double     lambda = elastic.lambda, G = elastic.shear;
+      PrincipalTangent tangent;
+      tangent.stress = elastic.stress(eps);
+      for (unsigned int a = 0; a < 3; ++a)
+        {
+          tangent.moduli[a].fill(lambda);
+          tangent.moduli[a][a] += 2. * G;
+        }
+      tangent.secants.fill(2. * G);
+      for (unsigned int lane = 0; lane < count; ++lane)
+        {
+          Principal tau{{tangent.stress[0][lane],
+                         tangent.stress[1][lane],
+                         tangent.stress[2][lane]}};
+          double    alpha = points[lane].state[plastic_strain],
+                 opened   = points[lane].state[opening];
+          ReturnTangent returned;
+          if (law().return_map(tau, alpha, opened, &returned))
+            for (unsigned int a = 0; a < 3; ++a)
+              {
+                const auto  &slopes      = returned.slopes[a];
+                const double sum         = slopes[0] + slopes[1] + slopes[2];
+                tangent.stress[a][lane]  = tau[a];
+                tangent.secants[a][lane] = 2. * G * returned.ratios[a];
+                for (unsigned int b = 0; b < 3; ++b)
+                  tangent.moduli[a][b][lane] =
+                    lambda * sum + 2. * G * slopes[b];
+              }
+          if (keeps_volume[lane])
+            for (auto &row : tangent.moduli)
+              {
+                const double mean =
+                  (double(row[0][lane]) + row[1][lane] + row[2][lane]) / 3.;
+                for (Lanes &modulus : row)
+                  modulus[lane] = modulus[lane] - mean;
+              }
+        }
+      return tangent;
+    }
+
     double
     dissipation(const MaterialPoint &point) const override
     {
@@ -192,19 +255,15 @@ namespace greville
     static constexpr unsigned int plastic_strain = 6, work = 7, opening = 8;
 
     /**
-     * The part of the opening that closes at an elastic strain of volume, which
-     * is taken from the state.
+     * The part of the opening that closes at an elastic strain of volume.
      */
     double
-    close(MaterialPoint &point, const double volume_strain) const
+    closing(const MaterialPoint &point, const double volume_strain) const
     {
-      double      &open = point.state[opening];
-      const double closed =
-        law().largest_mean_stress(point.state[plastic_strain]) > 0.
-          ? std::min(open, std::max(-volume_strain, 0.))
-          : open;
-      open -= closed;
-      return closed;
+      const double open = point.state[opening];
+      return law().largest_mean_stress(point.state[plastic_strain]) > 0.
+               ? std::min(open, std::max(-volume_strain, 0.))
+               : open;
     }
 
     static void
@@ -215,41 +274,6 @@ namespace greville
     }
   };
 
-
-
-  /**
-   * (tau_1 + tau_2 + tau_3) / 3.
-   */
-  inline double
-  mean_of(const Principal &tau)
-  {
-    return (tau[0] + tau[1] + tau[2]) / 3.;
-  }
-
-
-
-  /**
-   * J2 = dev(tau) : dev(tau) / 2.
-   */
-  inline double
-  second_invariant(const Principal &tau)
-  {
-    const double a = tau[0] - tau[1], b = tau[1] - tau[2], c = tau[2] - tau[0];
-    return (a * a + b * b + c * c) / 6.;
-  }
-
-
-
-  /**
-   * Scale the deviator of @p tau and set the mean stress to @p mean.
-   */
-  inline void
-  scale_deviator(Principal &tau, const double factor, const double mean)
-  {
-    const double shift = mean - factor * mean_of(tau);
-    for (double &t : tau)
-      t = factor * t + shift;
-  }
 } // namespace greville
 
 #endif

@@ -56,6 +56,16 @@ namespace greville
       return true;
     }
 
+    /**
+     * For associated flow without softening; see DruckerPrager for materials
+     * that bear tension.
+     */
+    bool
+    has_symmetric_tangent() const override
+    {
+      return !softens && dilatancy_angle == friction_angle && peak.apex <= 0.;
+    }
+
     void
     reinit(const std::string &section) override;
 
@@ -77,7 +87,10 @@ namespace greville
     }
 
     bool
-    return_map(Principal &tau, double &alpha, double &opening) const
+    return_map(Principal     &tau,
+               double        &alpha,
+               double        &opening,
+               ReturnTangent *tangent = nullptr) const
     {
       // Sort.
       unsigned int i = 0, j = 1, k = 2;
@@ -98,6 +111,8 @@ namespace greville
         result = soften(trial, growth, alpha);
       else
         alpha += growth;
+      if (tangent != nullptr)
+        differentiate(*tangent, trial, result, alpha, growth > 0., {{i, j, k}});
       if (result[0] == result[2] && start.sine > 0.)
         opening += opening_at_apex(trial, result[0]);
       tau[i] = result[0];
@@ -119,6 +134,17 @@ namespace greville
       {
         return larger - smaller + (larger + smaller) * sine - strength;
       }
+    };
+
+    /**
+     * Where a return goes to.
+     */
+    enum class Region
+    {
+      plane,
+      right,
+      left,
+      apex
     };
 
     static Surface
@@ -144,7 +170,9 @@ namespace greville
      * The return of sorted stresses to a given surface.
      */
     Principal
-    returned(const Principal &t, const Surface &s) const
+    returned(const Principal &t,
+             const Surface   &s,
+             Region          *region = nullptr) const
     {
       const double K = elastic.bulk, G = elastic.shear;
       const double phi = s.sine, psi = sin_dilatancy;
@@ -160,6 +188,8 @@ namespace greville
       Principal    r;
       const double gamma = f / a;
       r = {{t[0] - upper * gamma, t[1] + middle * gamma, t[2] + lower * gamma}};
+      if (region != nullptr)
+        *region = Region::plane;
       if (r[0] >= r[1] && r[1] >= r[2])
         return r;
 
@@ -185,8 +215,12 @@ namespace greville
           r[2] = t[2] + lower * (g1 + g2);
           r[0] = r[1] = 0.5 * (r[0] + r[1]);
         }
+      if (region != nullptr)
+        *region = right ? Region::right : Region::left;
       if (phi == 0. || !(r[0] < r[2])) // also what is not a number
         return r;
+      if (region != nullptr)
+        *region = Region::apex;
       return {{s.apex, s.apex, s.apex}};
     }
 
@@ -240,6 +274,36 @@ namespace greville
       alpha = x;
       return result;
     }
+
+    /**
+     * The derivatives of a surface by alpha.
+     */
+    Surface
+    slope_of_surface(const double alpha) const;
+
+    /**
+     * The tangent of a return of sorted stresses, which are the ones with the
+     * numbers @p order, to the surface at @p alpha, which has grown in it if it
+     * @p grows.
+     */
+    void
+    differentiate(ReturnTangent                     &tangent,
+                  const Principal                   &trial,
+                  const Principal                   &result,
+                  const double                       alpha,
+                  const bool                         grows,
+                  const std::array<unsigned int, 3> &order) const;
+
+    /**
+     * The derivatives of what returned() gives by the trial stresses @p t, and
+     * by the parameter whose derivatives of the surface are @p slope.
+     */
+    void
+    differentiate_return(const Principal &t,
+                         const Surface   &s,
+                         const Surface   &slope,
+                         double (&by_trial)[3][3],
+                         Principal &by_parameter) const;
 
     double      cohesion                = 1e3;
     double      residual_cohesion       = -1.;

@@ -135,6 +135,41 @@ namespace greville
              elastic.shear * log_J + 0.5 * elastic.lambda * log_J * log_J;
     }
 
+    void
+    tangents(const dealii::ArrayView<const MaterialPoint> &points,
+             const dealii::ArrayView<MaterialTangent>     &result,
+             const unsigned int                            dim) const override
+    {
+      AssertDimension(points.size(), result.size());
+      const double lambda = elastic.lambda, mu = elastic.shear;
+      for (std::size_t p = 0; p < points.size(); ++p)
+        {
+          // J D = lambda 1 x 1 + (change of mu b) - J sigma x 1
+          const double inverse_J = 1. / points[p].J;
+          const double pressure  = lambda * std::log(points[p].J) - mu;
+          const auto   b         = left_cauchy_green_less_one(points[p].F) +
+                         dealii::unit_symmetric_tensor<3>();
+          MaterialTangent &D = result[p];
+          D                  = 0.;
+          for (unsigned int k = 0; k < dim; ++k)
+            for (unsigned int l = 0; l < dim; ++l)
+              {
+                for (unsigned int i = 0; i < 3; ++i)
+                  {
+                    D[i][k][k][l] += mu * inverse_J * b[i][l];
+                    D[k][i][k][l] += mu * inverse_J * b[i][l];
+                  }
+                if (k == l)
+                  for (unsigned int i = 0; i < 3; ++i)
+                    {
+                      D[i][i][k][k] += (lambda - pressure) * inverse_J;
+                      for (unsigned int j = 0; j < 3; ++j)
+                        D[i][j][k][k] -= mu * inverse_J * b[i][j];
+                    }
+              }
+        }
+    }
+
     bool
     has_symmetric_tangent() const override
     {

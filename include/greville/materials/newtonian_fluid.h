@@ -34,6 +34,12 @@ namespace greville
     }
 
     double
+    viscosity_slope(const double) const
+    {
+      return 0.;
+    }
+
+    double
     largest_viscosity() const
     {
       return mu;

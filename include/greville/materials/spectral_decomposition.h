@@ -79,6 +79,28 @@ namespace greville
       return A;
     }
 
+    /**
+     * The directions n_0, n_1, n_2, of unit length, up to their signs.
+     */
+    std::array<std::array<Number, 3>, 3>
+    directions() const
+    {
+      using std::sqrt;
+      // Half the angle, from the larger of its cosine and sine.
+      const auto   near   = cosine >= 0.;
+      const Number larger = sqrt(0.5 + 0.5 * choose(near, cosine, -cosine));
+      const Number other  = 0.5 * sine / larger;
+      const Number c      = choose(near, larger, other),
+                   s      = choose(near, other, larger);
+      const Number zero   = 0.;
+      if (plane)
+        return {{{{c, s, zero}}, {{-s, c, zero}}, {{zero, zero, Number(1.)}}}};
+      return {
+        {{{c * u[0] + s * w[0], c * u[1] + s * w[1], c * u[2] + s * w[2]}},
+         {{c * w[0] - s * u[0], c * w[1] - s * u[1], c * w[2] - s * u[2]}},
+         n}};
+    }
+
     std::array<Number, 3> values;
 
   private:

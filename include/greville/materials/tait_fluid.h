@@ -37,6 +37,8 @@ namespace greville
    *   static constexpr const char *name;
    *   double viscosity(double square) const,
    * eta (Pa s) at the @p square of the shear rate 2 dev(d) : dev(d), 1/s^2;
+   *   double viscosity_slope(double square) const,
+   * the derivative of eta; what grows less than 1 / square at 0 will do; and
    *   double largest_viscosity() const.
    */
   template <typename Law>
@@ -147,6 +149,26 @@ namespace greville
         point.dt * point.J * (eta * square + zeta * rate * rate);
     }
 
+    void
+    tangents(const dealii::ArrayView<const MaterialPoint> &points,
+             const dealii::ArrayView<MaterialTangent>     &result,
+             const unsigned int                            dim) const override
+    {
+      AssertDimension(points.size(), result.size());
+      for (std::size_t p = 0; p < points.size(); ++p)
+        result[p] = tangent(points[p], dim);
+    }
+
+    /**
+     * Without viscosity.
+     */
+    bool
+    has_symmetric_tangent() const override
+    {
+      return static_cast<const Law &>(*this).largest_viscosity() == 0. &&
+             bulk_viscosity == 0.;
+    }
+
     double
     strain_energy(const MaterialPoint &point) const override
     {
@@ -181,6 +203,47 @@ namespace greville
     }
 
   private:
+    /**
+     * With df = l f: d(d)_ij / d l_kl = (delta_ik f_lj + delta_jk f_li) / (2
+     * dt).
+     */
+    MaterialTangent
+    tangent(const MaterialPoint &point, const unsigned int dim) const
+    {
+      const dealii::Tensor<2, 3> &f    = point.increment;
+      const bool                  torn = point.J > 1. && !allow_tension;
+      const double                modulus =
+        torn ? 0. : B * exponent * std::exp(-exponent * std::log(point.J));
+      const double inverse_dt = point.dt > 0. ? 1. / point.dt : 0.;
+      const dealii::SymmetricTensor<2, 3> d = deviator(
+        inverse_dt * (symmetrize(f) - dealii::unit_symmetric_tensor<3>()));
+      const double square = 2. * (d * d);
+      const Law   &law    = static_cast<const Law &>(*this);
+      const double eta    = inverse_dt * law.viscosity(square),
+                   slope  = 8. * inverse_dt * law.viscosity_slope(square),
+                   zeta   = inverse_dt * (torn ? 0. : bulk_viscosity);
+
+      MaterialTangent D;
+      for (unsigned int k = 0; k < dim; ++k)
+        for (unsigned int l = 0; l < dim; ++l)
+          {
+            const double mean =
+              (zeta - 2. / 3. * eta) * f[l][k] + (k == l ? modulus : 0.);
+            const double change =
+              slope *
+              (d[k][0] * f[l][0] + d[k][1] * f[l][1] + d[k][2] * f[l][2]);
+            for (unsigned int i = 0; i < 3; ++i)
+              {
+                D[i][i][k][l] += mean;
+                D[i][k][k][l] += eta * f[l][i];
+                D[k][i][k][l] += eta * f[l][i];
+                for (unsigned int j = 0; j < 3; ++j)
+                  D[i][j][k][l] += change * d[i][j];
+              }
+          }
+      return D;
+    }
+
     double sound_speed    = 10.;
     double exponent       = 7.;
     double bulk_viscosity = 0.;

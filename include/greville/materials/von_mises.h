@@ -56,7 +56,10 @@ namespace greville
     }
 
     bool
-    return_map(Principal &tau, double &alpha, double &) const
+    return_map(Principal &tau,
+               double    &alpha,
+               double &,
+               ReturnTangent *tangent = nullptr) const
     {
       const double strength = yield_stress + hardening_modulus * alpha;
       const double square   = 3. * second_invariant(tau);
@@ -66,9 +69,17 @@ namespace greville
       const double gamma =
         (q - strength) / (3. * elastic.shear + hardening_modulus);
       alpha += gamma;
-      scale_deviator(tau,
-                     (strength + hardening_modulus * gamma) / q,
-                     mean_of(tau));
+      const double factor = (strength + hardening_modulus * gamma) / q;
+      if (tangent != nullptr)
+        set_tangent(*tangent,
+                    tau,
+                    factor * q / std::sqrt(3.),
+                    hardening_modulus /
+                      (3. * elastic.shear + hardening_modulus),
+                    0.,
+                    0.,
+                    1.);
+      scale_deviator(tau, factor, mean_of(tau));
       return true;
     }
 

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_materials_return_map_h
+#define greville_materials_return_map_h
+
+#include <greville/materials/hencky.h>
+
+/**
+ * What returns to a yield surface in principal stresses share.
+ */
+namespace greville
+{
+  /**
+   * Derivatives d tau_a / d tau_b(trial) of returned stresses, and (tau_a -
+   * tau_b) / (tau_a(trial) - tau_b(trial)) for (a, b) = (0, 1), (0, 2), (1, 2).
+   */
+  struct ReturnTangent
+  {
+    double slopes[3][3];
+    double ratios[3];
+  };
+
+
+
+  /**
+   * (tau_1 + tau_2 + tau_3) / 3.
+   */
+  inline double
+  mean_of(const Principal &tau)
+  {
+    return (tau[0] + tau[1] + tau[2]) / 3.;
+  }
+
+
+
+  /**
+   * J2 = dev(tau) : dev(tau) / 2.
+   */
+  inline double
+  second_invariant(const Principal &tau)
+  {
+    const double a = tau[0] - tau[1], b = tau[1] - tau[2], c = tau[2] - tau[0];
+    return (a * a + b * b + c * c) / 6.;
+  }
+
+
+
+  /**
+   * Scale the deviator of @p tau and set the mean stress to @p mean.
+   */
+  inline void
+  scale_deviator(Principal &tau, const double factor, const double mean)
+  {
+    const double shift = mean - factor * mean_of(tau);
+    for (double &t : tau)
+      t = factor * t + shift;
+  }
+
+
+
+  /**
+   * The tangent of a return that scales the deviator: to a @p radius sqrt(J2)
+   * and a mean stress that depend on q = sqrt(J2) and p of the trial stress
+   * with the given derivatives.
+   */
+  inline void
+  set_tangent(ReturnTangent   &tangent,
+              const Principal &trial,
+              const double     radius,
+              const double     radius_by_q,
+              const double     radius_by_p,
+              const double     mean_by_q,
+              const double     mean_by_p)
+  {
+    const double q = std::sqrt(second_invariant(trial)), p = mean_of(trial);
+    const double inverse = q > 0. ? 1. / q : 0.;
+    const double factor  = q > 0. ? radius * inverse : radius_by_q;
+    // dq / d tau_a = n_a / 2, n = s / q
+    for (unsigned int b = 0; b < 3; ++b)
+      {
+        const double n    = (trial[b] - p) * inverse;
+        const double mean = 0.5 * mean_by_q * n + mean_by_p / 3.;
+        const double scaling =
+          0.5 * (radius_by_q - factor) * n + radius_by_p / 3.;
+        for (unsigned int a = 0; a < 3; ++a)
+          tangent.slopes[a][b] = (a == b ? factor : 0.) - factor / 3. +
+                                 scaling * (trial[a] - p) * inverse + mean;
+        tangent.ratios[b] = factor;
+      }
+  }
+} // namespace greville
+
+#endif
