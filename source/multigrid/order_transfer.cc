@@ -31,9 +31,9 @@ namespace greville
     const std::string                             &r,
     const std::string                             &weighting)
     : steps(levels.size() - 1)
-    , inverses(levels.size())
     , prolongation(p)
     , restriction(r)
+    , inverses(levels.size())
   {
     for (unsigned int l = 1; l < levels.size(); ++l)
       {
@@ -81,35 +81,18 @@ namespace greville
       if ((prolongation == "exact-l2" && l > 0) ||
           (restriction == "exact-l2" && l + 1 < levels.size()))
         {
-          inverses[l]           = std::make_unique<Inverse>();
-          inverses[l]->solver   = TensorProductSolver<dim>(levels[l]->space());
-          inverses[l]->inactive = levels[l]->inactive();
-          if (weighting == "density" && levels[l]->transfer_weights())
-            inverses[l]->weighted =
-              std::make_unique<TensorProductPreconditioner<dim>>(
-                inverses[l]->solver,
-                levels[l]->diagonal(),
-                levels[l]->inactive());
+          const LevelOperator<dim>      &level = *levels[l];
+          const TensorProductSolver<dim> solver(level.space());
+          VectorType                     diagonal(level.diagonal());
+          if (weighting == "unit" || !level.transfer_weights())
+            {
+              level.space().initialize_vector(diagonal);
+              for (unsigned int i = 0; i < solver.n_unknowns(); ++i)
+                diagonal.local_element(i) = solver.diagonal(i);
+            }
+          inverses[l] = std::make_unique<TensorProductPreconditioner<dim>>(
+            solver, diagonal, level.inactive());
         }
-  }
-
-
-
-  template <int dim>
-  void
-  OrderTransfer<dim>::Inverse::apply(VectorType &x) const
-  {
-    // Zero before and after, which keeps the transpose the transpose.
-    const auto clear_inactive = [&]() {
-      for (const unsigned int i : inactive)
-        x.local_element(i) = 0.;
-    };
-    clear_inactive();
-    if (weighted)
-      weighted->vmult(x, x);
-    else
-      solver.solve(x);
-    clear_inactive();
   }
 
 
@@ -125,7 +108,7 @@ namespace greville
     step.coarse_level->distribute(step.coarse);
     step.cross.vmult(dst, step.coarse);
     if (prolongation == "exact-l2")
-      inverses[to_level]->apply(dst);
+      inverses[to_level]->vmult(dst, dst);
     else
       dst.scale(step.inverse_row_sums);
   }
@@ -143,7 +126,7 @@ namespace greville
     if (restriction == "transpose")
       {
         if (prolongation == "exact-l2")
-          inverses[from_level]->apply(step.fine);
+          inverses[from_level]->vmult(step.fine, step.fine);
         else
           step.fine.scale(step.inverse_row_sums);
         step.cross.Tvmult(dst, step.fine);
@@ -153,7 +136,7 @@ namespace greville
     step.fine_level->distribute(step.fine);
     step.cross.Tvmult(dst, step.fine);
     if (restriction == "exact-l2")
-      inverses[from_level - 1]->apply(dst);
+      inverses[from_level - 1]->vmult(dst, dst);
     else
       dst.scale(step.inverse_column_sums);
   }

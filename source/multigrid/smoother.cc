@@ -214,28 +214,6 @@ namespace greville
 
 
 
-    template <int dim>
-    class TensorProductSmoother : public Preconditioner
-    {
-    public:
-      TensorProductSmoother(const LevelOperator<dim> &level)
-        : solver(level.space())
-        , preconditioner(solver, level.diagonal(), level.inactive())
-      {}
-
-      void
-      vmult(VectorType &dst, const VectorType &src) const override
-      {
-        preconditioner.vmult(dst, src);
-      }
-
-    private:
-      TensorProductSolver<dim>         solver;
-      TensorProductPreconditioner<dim> preconditioner;
-    };
-
-
-
     /**
      * Forward, and backward as its transpose; process by process.
      */
@@ -418,7 +396,8 @@ namespace greville
          false,
          true,
          [](P, L level, const bool) {
-           return std::make_unique<TensorProductSmoother<dim>>(level);
+           return std::make_unique<TensorProductPreconditioner<dim>>(
+             level.space(), level.diagonal(), level.inactive());
          }},
         {"petsc", true, true, [](P p, L level, const bool) {
            return std::make_unique<PetscPreconditioner>(level.matrix(),

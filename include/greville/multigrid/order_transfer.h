@@ -106,22 +106,11 @@ namespace greville
       mutable VectorType                   fine_sum, coarse_sum; // all of them
     };
 
-    /**
-     * The tensor-product inverse on a level, where it is used.
-     */
-    struct Inverse
-    {
-      TensorProductSolver<dim>                          solver;
-      std::unique_ptr<TensorProductPreconditioner<dim>> weighted;
-      std::vector<unsigned int>                         inactive;
+    std::vector<Step> steps; // [level - 1]
+    std::string       prolongation, restriction;
 
-      void
-      apply(VectorType &x) const;
-    };
-
-    std::vector<Step>                     steps; // [level - 1]
-    std::vector<std::unique_ptr<Inverse>> inverses;
-    std::string                           prolongation, restriction;
+    // On the levels where it is used.
+    std::vector<std::unique_ptr<TensorProductPreconditioner<dim>>> inverses;
   };
 } // namespace greville
 

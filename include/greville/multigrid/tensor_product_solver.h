@@ -3,55 +3,13 @@
 #ifndef greville_multigrid_tensor_product_solver_h
 #define greville_multigrid_tensor_product_solver_h
 
+#include <deal.II/base/mpi_noncontiguous_partitioner.h>
+
 #include <greville/linear_algebra/preconditioner.h>
 #include <greville/spline/spline_space.h>
 
 namespace greville
 {
-  /**
-   * Moves entries between two distributions of the functions of a space over
-   * the processes. Entries are named by their lexicographic positions.
-   */
-  class Redistribution
-  {
-  public:
-    Redistribution() = default;
-
-    /**
-     * Collective. Entry k of the source has the position @p positions[k] and
-     * goes to process @p owners[k]; there it takes the place that @p place_of
-     * gives for its position.
-     */
-    Redistribution(
-      const std::vector<std::uint64_t>                       &positions,
-      const std::vector<unsigned int>                        &owners,
-      const std::function<unsigned int(const std::uint64_t)> &place_of,
-      const MPI_Comm                                          comm);
-
-    void
-    execute(const double *source, double *target) const;
-
-    /**
-     * Bytes that this process sends to others in one execute().
-     */
-    std::size_t
-    bytes_sent() const;
-
-  private:
-    struct Message
-    {
-      unsigned int              process;
-      std::vector<unsigned int> places;
-    };
-
-    MPI_Comm                                 comm = MPI_COMM_NULL;
-    std::vector<Message>                     sends, receives;
-    std::vector<unsigned int>                own_source, own_target;
-    mutable std::vector<std::vector<double>> buffers;
-  };
-
-
-
   /**
    * The inverse of M_1 x ... x M_1, the Kronecker product of the mass matrices
    * of the directions (density 1), by banded Cholesky factorizations
@@ -65,8 +23,6 @@ namespace greville
   class TensorProductSolver
   {
   public:
-    TensorProductSolver() = default;
-
     /**
      * Collective.
      */
@@ -94,7 +50,10 @@ namespace greville
      * Bytes that this process sends to others in one solve.
      */
     std::size_t
-    bytes_sent() const;
+    bytes_sent() const
+    {
+      return n_sent * sizeof(double);
+    }
 
   private:
     /**
@@ -123,12 +82,14 @@ namespace greville
     void
     solve_on_one_process(double *x) const;
 
-    const SplineSpace<dim>         *space = nullptr;
-    std::array<Factor, dim>         factors;
-    std::array<Redistribution, dim> to_pencils;
-    Redistribution                  to_owners;
-    std::array<unsigned int, dim>   n_pencils{};
-    mutable std::vector<double>     buffer, other_buffer;
+    const SplineSpace<dim> *space = nullptr;
+    std::array<Factor, dim> factors;
+
+    // On several processes: moves to the pencils of each direction, and back.
+    std::vector<dealii::Utilities::MPI::NoncontiguousPartitioner> moves;
+    std::size_t                                                   n_sent = 0;
+    std::array<unsigned int, dim>                                 n_pencils{};
+    mutable std::array<std::vector<double>, dim>                  pencils;
   };
 
 
@@ -144,13 +105,11 @@ namespace greville
   class TensorProductPreconditioner : public Preconditioner
   {
   public:
-    TensorProductPreconditioner() = default;
-
     /**
-     * The arguments are kept by reference. @p diagonal may have several
+     * @p inactive is kept by reference. @p diagonal may have several
      * components, of which the first one counts.
      */
-    TensorProductPreconditioner(const TensorProductSolver<dim>  &solver,
+    TensorProductPreconditioner(TensorProductSolver<dim>         solver,
                                 const VectorType                &diagonal,
                                 const std::vector<unsigned int> &inactive);
 
@@ -158,8 +117,8 @@ namespace greville
     vmult(VectorType &dst, const VectorType &src) const override;
 
   private:
-    const TensorProductSolver<dim>  *solver   = nullptr;
-    const std::vector<unsigned int> *inactive = nullptr;
+    TensorProductSolver<dim>         solver;
+    const std::vector<unsigned int> *inactive;
     std::vector<double>              diagonal;
     std::vector<double>              scaling; // D^(1/2), 0 where inactive
   };
