@@ -154,28 +154,12 @@ namespace greville
 
 
   template <int dim>
-  CrossMassOperator<dim>::CrossMassOperator() = default;
-
-  template <int dim>
-  CrossMassOperator<dim>::~CrossMassOperator() = default;
-
-  template <int dim>
-  CrossMassOperator<dim>::CrossMassOperator(CrossMassOperator &&) noexcept =
-    default;
-
-  template <int dim>
-  CrossMassOperator<dim> &
-  CrossMassOperator<dim>::operator=(CrossMassOperator &&) noexcept = default;
-
-
-
-  template <int dim>
   CrossMassOperator<dim>::CrossMassOperator(const SplineSpace<dim>    &r,
                                             const SplineSpace<dim>    &c,
                                             const DensityWeights<dim> &w)
     : weights(&w)
-    , rows(std::make_unique<Side>(r, w))
-    , columns(&r == &c ? nullptr : std::make_unique<Side>(c, w))
+    , rows(std::make_shared<Side>(r, w))
+    , columns(&r == &c ? rows : std::make_shared<Side>(c, w))
   {}
 
 
@@ -184,8 +168,7 @@ namespace greville
   void
   CrossMassOperator<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
-    const Side &in = columns ? *columns : *rows;
-    apply(*rows, in, dst, src);
+    apply(*rows, *columns, dst, src);
   }
 
 
@@ -194,8 +177,7 @@ namespace greville
   void
   CrossMassOperator<dim>::Tvmult(VectorType &dst, const VectorType &src) const
   {
-    const Side &out = columns ? *columns : *rows;
-    apply(out, *rows, dst, src);
+    apply(*columns, *rows, dst, src);
   }
 
 
@@ -258,6 +240,7 @@ namespace greville
             in.kernels.interpolate_layer(coefficients,
                                          in_tables.x,
                                          in_tables.y,
+                                         nullptr,
                                          in_layers[layer]);
           }
         for (unsigned int layer = out.n - n_new_out; layer < out.n; ++layer)
@@ -273,10 +256,8 @@ namespace greville
           b + 1 == batches.size() || !batches[b + 1].continues_column;
         for (unsigned int layer = 0; layer < (is_last ? out.n : 1); ++layer)
           {
-            out.kernels.integrate_layer(out_layers[layer],
-                                        tables.x,
-                                        tables.y,
-                                        coefficients);
+            out.kernels.integrate_layer(
+              out_layers[layer], tables.x, tables.y, nullptr, coefficients);
             out.scatter_add_layer(b, batch, layer, coefficients, dst.begin());
           }
       }
@@ -408,16 +389,6 @@ namespace greville
     const MPI_Comm comm = rows->space.communicator();
     return {std::sqrt(Utilities::MPI::sum(sums[0], comm)),
             std::sqrt(Utilities::MPI::sum(sums[1], comm))};
-  }
-
-
-
-  template <int dim>
-  std::size_t
-  CrossMassOperator<dim>::memory_consumption() const
-  {
-    return weights->batches().size() * weights->n_points() * simd_width *
-           sizeof(double);
   }
 
 

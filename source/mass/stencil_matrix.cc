@@ -134,21 +134,9 @@ namespace greville
                                const double      *sums,
                                const unsigned int stride)
   {
-    switch (spline_space->degree())
-      {
-        case 1:
-          return add_cell_of_order<2>(cell, sums, stride);
-        case 2:
-          return add_cell_of_order<3>(cell, sums, stride);
-        case 3:
-          return add_cell_of_order<4>(cell, sums, stride);
-        case 4:
-          return add_cell_of_order<5>(cell, sums, stride);
-        case 5:
-          return add_cell_of_order<6>(cell, sums, stride);
-        default:
-          Assert(false, ExcInternalError());
-      }
+    with_order(spline_space->degree(), [&](const auto n) {
+      add_cell_of_order<decltype(n)::value>(cell, sums, stride);
+    });
   }
 
 
@@ -256,26 +244,11 @@ namespace greville
                             const double      *x,
                             const unsigned int width) const
   {
-    const auto with_order = [&](const auto n) {
+    with_order(spline_space->degree(), [&](const auto n) {
       with_width(width, [&](const auto w) {
         multiply<decltype(n)::value, decltype(w)::value>(y, x);
       });
-    };
-    switch (spline_space->degree())
-      {
-        case 1:
-          return with_order(std::integral_constant<int, 2>());
-        case 2:
-          return with_order(std::integral_constant<int, 3>());
-        case 3:
-          return with_order(std::integral_constant<int, 4>());
-        case 4:
-          return with_order(std::integral_constant<int, 5>());
-        case 5:
-          return with_order(std::integral_constant<int, 6>());
-        default:
-          Assert(false, ExcInternalError());
-      }
+    });
   }
 
 

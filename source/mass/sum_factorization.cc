@@ -2,6 +2,7 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
+#include <greville/base/with_width.h>
 #include <greville/mass/sum_factorization.h>
 
 namespace greville
@@ -157,14 +158,15 @@ namespace greville
 
     template <int dim, int n, int q>
     void
-    interpolate(const Simd   *in,
-                const Simd   *table_x,
-                const double *table_y,
-                const double *table_z,
-                Simd         *out)
+    interpolate(const Simd                    *in,
+                const Simd                    *table_x,
+                [[maybe_unused]] const double *table_y,
+                [[maybe_unused]] const double *table_z,
+                Simd                          *out)
     {
-      (void)table_z;
-      if constexpr (dim == 2)
+      if constexpr (dim == 1)
+        contract<n, q, false, 1, 1>(table_x, in, out);
+      else if constexpr (dim == 2)
         {
           Simd a[n * q];
           contract<n, q, false, n, 1>(table_x, in, a);
@@ -183,14 +185,15 @@ namespace greville
 
     template <int dim, int n, int q>
     void
-    integrate(const Simd   *in,
-              const Simd   *table_x,
-              const double *table_y,
-              const double *table_z,
-              Simd         *out)
+    integrate(const Simd                    *in,
+              const Simd                    *table_x,
+              [[maybe_unused]] const double *table_y,
+              [[maybe_unused]] const double *table_z,
+              Simd                          *out)
     {
-      (void)table_z;
-      if constexpr (dim == 2)
+      if constexpr (dim == 1)
+        contract<n, q, true, 1, 1>(table_x, in, out);
+      else if constexpr (dim == 2)
         {
           Simd a[n * q];
           contract<n, q, true, 1, q>(table_y, in, a);
@@ -202,46 +205,6 @@ namespace greville
           contract<n, q, true, 1, q * q>(table_z, in, a);
           contract<n, q, true, n, q>(table_y, a, b);
           contract<n, q, true, n * n, 1>(table_x, b, out);
-        }
-    }
-
-
-
-    template <int dim, int n, int q>
-    void
-    interpolate_layer(const Simd   *in,
-                      const Simd   *table_x,
-                      const double *table_y,
-                      Simd         *out)
-    {
-      (void)table_y;
-      if constexpr (dim == 2)
-        contract<n, q, false, 1, 1>(table_x, in, out);
-      else
-        {
-          Simd a[n * q];
-          contract<n, q, false, n, 1>(table_x, in, a);
-          contract<n, q, false, 1, q>(table_y, a, out);
-        }
-    }
-
-
-
-    template <int dim, int n, int q>
-    void
-    integrate_layer(const Simd   *in,
-                    const Simd   *table_x,
-                    const double *table_y,
-                    Simd         *out)
-    {
-      (void)table_y;
-      if constexpr (dim == 2)
-        contract<n, q, true, 1, 1>(table_x, in, out);
-      else
-        {
-          Simd a[n * q];
-          contract<n, q, true, 1, q>(table_y, in, a);
-          contract<n, q, true, n, 1>(table_x, a, out);
         }
     }
 
@@ -382,86 +345,15 @@ namespace greville
 
 
 
-    constexpr int largest_n = SplineSpace<2>::max_degree + 1;
-
     /**
-     * Numbers of points per direction: 2, ..., 6 for densities and 2 p + 1 for
-     * material points; 0 ends the list.
+     * Call an action with a number of points per direction: 2, ..., 6 for
+     * densities and 2 p + 1 for material points.
      */
-    template <int q>
-    constexpr int next_n_points = q <= largest_n               ? q + 1
-                                  : q + 2 <= 2 * largest_n - 1 ? q + 2
-                                                               : 0;
-
-    template <int dim, int n, int q>
-    CellKernels
-    select(const unsigned int degree, const unsigned int n_points_1d)
+    template <typename Action>
+    void
+    with_points(const unsigned int n_points_1d, const Action &action)
     {
-      if (degree + 1 == n && n_points_1d == q)
-        return {&interpolate<dim, n, q>,
-                &integrate<dim, n, q>,
-                &interpolate_layer<dim, n, q>,
-                &integrate_layer<dim, n, q>,
-                &gather_layer<dim, n>,
-                &scatter_add_layer<dim, n>};
-      if constexpr (n < std::min(q, largest_n))
-        return select<dim, n + 1, q>(degree, n_points_1d);
-      else if constexpr (next_n_points<q> > 0)
-        return select<dim, 2, next_n_points<q>>(degree, n_points_1d);
-      else
-        {
-          AssertThrow(false,
-                      ExcMessage("No kernel for order " +
-                                 std::to_string(degree) + " and " +
-                                 std::to_string(n_points_1d) +
-                                 " points per direction."));
-          return {};
-        }
-    }
-
-
-
-    /**
-     * Mass has p + 1 points per direction where it is that of a density and
-     * 2 p + 1 where it is that of material points, p being the higher of the
-     * two orders: only these columns are compiled.
-     */
-    template <int n_in, int q, int n_out>
-    constexpr bool has_column =
-      q == std::max(n_in, n_out) || q == 2 * std::max(n_in, n_out) - 1;
-
-    template <int dim, int n_in, int q, int n_out>
-    ColumnKernel
-    select_column(const unsigned int degree_in,
-                  const unsigned int n_points_1d,
-                  const unsigned int degree_out)
-    {
-      if constexpr (has_column<n_in, q, n_out>)
-        if (degree_in + 1 == n_in && n_points_1d == q &&
-            degree_out + 1 == n_out)
-          return &multiply_column<dim, n_in, q, n_out>;
-      if constexpr (n_out < std::min(q, largest_n))
-        return select_column<dim, n_in, q, n_out + 1>(degree_in,
-                                                      n_points_1d,
-                                                      degree_out);
-      else if constexpr (n_in < std::min(q, largest_n))
-        return select_column<dim, n_in + 1, q, 2>(degree_in,
-                                                  n_points_1d,
-                                                  degree_out);
-      else if constexpr (next_n_points<q> > 0)
-        return select_column<dim, 2, next_n_points<q>, 2>(degree_in,
-                                                          n_points_1d,
-                                                          degree_out);
-      else
-        {
-          AssertThrow(false,
-                      ExcMessage("No kernel for the mass of the orders " +
-                                 std::to_string(degree_out) + " and " +
-                                 std::to_string(degree_in) + " and " +
-                                 std::to_string(n_points_1d) +
-                                 " points per direction."));
-          return nullptr;
-        }
+      with_one_of<2, 3, 4, 5, 6, 7, 9, 11>(n_points_1d, action);
     }
   } // namespace
 
@@ -471,7 +363,25 @@ namespace greville
   CellKernels
   cell_kernels(const unsigned int degree, const unsigned int n_points_1d)
   {
-    return select<dim, 2, 2>(degree, n_points_1d);
+    CellKernels result{};
+    with_order(degree, [&](const auto functions) {
+      with_points(n_points_1d, [&](const auto points) {
+        constexpr int n = decltype(functions)::value;
+        constexpr int q = decltype(points)::value;
+        if constexpr (n <= q)
+          result = {&interpolate<dim, n, q>,
+                    &integrate<dim, n, q>,
+                    &interpolate<dim - 1, n, q>,
+                    &integrate<dim - 1, n, q>,
+                    &gather_layer<dim, n>,
+                    &scatter_add_layer<dim, n>};
+      });
+    });
+    AssertThrow(result.interpolate,
+                ExcMessage("No kernel for order " + std::to_string(degree) +
+                           " and " + std::to_string(n_points_1d) +
+                           " points per direction."));
+    return result;
   }
 
 
@@ -482,19 +392,40 @@ namespace greville
                 const unsigned int n_points_1d,
                 const unsigned int degree_out)
   {
-    return select_column<dim, 2, 2, 2>(degree_in, n_points_1d, degree_out);
+    // Mass has p + 1 points per direction where it is that of a density and
+    // 2 p + 1 where it is that of material points, p being the higher of the
+    // two orders: only these columns are compiled.
+    ColumnKernel result = nullptr;
+    with_order(degree_in, [&](const auto functions_in) {
+      with_order(degree_out, [&](const auto functions_out) {
+        with_points(n_points_1d, [&](const auto points) {
+          constexpr int n_in  = decltype(functions_in)::value;
+          constexpr int n_out = decltype(functions_out)::value;
+          constexpr int q     = decltype(points)::value;
+          constexpr int n     = std::max(n_in, n_out);
+          if constexpr (q == n || q == 2 * n - 1)
+            result = &multiply_column<dim, n_in, q, n_out>;
+        });
+      });
+    });
+    AssertThrow(result,
+                ExcMessage("No kernel for the mass of the orders " +
+                           std::to_string(degree_out) + " and " +
+                           std::to_string(degree_in) + " and " +
+                           std::to_string(n_points_1d) +
+                           " points per direction."));
+    return result;
   }
 
 
 
-  template class ShapeTables<2>;
-  template class ShapeTables<3>;
-  template CellKernels
-  cell_kernels<2>(const unsigned int, const unsigned int);
-  template CellKernels
-  cell_kernels<3>(const unsigned int, const unsigned int);
-  template ColumnKernel
-  column_kernel<2>(const unsigned int, const unsigned int, const unsigned int);
-  template ColumnKernel
-  column_kernel<3>(const unsigned int, const unsigned int, const unsigned int);
+#define INSTANTIATE(dim)                                       \
+  template class ShapeTables<dim>;                             \
+  template CellKernels  cell_kernels<dim>(const unsigned int,  \
+                                         const unsigned int); \
+  template ColumnKernel column_kernel<dim>(const unsigned int, \
+                                           const unsigned int, \
+                                           const unsigned int)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
 } // namespace greville

@@ -10,26 +10,41 @@
 namespace greville
 {
   /**
-   * Call an action with a number of columns (1, 2, 4 or 8) that the compiler
-   * knows: action(std::integral_constant<int, width>()).
+   * Call an action with a number, one of @p numbers, that the compiler knows:
+   * action(std::integral_constant<int, number>()). Returns whether it was one
+   * of them.
+   */
+  template <int... numbers, typename Action>
+  bool
+  with_one_of(const int number, const Action &action)
+  {
+    return ((number == numbers &&
+             (action(std::integral_constant<int, numbers>()), true)) ||
+            ...);
+  }
+
+  /**
+   * The same with a number of columns.
    */
   template <typename Action>
   void
   with_width(const unsigned int width, const Action &action)
   {
-    switch (width)
-      {
-        case 1:
-          return action(std::integral_constant<int, 1>());
-        case 2:
-          return action(std::integral_constant<int, 2>());
-        case 4:
-          return action(std::integral_constant<int, 4>());
-        case 8:
-          return action(std::integral_constant<int, 8>());
-        default:
-          Assert(false, dealii::ExcInternalError());
-      }
+    const bool is_known = with_one_of<1, 2, 4, 8>(width, action);
+    Assert(is_known, dealii::ExcInternalError());
+    (void)is_known;
+  }
+
+  /**
+   * The same with the number p + 1 of functions of an order p in a direction.
+   */
+  template <typename Action>
+  void
+  with_order(const unsigned int degree, const Action &action)
+  {
+    const bool is_known = with_one_of<2, 3, 4, 5, 6>(degree + 1, action);
+    Assert(is_known, dealii::ExcInternalError());
+    (void)is_known;
   }
 } // namespace greville
 

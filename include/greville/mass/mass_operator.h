@@ -20,11 +20,7 @@ namespace greville
   class CrossMassOperator
   {
   public:
-    CrossMassOperator();
-    ~CrossMassOperator();
-    CrossMassOperator(CrossMassOperator &&) noexcept;
-    CrossMassOperator &
-    operator=(CrossMassOperator &&) noexcept;
+    CrossMassOperator() = default;
 
     /**
      * The spaces and the weights are kept by reference.
@@ -71,12 +67,6 @@ namespace greville
     difference(const VectorType            &coefficients,
                const dealii::Function<dim> &f) const;
 
-    /**
-     * Bytes of this object on this process.
-     */
-    std::size_t
-    memory_consumption() const;
-
   private:
     struct Side;
 
@@ -87,8 +77,7 @@ namespace greville
           const VectorType &src) const;
 
     const DensityWeights<dim> *weights = nullptr;
-    std::unique_ptr<Side>      rows;
-    std::unique_ptr<Side>      columns; // empty where the same as rows
+    std::shared_ptr<Side>      rows, columns; // the same for equal spaces
   };
 
 
@@ -103,9 +92,6 @@ namespace greville
   class MassOperator
   {
   public:
-    using value_type = double;
-    using size_type  = dealii::types::global_dof_index;
-
     MassOperator() = default;
 
     /**
@@ -129,32 +115,8 @@ namespace greville
       return cross;
     }
 
-    size_type
-    m() const
-    {
-      return spline_space->n_dofs();
-    }
-
-    size_type
-    n() const
-    {
-      return m();
-    }
-
-    void
-    initialize_dof_vector(VectorType &vector) const
-    {
-      spline_space->initialize_vector(vector);
-    }
-
     void
     vmult(VectorType &dst, const VectorType &src) const;
-
-    void
-    Tvmult(VectorType &dst, const VectorType &src) const
-    {
-      vmult(dst, src);
-    }
 
     /**
      * The diagonal, with that of inactive coefficients.

@@ -91,14 +91,10 @@ namespace greville
 
     /**
      * The same for one layer of coefficients or points, without the last
-     * direction. @p table_y is not used in 2D.
+     * direction and its table.
      */
-    using LayerFunction = void (*)(const Simd   *in,
-                                   const Simd   *table_x,
-                                   const double *table_y,
-                                   Simd         *out);
-    LayerFunction interpolate_layer;
-    LayerFunction integrate_layer;
+    Function interpolate_layer;
+    Function integrate_layer;
 
     /**
      * Between the vector of coefficients and the n^(dim - 1) values of a layer
