@@ -9,58 +9,14 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
+  template <typename Visit>
   void
-  ExtendedMass<dim>::condense_column(double            *to,
-                                     const unsigned int width,
-                                     const double      *b,
-                                     const unsigned int component) const
+  ExtendedMass<dim>::for_each_active(const unsigned int n_functions,
+                                     const Visit       &visit) const
   {
-    const auto is_held = [&](const unsigned int f) {
-      return (held_functions[f] >> component) & 1;
-    };
-    for (unsigned int u = 0; u < n_owned; ++u)
-      if (!is_held(owned_unknown_functions[u]))
-        to[std::size_t(u) * width] = b[owned_unknown_functions[u]];
-    for (unsigned int m = 0; m < extended.size(); ++m)
-      {
-        const unsigned int f = extended_functions[m];
-        if (f >= n_owned_functions() || is_held(f))
-          continue;
-        for (std::size_t e = extended_begin[m]; e < extended_begin[m + 1]; ++e)
-          to[std::size_t(extended_entries[e].unknown) * width] +=
-            extended_entries[e].weight * b[f];
-      }
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMass<dim>::distribute_column(double            *values,
-                                       const double      *from,
-                                       const unsigned int width,
-                                       const unsigned int component) const
-  {
-    const auto is_held = [&](const unsigned int f) {
-      return (held_functions[f] >> component) & 1;
-    };
-    for (unsigned int f = 0; f < n_owned_functions(); ++f)
-      if ((*extension)[f] == Extension<dim>::inactive && !is_held(f))
-        values[f] = 0.;
-    for (unsigned int u = 0; u < n_owned; ++u)
-      if (!is_held(owned_unknown_functions[u]))
-        values[owned_unknown_functions[u]] = from[std::size_t(u) * width];
-    for (unsigned int m = 0; m < extended.size(); ++m)
-      {
-        const unsigned int f = extended_functions[m];
-        if (f >= n_owned_functions() || is_held(f))
-          continue;
-        double sum = 0.;
-        for (std::size_t e = extended_begin[m]; e < extended_begin[m + 1]; ++e)
-          sum += extended_entries[e].weight *
-                 from[std::size_t(extended_entries[e].unknown) * width];
-        values[f] = sum;
-      }
+    for (unsigned int f = 0; f < n_functions; ++f)
+      if ((*extension)[f] != Extension<dim>::inactive)
+        visit(f, std::size_t(points_mass.place(f)));
   }
 
 
@@ -69,9 +25,7 @@ namespace greville
   void
   ExtendedMass<dim>::condense(VectorType &rows, const VectorType &b) const
   {
-    rows = 0.;
-    condense_column(rows.begin(), 1, b.begin(), 0);
-    rows.compress(VectorOperation::add);
+    restrict_columns(rows, {&b}, 1);
   }
 
 
@@ -80,10 +34,70 @@ namespace greville
   void
   ExtendedMass<dim>::distribute(VectorType &values, VectorType &x) const
   {
-    x.update_ghost_values();
-    distribute_column(values.begin(), x.begin(), 1, 0);
-    x.zero_out_ghost_values();
+    write_columns({&values}, x, 1);
   }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::restrict_columns(
+    VectorType                            &rows,
+    const std::vector<const VectorType *> &columns,
+    const unsigned int                     width) const
+  {
+    for_each_active(n_functions(),
+                    [&](const unsigned int f, const std::size_t place) {
+                      for (unsigned int c = 0; c < columns.size(); ++c)
+                        place_y[place * width + c] =
+                          f < n_owned_functions() && !is_held(f, c)
+                            ? columns[c]->local_element(f)
+                            : 0.;
+                    });
+    rows = 0.;
+    collect(rows.begin(), width);
+    rows.compress(VectorOperation::add);
+    zero_held_unknowns(rows, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::write_columns(const std::vector<VectorType *> &columns,
+                                   VectorType                      &x,
+                                   const unsigned int               width) const
+  {
+    x.update_ghost_values();
+    expand(x.begin(), width);
+    x.zero_out_ghost_values();
+    for (unsigned int f = 0; f < n_owned_functions(); ++f)
+      for (unsigned int c = 0; c < columns.size(); ++c)
+        if (!is_held(f, c))
+          columns[c]->local_element(f) =
+            (*extension)[f] == Extension<dim>::inactive
+              ? 0.
+              : place_x[std::size_t(points_mass.place(f)) * width + c];
+  }
+
+
+
+  namespace
+  {
+    /**
+     * The components of fields, one behind the other.
+     */
+    template <typename Vector, typename Field>
+    std::vector<Vector *>
+    columns_of(const std::vector<Field *> &fields)
+    {
+      std::vector<Vector *> result;
+      for (Field *field : fields)
+        for (Vector &component : *field)
+          result.push_back(&component);
+      return result;
+    }
+  } // namespace
 
 
 
@@ -94,15 +108,7 @@ namespace greville
     const std::vector<const VectorField<dim> *> &fields,
     const unsigned int                           width) const
   {
-    rows = 0.;
-    for (unsigned int k = 0; k < fields.size(); ++k)
-      for (unsigned int c = 0; c < dim; ++c)
-        condense_column(rows.begin() + k * dim + c,
-                        width,
-                        (*fields[k])[c].begin(),
-                        c);
-    rows.compress(VectorOperation::add);
-    zero_held_unknowns(rows, width);
+    restrict_columns(rows, columns_of<const VectorType>(fields), width);
   }
 
 
@@ -114,14 +120,11 @@ namespace greville
     const std::vector<const VectorField<dim> *> &fields,
     const unsigned int                           width) const
   {
-    for (unsigned int k = 0; k < fields.size(); ++k)
-      for (unsigned int c = 0; c < dim; ++c)
-        {
-          const double *values = (*fields[k])[c].begin();
-          double       *to     = x.begin() + k * dim + c;
-          for (unsigned int u = 0; u < n_owned; ++u)
-            to[std::size_t(u) * width] = values[owned_unknown_functions[u]];
-        }
+    const auto columns = columns_of<const VectorType>(fields);
+    for (unsigned int u = 0; u < n_owned; ++u)
+      for (unsigned int c = 0; c < columns.size(); ++c)
+        x.local_element(u * width + c) =
+          columns[c]->local_element(owned_unknown_functions[u]);
     zero_held_unknowns(x, width);
   }
 
@@ -134,22 +137,13 @@ namespace greville
                                   const unsigned int width) const
   {
     // Extended functions depend on held unknowns, too.
-    const auto &mask = held_functions;
+    const auto columns = columns_of<VectorType>(fields);
     for (unsigned int u = 0; u < n_owned; ++u)
-      if (mask[owned_unknown_functions[u]] != 0)
-        for (unsigned int k = 0; k < fields.size(); ++k)
-          for (unsigned int c = 0; c < dim; ++c)
-            if ((mask[owned_unknown_functions[u]] >> c) & 1)
-              x.local_element(u * width + k * dim + c) =
-                (*fields[k])[c].local_element(owned_unknown_functions[u]);
-    x.update_ghost_values();
-    for (unsigned int k = 0; k < fields.size(); ++k)
-      for (unsigned int c = 0; c < dim; ++c)
-        distribute_column((*fields[k])[c].begin(),
-                          x.begin() + k * dim + c,
-                          width,
-                          c);
-    x.zero_out_ghost_values();
+      for (unsigned int c = 0; c < columns.size(); ++c)
+        if (is_held(owned_unknown_functions[u], c))
+          x.local_element(u * width + c) =
+            columns[c]->local_element(owned_unknown_functions[u]);
+    write_columns(columns, x, width);
   }
 
 
@@ -161,53 +155,49 @@ namespace greville
     const std::vector<VectorField<dim> *> &fields,
     const unsigned int                     width) const
   {
-    bool        any       = false;
-    const auto &mask      = held_functions;
-    const auto  for_owned = [&](const auto &visit) {
-      for (unsigned int k = 0; k < fields.size(); ++k)
-        for (unsigned int c = 0; c < dim; ++c)
-          if (component_has_held[c])
-            for (unsigned int f = 0; f < n_owned_functions(); ++f)
-              if (((mask[f] >> c) & 1) &&
-                  (*extension)[f] != Extension<dim>::inactive)
-                visit(k, c, f);
+    const auto columns  = columns_of<VectorType>(fields);
+    const auto for_held = [&](const unsigned int n, const auto &visit) {
+      if (std::count(component_has_held.begin(),
+                     component_has_held.end(),
+                     true) > 0)
+        for_each_active(n, [&](const unsigned int f, const std::size_t place) {
+          if (held_functions[f] != 0)
+            for (unsigned int c = 0; c < columns.size(); ++c)
+              if (is_held(f, c))
+                visit(c, place, columns[c]->local_element(f));
+        });
     };
-    for_owned([&](const unsigned int k, const unsigned int c, unsigned int f) {
-      any = any || (*fields[k])[c].local_element(f) != 0.;
-    });
+    VectorType x, y;
+    initialize_vector(x, width);
+    bool any = false;
+    for_held(n_owned_functions(),
+             [&](const unsigned int c,
+                 const std::size_t  place,
+                 const double       value) {
+               any = any || value != 0.;
+               if (roles[place] > 0)
+                 x.local_element((roles[place] - 1) * width + c) = value;
+             });
     // Walls at rest contribute nothing.
     if (Utilities::MPI::max<unsigned int>(any, communicator()) == 0)
       return;
 
-    VectorType x, y;
-    initialize_vector(x, width);
-    initialize_vector(y, width);
-    for_owned([&](const unsigned int k, const unsigned int c, unsigned int f) {
-      const int role = roles[points_mass.place(f)];
-      if (role > 0)
-        x.local_element((role - 1) * width + k * dim + c) =
-          (*fields[k])[c].local_element(f);
-    });
     x.update_ghost_values();
     expand(x.begin(), width);
-    for (unsigned int k = 0; k < fields.size(); ++k)
-      for (unsigned int c = 0; c < dim; ++c)
-        {
-          VectorType &field = (*fields[k])[c];
-          field.update_ghost_values();
-          for (unsigned int f = 0; f < held_functions.size(); ++f)
-            if (((mask[f] >> c) & 1) &&
-                (*extension)[f] != Extension<dim>::inactive)
-              place_x[std::size_t(points_mass.place(f)) * width + k * dim + c] =
-                field.local_element(f);
-          field.zero_out_ghost_values();
-        }
+    for (const VectorType *column : columns)
+      column->update_ghost_values();
+    for_held(n_functions(),
+             [&](const unsigned int c,
+                 const std::size_t  place,
+                 const double value) { place_x[place * width + c] = value; });
+    for (VectorType *column : columns)
+      column->zero_out_ghost_values();
     points_mass.vmult(place_y.data(), place_x.data(), width);
     zero_held(place_y.data(), width);
+    initialize_vector(y, width);
     collect(y.begin(), width);
     y.compress(VectorOperation::add);
-    for (std::size_t i = 0; i < std::size_t(n_owned) * width; ++i)
-      rows.local_element(i) -= y.local_element(i);
+    rows.add(-1., y);
     zero_held_unknowns(rows, width);
   }
 
@@ -218,9 +208,10 @@ namespace greville
   ExtendedMass<dim>::to_places(const VectorType &component) const
   {
     component.update_ghost_values();
-    for (unsigned int f = 0; f < held_functions.size(); ++f)
-      if ((*extension)[f] != Extension<dim>::inactive)
-        place_x[points_mass.place(f)] = component.local_element(f);
+    for_each_active(n_functions(),
+                    [&](const unsigned int f, const std::size_t place) {
+                      place_x[place] = component.local_element(f);
+                    });
     component.zero_out_ghost_values();
   }
 
@@ -259,18 +250,19 @@ namespace greville
         if (!component_has_held[c])
           continue;
         to_places(field[c]);
-        for (unsigned int f = 0; f < held_functions.size(); ++f)
-          if (((held_functions[f] >> c) & 1) &&
-              (*extension)[f] != Extension<dim>::inactive)
-            {
-              double sum = 0.;
-              points_mass.for_each_entry(points_mass.place(f),
-                                         [&](const unsigned int j,
-                                             const double       value) {
-                                           sum += value * place_x[j];
-                                         });
-              rows[c].local_element(f) = sum;
-            }
+        for_each_active(n_functions(),
+                        [&](const unsigned int f, const std::size_t place) {
+                          if (!is_held(f, c))
+                            return;
+                          double sum = 0.;
+                          points_mass.for_each_entry(place,
+                                                     [&](const unsigned int j,
+                                                         const double value) {
+                                                       sum +=
+                                                         value * place_x[j];
+                                                     });
+                          rows[c].local_element(f) = sum;
+                        });
         rows[c].compress(VectorOperation::add);
       }
   }
@@ -335,65 +327,35 @@ namespace greville
 
 
 
-  template void
-  ExtendedMass<2>::condense(VectorType &, const VectorType &) const;
-  template void
-  ExtendedMass<2>::distribute(VectorType &, VectorType &) const;
-  template void
-  ExtendedMass<3>::condense(VectorType &, const VectorType &) const;
-  template void
-  ExtendedMass<3>::distribute(VectorType &, VectorType &) const;
-  template void
-  ExtendedMass<2>::restrict_fields(VectorType &,
-                                   const std::vector<const VectorField<2> *> &,
-                                   const unsigned int) const;
-  template void
-  ExtendedMass<2>::read_fields(VectorType &,
-                               const std::vector<const VectorField<2> *> &,
-                               const unsigned int) const;
-  template void
-  ExtendedMass<2>::write_fields(const std::vector<VectorField<2> *> &,
-                                VectorType &,
-                                const unsigned int) const;
-  template void
-  ExtendedMass<2>::subtract_held(VectorType &,
-                                 const std::vector<VectorField<2> *> &,
-                                 const unsigned int) const;
-  template void
-  ExtendedMass<2>::multiply_field(VectorField<2> &,
-                                  const VectorField<2> &) const;
-  template void
-  ExtendedMass<2>::multiply_at_held(VectorField<2> &,
-                                    const VectorField<2> &) const;
-  template void
-  ExtendedMass<2>::approximate_diagonal(VectorType &) const;
-  template void
-  ExtendedMass<2>::extend(VectorField<2> &, const VectorType &) const;
-
-  template void
-  ExtendedMass<3>::restrict_fields(VectorType &,
-                                   const std::vector<const VectorField<3> *> &,
-                                   const unsigned int) const;
-  template void
-  ExtendedMass<3>::read_fields(VectorType &,
-                               const std::vector<const VectorField<3> *> &,
-                               const unsigned int) const;
-  template void
-  ExtendedMass<3>::write_fields(const std::vector<VectorField<3> *> &,
-                                VectorType &,
-                                const unsigned int) const;
-  template void
-  ExtendedMass<3>::subtract_held(VectorType &,
-                                 const std::vector<VectorField<3> *> &,
-                                 const unsigned int) const;
-  template void
-  ExtendedMass<3>::multiply_field(VectorField<3> &,
-                                  const VectorField<3> &) const;
-  template void
-  ExtendedMass<3>::multiply_at_held(VectorField<3> &,
-                                    const VectorField<3> &) const;
-  template void
-  ExtendedMass<3>::approximate_diagonal(VectorType &) const;
-  template void
-  ExtendedMass<3>::extend(VectorField<3> &, const VectorType &) const;
+  // The members of this source.
+#define INSTANTIATE(dim)                                                       \
+  template void ExtendedMass<dim>::condense(VectorType &, const VectorType &)  \
+    const;                                                                     \
+  template void ExtendedMass<dim>::distribute(VectorType &, VectorType &)      \
+    const;                                                                     \
+  template void ExtendedMass<dim>::restrict_fields(                            \
+    VectorType &,                                                              \
+    const std::vector<const VectorField<dim> *> &,                             \
+    const unsigned int) const;                                                 \
+  template void ExtendedMass<dim>::read_fields(                                \
+    VectorType &,                                                              \
+    const std::vector<const VectorField<dim> *> &,                             \
+    const unsigned int) const;                                                 \
+  template void ExtendedMass<dim>::write_fields(                               \
+    const std::vector<VectorField<dim> *> &, VectorType &, const unsigned int) \
+    const;                                                                     \
+  template void ExtendedMass<dim>::subtract_held(                              \
+    VectorType &, const std::vector<VectorField<dim> *> &, const unsigned int) \
+    const;                                                                     \
+  template void ExtendedMass<dim>::multiply_field(VectorField<dim> &,          \
+                                                  const VectorField<dim> &)    \
+    const;                                                                     \
+  template void ExtendedMass<dim>::multiply_at_held(VectorField<dim> &,        \
+                                                    const VectorField<dim> &)  \
+    const;                                                                     \
+  template void ExtendedMass<dim>::approximate_diagonal(VectorType &) const;   \
+  template void ExtendedMass<dim>::extend(VectorField<dim> &,                  \
+                                          const VectorType &) const
+  INSTANTIATE(2);
+  INSTANTIATE(3);
 } // namespace greville

@@ -299,20 +299,36 @@ namespace greville
     zero_held(double *values, const unsigned int width) const;
 
     /**
-     * The owned rows of E x for a column of a component, and what the owned
-     * entries of b give to E^T b.
+     * Call visit(f, place) for the first local functions that are active.
+     */
+    template <typename Visit>
+    void
+    for_each_active(const unsigned int n_functions, const Visit &visit) const;
+
+    /**
+     * restrict_fields() and write_fields() for columns.
      */
     void
-    distribute_column(double            *values,
-                      const double      *x,
-                      const unsigned int width,
-                      const unsigned int component) const;
+    restrict_columns(VectorType                            &rows,
+                     const std::vector<const VectorType *> &columns,
+                     const unsigned int                     width) const;
 
     void
-    condense_column(double            *rows,
-                    const unsigned int width,
-                    const double      *b,
-                    const unsigned int component) const;
+    write_columns(const std::vector<VectorType *> &columns,
+                  VectorType                      &x,
+                  const unsigned int               width) const;
+
+    bool
+    is_held(const unsigned int function, const unsigned int column) const
+    {
+      return (held_functions[function] >> (column % dim)) & 1;
+    }
+
+    unsigned int
+    n_functions() const
+    {
+      return held_functions.size();
+    }
 
     unsigned int
     n_owned_functions() const
