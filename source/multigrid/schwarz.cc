@@ -13,15 +13,49 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    IS
+    make_indices(const std::vector<PetscInt> &numbers)
+    {
+      IS is;
+      check_petsc(ISCreateGeneral(PETSC_COMM_SELF,
+                                  numbers.size(),
+                                  numbers.data(),
+                                  PETSC_COPY_VALUES,
+                                  &is));
+      return is;
+    }
+
+
+
+    std::vector<PetscInt>
+    take_indices(IS is)
+    {
+      PetscInt        n;
+      const PetscInt *indices;
+      check_petsc(ISGetLocalSize(is, &n));
+      check_petsc(ISGetIndices(is, &indices));
+      const std::vector<PetscInt> result(indices, indices + n);
+      check_petsc(ISRestoreIndices(is, &indices));
+      check_petsc(ISDestroy(&is));
+      return result;
+    }
+  } // namespace
+
+
+
   template <int dim>
-  OverlappingDomain<dim>::OverlappingDomain(const LevelOperator<dim> &level,
-                                            const unsigned int        overlap,
-                                            const SchwarzCombination  c,
-                                            const std::string        &ordering)
-    : combination(c)
-    , comm(level.space().communicator())
+  AdditiveSchwarz<dim>::AdditiveSchwarz(
+    const LevelOperator<dim>                    &level,
+    const unsigned int                           overlap,
+    const bool                                   symmetric,
+    const std::string                           &ordering,
+    const std::function<LocalSolver(const Mat)> &make)
+    : is_symmetric(symmetric)
     , n_owned(level.space().owned_functions().size())
   {
+    const MPI_Comm                comm      = level.space().communicator();
     const Mat                     matrix    = level.matrix();
     const auto                   &positions = level.space().owned_functions();
     PetscInt                      n_all;
@@ -31,18 +65,15 @@ namespace greville
     AssertDimension(n_owned, range.second - range.first);
 
     // The numbers in the domain, ascending.
+    Mat                   local_matrix;
+    PetscMatrix           local_copy;
     std::vector<PetscInt> domain_numbers(n_owned);
     std::iota(domain_numbers.begin(), domain_numbers.end(), range.first);
     if (Utilities::MPI::n_mpi_processes(comm) == 1)
       check_petsc(MatMPIAIJGetSeqAIJ(matrix, &local_matrix, nullptr, nullptr));
     else
       {
-        IS is;
-        check_petsc(ISCreateGeneral(PETSC_COMM_SELF,
-                                    n_owned,
-                                    domain_numbers.data(),
-                                    PETSC_COPY_VALUES,
-                                    &is));
+        IS is = make_indices(domain_numbers);
         check_petsc(MatIncreaseOverlap(matrix, 1, &is, overlap));
         check_petsc(ISSort(is));
         Mat *matrices;
@@ -53,14 +84,7 @@ namespace greville
         local_copy.reset(matrices[0]);
         local_matrix = local_copy.get();
         check_petsc(MatDestroySubMatrices(1, &matrices));
-
-        PetscInt        n;
-        const PetscInt *indices;
-        check_petsc(ISGetLocalSize(is, &n));
-        check_petsc(ISGetIndices(is, &indices));
-        domain_numbers.assign(indices, indices + n);
-        check_petsc(ISRestoreIndices(is, &indices));
-        check_petsc(ISDestroy(&is));
+        domain_numbers = take_indices(is);
       }
 
     IndexSet ghosts(n_all);
@@ -96,21 +120,12 @@ namespace greville
         IS rows, columns;
         check_petsc(
           MatGetOrdering(local_matrix, ordering.c_str(), &rows, &columns));
-        const PetscInt *indices;
-        check_petsc(ISGetIndices(rows, &indices));
-        permutation.assign(indices, indices + order.size());
-        check_petsc(ISRestoreIndices(rows, &indices));
-        check_petsc(ISDestroy(&rows));
+        permutation = take_indices(rows);
         check_petsc(ISDestroy(&columns));
       }
     if (!std::is_sorted(permutation.begin(), permutation.end()))
       {
-        IS is;
-        check_petsc(ISCreateGeneral(PETSC_COMM_SELF,
-                                    permutation.size(),
-                                    permutation.data(),
-                                    PETSC_COPY_VALUES,
-                                    &is));
+        IS is = make_indices(permutation);
         check_petsc(ISSetPermutation(is));
         Mat permuted;
         check_petsc(MatPermute(local_matrix, is, is, &permuted));
@@ -123,7 +138,7 @@ namespace greville
           order[i] = old_order[permutation[i]];
       }
 
-    if (combination == SchwarzCombination::symmetric)
+    if (is_symmetric)
       {
         // Count the domains that hold an entry.
         values = 0.;
@@ -135,24 +150,30 @@ namespace greville
           weights.push_back(1. / std::sqrt(values.local_element(i)));
         values.zero_out_ghost_values();
       }
+
+    run_on_all(
+      [&]() {
+        if (!order.empty())
+          solver = make(local_matrix);
+      },
+      comm);
   }
 
 
 
   template <int dim>
   void
-  OverlappingDomain<dim>::restrict_to(std::vector<double> &local,
-                                      const VectorType    &src,
-                                      const bool           transpose) const
+  AdditiveSchwarz<dim>::restrict_to_domain(const VectorType &src,
+                                           const bool        transpose) const
   {
     std::copy_n(src.begin(), n_owned, values.begin());
     values.update_ghost_values();
     local.resize(order.size());
     for (unsigned int i = 0; i < order.size(); ++i)
       local[i] = values.local_element(order[i]) *
-                 (combination == SchwarzCombination::symmetric ? weights[i]
-                  : transpose && !owns(i)                      ? 0.
-                                                               : 1.);
+                 (is_symmetric                       ? weights[i]
+                  : transpose && order[i] >= n_owned ? 0.
+                                                     : 1.);
     values.zero_out_ghost_values();
   }
 
@@ -160,164 +181,108 @@ namespace greville
 
   template <int dim>
   void
-  OverlappingDomain<dim>::prolongate_from(const std::vector<double> &local,
-                                          VectorType                &dst,
-                                          const bool transpose) const
+  AdditiveSchwarz<dim>::prolongate(VectorType &dst, const bool transpose) const
   {
-    if (combination == SchwarzCombination::restricted && !transpose)
+    if (!is_symmetric && !transpose)
       {
         for (unsigned int i = 0; i < order.size(); ++i)
-          if (owns(i))
+          if (order[i] < n_owned)
             dst.local_element(order[i]) = local[i];
         return;
       }
     values = 0.;
     for (unsigned int i = 0; i < order.size(); ++i)
       values.local_element(order[i]) =
-        combination == SchwarzCombination::symmetric ? weights[i] * local[i]
-                                                     : local[i];
+        is_symmetric ? weights[i] * local[i] : local[i];
     values.compress(VectorOperation::add);
     std::copy_n(values.begin(), n_owned, dst.begin());
   }
 
 
 
-  namespace
-  {
-    class IlutSolver : public LocalSolver
-    {
-    public:
-      template <typename... Arguments>
-      IlutSolver(const Arguments &...arguments)
-        : ilut(arguments...)
-      {}
-
-      void
-      solve(double *x, const bool transpose) const override
-      {
-        transpose ? ilut.solve_transpose(x) : ilut.solve(x);
-      }
-
-    private:
-      ILUT ilut;
-    };
-
-
-
-    class IC0Solver : public LocalSolver
-    {
-    public:
-      IC0Solver(const Mat matrix, const double shift)
-      {
-        factors.factorize(lower_triangle(matrix), shift);
-      }
-
-      void
-      solve(double *x, const bool) const override
-      {
-        factors.solve(x, 1);
-      }
-
-    private:
-      IncompleteCholesky factors;
-    };
-
-
-
-    class ILU0Solver : public LocalSolver
-    {
-    public:
-      ILU0Solver(const Mat matrix, const double shift)
-      {
-        Mat scaled;
-        check_petsc(MatDuplicate(matrix, MAT_COPY_VALUES, &scaled));
-        PetscMatrix owner(scaled);
-        Vec         diagonal;
-        check_petsc(MatCreateVecs(scaled, &diagonal, nullptr));
-        PetscVector vector_owner(diagonal);
-        check_petsc(MatGetDiagonal(scaled, diagonal));
-        check_petsc(VecSqrtAbs(diagonal));
-        check_petsc(VecReciprocal(diagonal));
-        check_petsc(MatDiagonalScale(scaled, diagonal, diagonal));
-        if (shift != 0.)
-          check_petsc(MatShift(scaled, shift));
-
-        PetscInt           n;
-        const PetscScalar *values;
-        check_petsc(VecGetLocalSize(diagonal, &n));
-        check_petsc(VecGetArrayRead(diagonal, &values));
-        scaling.assign(values, values + n);
-        check_petsc(VecRestoreArrayRead(diagonal, &values));
-
-        PC handle;
-        check_petsc(PCCreate(PETSC_COMM_SELF, &handle));
-        pc.reset(handle);
-        check_petsc(PCSetOperators(handle, scaled, scaled));
-        check_petsc(PCSetType(handle, PCILU));
-        check_petsc(PCFactorSetMatOrderingType(handle, MATORDERINGNATURAL));
-        check_petsc(PCFactorSetLevels(handle, 0));
-        check_petsc(PCFactorSetShiftType(handle, MAT_SHIFT_NONE));
-        check_petsc(PCFactorSetZeroPivot(handle, 1e-14));
-        check_petsc(PCSetErrorIfFailure(handle, PETSC_FALSE));
-        check_petsc(PCSetUp(handle));
-        PCFailedReason reason;
-        check_petsc(PCGetFailedReason(handle, &reason));
-        AssertThrow(reason == PC_NOERROR,
-                    ExcMessage("ILU(0) found a pivot that is zero: the matrix "
-                               "needs a shift (parameter 'Shift', try "
-                               "1e-3)."));
-        view_in  = PetscVectorView(PETSC_COMM_SELF, n);
-        view_out = PetscVectorView(PETSC_COMM_SELF, n);
-        scratch.resize(n);
-      }
-
-      void
-      solve(double *x, const bool transpose) const override
-      {
-        for (std::size_t i = 0; i < scaling.size(); ++i)
-          x[i] *= scaling[i];
-        view_in.with(x, [&](Vec in) {
-          view_out.with(scratch.data(), [&](Vec out) {
-            check_petsc(transpose ? PCApplyTranspose(pc.get(), in, out)
-                                  : PCApply(pc.get(), in, out));
-          });
-        });
-        for (std::size_t i = 0; i < scaling.size(); ++i)
-          x[i] = scaling[i] * scratch[i];
-      }
-
-    private:
-      PetscHandle<PC, PCDestroy>  pc;
-      std::vector<double>         scaling;
-      mutable std::vector<double> scratch;
-      PetscVectorView             view_in, view_out;
-    };
-  } // namespace
-
-
-
-  std::unique_ptr<LocalSolver>
+  LocalSolver
   make_ilut(const Mat    matrix,
             const double drop_tolerance,
             const double fill_factor)
   {
-    return std::make_unique<IlutSolver>(matrix, drop_tolerance, fill_factor);
+    const auto ilut =
+      std::make_shared<const ILUT>(matrix, drop_tolerance, fill_factor);
+    return [ilut](double *x, const bool transpose) {
+      transpose ? ilut->solve_transpose(x) : ilut->solve(x);
+    };
   }
 
 
 
-  std::unique_ptr<LocalSolver>
-  make_ilu0(const Mat matrix, const double shift)
-  {
-    return std::make_unique<ILU0Solver>(matrix, shift);
-  }
-
-
-
-  std::unique_ptr<LocalSolver>
+  LocalSolver
   make_ic0(const Mat matrix, const double shift)
   {
-    return std::make_unique<IC0Solver>(matrix, shift);
+    const auto factors = std::make_shared<IncompleteCholesky>();
+    factors->factorize(lower_triangle(matrix), shift);
+    return [factors](double *x, const bool) { factors->solve(x, 1); };
+  }
+
+
+
+  LocalSolver
+  make_ilu0(const Mat matrix, const double shift)
+  {
+    Mat scaled;
+    check_petsc(MatDuplicate(matrix, MAT_COPY_VALUES, &scaled));
+    PetscMatrix owner(scaled);
+    Vec         diagonal;
+    check_petsc(MatCreateVecs(scaled, &diagonal, nullptr));
+    PetscVector vector_owner(diagonal);
+    check_petsc(MatGetDiagonal(scaled, diagonal));
+    check_petsc(VecSqrtAbs(diagonal));
+    check_petsc(VecReciprocal(diagonal));
+    check_petsc(MatDiagonalScale(scaled, diagonal, diagonal));
+    if (shift != 0.)
+      check_petsc(MatShift(scaled, shift));
+
+    PetscInt           n;
+    const PetscScalar *values;
+    check_petsc(VecGetLocalSize(diagonal, &n));
+    check_petsc(VecGetArrayRead(diagonal, &values));
+    const std::vector<double> scaling(values, values + n);
+    check_petsc(VecRestoreArrayRead(diagonal, &values));
+
+    PC handle;
+    check_petsc(PCCreate(PETSC_COMM_SELF, &handle));
+    const std::shared_ptr<std::remove_pointer_t<PC>> pc(handle, [](PC owned) {
+      PCDestroy(&owned);
+    });
+    check_petsc(PCSetOperators(handle, scaled, scaled));
+    check_petsc(PCSetType(handle, PCILU));
+    check_petsc(PCFactorSetMatOrderingType(handle, MATORDERINGNATURAL));
+    check_petsc(PCFactorSetLevels(handle, 0));
+    check_petsc(PCFactorSetShiftType(handle, MAT_SHIFT_NONE));
+    check_petsc(PCFactorSetZeroPivot(handle, 1e-14));
+    check_petsc(PCSetErrorIfFailure(handle, PETSC_FALSE));
+    check_petsc(PCSetUp(handle));
+    PCFailedReason reason;
+    check_petsc(PCGetFailedReason(handle, &reason));
+    AssertThrow(reason == PC_NOERROR,
+                ExcMessage("ILU(0) found a pivot that is zero: the matrix "
+                           "needs a shift (parameter 'Shift', try "
+                           "1e-3)."));
+
+    const auto in = std::make_shared<const PetscVectorView>(PETSC_COMM_SELF, n);
+    const auto out =
+      std::make_shared<const PetscVectorView>(PETSC_COMM_SELF, n);
+    return [scaling, pc, in, out](double *x, const bool transpose) {
+      std::vector<double> y(scaling.size());
+      for (std::size_t i = 0; i < y.size(); ++i)
+        x[i] *= scaling[i];
+      in->with(x, [&](Vec from) {
+        out->with(y.data(), [&](Vec to) {
+          check_petsc(transpose ? PCApplyTranspose(pc.get(), from, to)
+                                : PCApply(pc.get(), from, to));
+        });
+      });
+      for (std::size_t i = 0; i < y.size(); ++i)
+        x[i] = scaling[i] * y[i];
+    };
   }
 
 
@@ -353,31 +318,15 @@ namespace greville
 
 
   template <int dim>
-  AdditiveSchwarz<dim>::AdditiveSchwarz(
-    std::unique_ptr<const OverlappingDomain<dim>>                 d,
-    const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make)
-    : domain(std::move(d))
-  {
-    run_on_all(
-      [&]() {
-        if (domain->size() > 0)
-          solver = make(domain->matrix());
-      },
-      domain->communicator());
-  }
-
-
-
-  template <int dim>
   void
   AdditiveSchwarz<dim>::apply(VectorType       &dst,
                               const VectorType &src,
                               const bool        transpose) const
   {
-    domain->restrict_to(local, src, transpose);
+    restrict_to_domain(src, transpose);
     if (solver)
-      solver->solve(local.data(), transpose);
-    domain->prolongate_from(local, dst, transpose);
+      solver(local.data(), transpose);
+    prolongate(dst, transpose);
   }
 
 
@@ -400,8 +349,6 @@ namespace greville
 
 
 
-  template class OverlappingDomain<2>;
-  template class OverlappingDomain<3>;
   template class AdditiveSchwarz<2>;
   template class AdditiveSchwarz<3>;
 } // namespace greville

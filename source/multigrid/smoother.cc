@@ -262,18 +262,21 @@ namespace greville
       void
       vmult(VectorType &dst, const VectorType &src) const override
       {
-        apply_by_components(n_components,
-                            dst,
-                            src,
-                            to,
-                            from,
-                            [&](VectorType &y, const VectorType &x) {
-                              smoother->vmult(y, x);
-                            });
+        apply(dst, src, &Preconditioner::vmult);
       }
 
       void
       Tvmult(VectorType &dst, const VectorType &src) const override
+      {
+        apply(dst, src, &Preconditioner::Tvmult);
+      }
+
+    private:
+      void
+      apply(VectorType       &dst,
+            const VectorType &src,
+            void (Preconditioner::*action)(VectorType &, const VectorType &)
+              const) const
       {
         apply_by_components(n_components,
                             dst,
@@ -281,11 +284,10 @@ namespace greville
                             to,
                             from,
                             [&](VectorType &y, const VectorType &x) {
-                              smoother->Tvmult(y, x);
+                              (*smoother.*action)(y, x);
                             });
       }
 
-    private:
       const std::unique_ptr<Preconditioner> smoother;
       const unsigned int                    n_components;
       mutable VectorType                    to, from;
@@ -293,31 +295,25 @@ namespace greville
 
 
 
-    SchwarzCombination
-    combination_of(const SmootherParameters &parameters, const bool symmetric)
-    {
-      if (parameters.combination == "automatic")
-        return symmetric ? SchwarzCombination::symmetric
-                         : SchwarzCombination::restricted;
-      return parameters.combination == "symmetric"
-               ? SchwarzCombination::symmetric
-               : SchwarzCombination::restricted;
-    }
-
-
-
+    /**
+     * Additive Schwarz with make(matrix, parameters).
+     */
     template <int dim>
-    std::unique_ptr<Preconditioner>
-    make_schwarz(
-      const SmootherParameters                                     &p,
-      const LevelOperator<dim>                                     &level,
-      const bool                                                    symmetric,
-      const std::function<std::unique_ptr<LocalSolver>(const Mat)> &make)
+    MakeSmoother<dim>
+    schwarz_with(
+      const std::function<LocalSolver(const Mat, const SmootherParameters &)>
+        &make)
     {
-      return std::make_unique<AdditiveSchwarz<dim>>(
-        std::make_unique<OverlappingDomain<dim>>(
-          level, p.overlap, combination_of(p, symmetric), p.ordering),
-        make);
+      return [make](const SmootherParameters &p,
+                    const LevelOperator<dim> &level,
+                    const bool                symmetric) {
+        const bool is_symmetric = p.combination == "symmetric" ||
+                                  (p.combination == "automatic" && symmetric);
+        return std::make_unique<AdditiveSchwarz<dim>>(
+          level, p.overlap, is_symmetric, p.ordering, [&](const Mat matrix) {
+            return make(matrix, p);
+          });
+      };
     }
 
 
@@ -340,69 +336,44 @@ namespace greville
     std::vector<Entry<dim>> &
     smoothers()
     {
-      using P                             = const SmootherParameters &;
-      using L                             = const LevelOperator<dim> &;
+      using P         = const SmootherParameters &;
+      using L         = const LevelOperator<dim> &;
+      const auto ilut = [](const Mat m, P p) {
+        return make_ilut(m, p.drop_tolerance, p.fill_factor);
+      };
+      const auto ilu0 = [](const Mat m, P p) { return make_ilu0(m, p.shift); };
+      const auto ic0  = [](const Mat m, P p) { return make_ic0(m, p.shift); };
+      const auto jacobi = [](P p, L level, const bool) {
+        return std::make_unique<JacobiSmoother<dim>>(level, p.damping);
+      };
+      const auto gauss_seidel = [](P, L level, const bool) {
+        return std::make_unique<GaussSeidelSmoother>(level.matrix());
+      };
+      const auto symmetric_gauss_seidel = [](P, L level, const bool) {
+        return std::make_unique<PetscPreconditioner>(
+          level.matrix(), "-pc_type sor -pc_sor_local_symmetric");
+      };
+      const auto chebyshev = [](P p, L level, const bool) {
+        return std::make_unique<ChebyshevSmoother<dim>>(level, p);
+      };
+      const auto tensor_product = [](P, L level, const bool) {
+        return std::make_unique<TensorProductPreconditioner<dim>>(
+          level.space(), level.diagonal(), level.inactive());
+      };
+      const auto petsc = [](P p, L level, const bool) {
+        return std::make_unique<PetscPreconditioner>(level.matrix(),
+                                                     p.petsc_options);
+      };
       static std::vector<Entry<dim>> list = {
-        {"ilut",
-         true,
-         true,
-         [](P p, L level, const bool symmetric) {
-           return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
-             return make_ilut(m, p.drop_tolerance, p.fill_factor);
-           });
-         }},
-        {"ilu0",
-         true,
-         true,
-         [](P p, L level, const bool symmetric) {
-           return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
-             return make_ilu0(m, p.shift);
-           });
-         }},
-        {"ic0",
-         true,
-         true,
-         [](P p, L level, const bool symmetric) {
-           return make_schwarz<dim>(p, level, symmetric, [&](const Mat m) {
-             return make_ic0(m, p.shift);
-           });
-         }},
-        {"jacobi",
-         false,
-         false,
-         [](P p, L level, const bool) {
-           return std::make_unique<JacobiSmoother<dim>>(level, p.damping);
-         }},
-        {"gauss-seidel",
-         true,
-         true,
-         [](P, L level, const bool) {
-           return std::make_unique<GaussSeidelSmoother>(level.matrix());
-         }},
-        {"symmetric-gauss-seidel",
-         true,
-         true,
-         [](P, L level, const bool) {
-           return std::make_unique<PetscPreconditioner>(
-             level.matrix(), "-pc_type sor -pc_sor_local_symmetric");
-         }},
-        {"chebyshev",
-         false,
-         false,
-         [](P p, L level, const bool) {
-           return std::make_unique<ChebyshevSmoother<dim>>(level, p);
-         }},
-        {"tensor-product",
-         false,
-         true,
-         [](P, L level, const bool) {
-           return std::make_unique<TensorProductPreconditioner<dim>>(
-             level.space(), level.diagonal(), level.inactive());
-         }},
-        {"petsc", true, true, [](P p, L level, const bool) {
-           return std::make_unique<PetscPreconditioner>(level.matrix(),
-                                                        p.petsc_options);
-         }}};
+        {"ilut", true, true, schwarz_with<dim>(ilut)},
+        {"ilu0", true, true, schwarz_with<dim>(ilu0)},
+        {"ic0", true, true, schwarz_with<dim>(ic0)},
+        {"jacobi", false, false, jacobi},
+        {"gauss-seidel", true, true, gauss_seidel},
+        {"symmetric-gauss-seidel", true, true, symmetric_gauss_seidel},
+        {"chebyshev", false, false, chebyshev},
+        {"tensor-product", false, true, tensor_product},
+        {"petsc", true, true, petsc}};
       return list;
     }
 
@@ -474,24 +445,16 @@ namespace greville
 
 
 
-  template void
-  add_smoother(const std::string &,
-               const bool,
-               const bool,
-               const MakeSmoother<2> &);
-  template void
-  add_smoother(const std::string &,
-               const bool,
-               const bool,
-               const MakeSmoother<3> &);
-  template std::unique_ptr<Preconditioner>
-  make_smoother<2>(const std::string &,
-                   const SmootherParameters &,
-                   const LevelOperator<2> &,
-                   const bool);
-  template std::unique_ptr<Preconditioner>
-  make_smoother<3>(const std::string &,
-                   const SmootherParameters &,
-                   const LevelOperator<3> &,
-                   const bool);
+#define INSTANTIATE(dim)                                                            \
+  template void                            add_smoother(const std::string &,        \
+                                                        const bool,                 \
+                                                        const bool,                 \
+                                                        const MakeSmoother<dim> &); \
+  template std::unique_ptr<Preconditioner> make_smoother<dim>(                      \
+    const std::string &,                                                            \
+    const SmootherParameters &,                                                     \
+    const LevelOperator<dim> &,                                                     \
+    const bool)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
 } // namespace greville
