@@ -442,7 +442,8 @@ namespace greville
     record.assembly = assembly.empty() ? 0. : median(assembly);
     record.setup    = setup.empty() ? 0. : median(setup);
     record.solve    = solution.empty() ? 0. : median(solution);
-    mass.clear();
+    for (const auto &level : mass.all_levels())
+      level->clear();
     return record;
   }
 

@@ -266,11 +266,8 @@ namespace greville
   std::unique_ptr<MassHierarchy<dim>>
   PointProblem<dim>::make_mass(const OrderHierarchy<dim> &orders)
   {
-    std::vector<unsigned int> n_points;
-    for (unsigned int l = 0; l < orders.n_levels(); ++l)
-      n_points.push_back(2 * orders[l].degree() + 1);
-    auto mass = std::make_unique<MassHierarchy<dim>>(orders, n_points);
-    for (MassLevel<dim> *level : mass->all_levels())
+    auto mass = std::make_unique<MassHierarchy<dim>>(orders);
+    for (const auto &level : mass->all_levels())
       {
         PointTransfer<dim> transfer;
         transfer.reinit(level->space());

@@ -6,21 +6,6 @@ namespace greville
 {
   using namespace dealii;
 
-  namespace
-  {
-    template <int dim>
-    std::vector<unsigned int>
-    exact_points(const OrderHierarchy<dim> &orders)
-    {
-      std::vector<unsigned int> result;
-      for (unsigned int l = 0; l < orders.n_levels(); ++l)
-        result.push_back(2 * orders[l].degree() + 1);
-      return result;
-    }
-  } // namespace
-
-
-
   template <int dim>
   ExtendedMultigrid<dim>::ExtendedMultigrid(
     const OrderHierarchy<dim>  &orders,
@@ -49,9 +34,7 @@ namespace greville
           ++group_of[c];
         if (group_of[c] == groups.size())
           groups.push_back(
-            {c,
-             std::make_unique<MassHierarchy<dim>>(orders, exact_points(orders)),
-             nullptr});
+            {c, std::make_unique<MassHierarchy<dim>>(orders), nullptr});
       }
   }
 
@@ -67,7 +50,7 @@ namespace greville
     const bool with_matrix = smoother_needs_matrix(parameters.smoother);
     for (Group &group : groups)
       {
-        const auto levels = group.levels->all_levels();
+        const auto &levels = group.levels->all_levels();
         for (unsigned int l = 0; l < levels.size(); ++l)
           {
             if (unknowns_changed)
@@ -82,11 +65,11 @@ namespace greville
                                   (l > 0 || parameters.coarsening == "none"),
                                 false);
           }
-        group.cycle = std::make_unique<PMultigrid<dim>>(
-          typename PMultigrid<dim>::Levels(levels.begin(), levels.end()),
-          parameters,
-          smoother_parameters,
-          parameters.coarse_tolerance);
+        group.cycle =
+          std::make_unique<PMultigrid<dim>>(group.levels->operators(),
+                                            parameters,
+                                            smoother_parameters,
+                                            parameters.coarse_tolerance);
       }
   }
 

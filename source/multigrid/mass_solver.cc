@@ -41,35 +41,23 @@ namespace greville
 
 
   template <int dim>
-  MassHierarchy<dim>::MassHierarchy(const OrderHierarchy<dim>       &orders,
-                                    const std::vector<unsigned int> &n_points)
+  MassHierarchy<dim>::MassHierarchy(const OrderHierarchy<dim> &orders)
   {
-    AssertDimension(n_points.size(), orders.n_levels());
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
       levels.push_back(std::make_unique<MassLevel<dim>>(
-        orders[l], DensityWeights<dim>(orders[l], n_points[l])));
+        orders[l], DensityWeights<dim>(orders[l], 2 * orders[l].degree() + 1)));
   }
 
 
 
   template <int dim>
-  std::vector<MassLevel<dim> *>
-  MassHierarchy<dim>::all_levels()
+  typename PMultigrid<dim>::Levels
+  MassHierarchy<dim>::operators() const
   {
-    std::vector<MassLevel<dim> *> result;
+    typename PMultigrid<dim>::Levels result;
     for (const auto &level : levels)
       result.push_back(level.get());
     return result;
-  }
-
-
-
-  template <int dim>
-  void
-  MassHierarchy<dim>::clear()
-  {
-    for (const auto &level : levels)
-      level->clear();
   }
 
 
@@ -158,7 +146,7 @@ namespace greville
       uses_multigrid(name) &&
       smoother_needs_matrix(multigrid_parameters.smoother);
 
-    const auto levels = hierarchy.all_levels();
+    const auto &levels = hierarchy.all_levels();
     for (unsigned int l = 0; l < levels.size(); ++l)
       if (l + 1 == levels.size() || uses_multigrid(name))
         levels[l]->assemble(smoother_wants_matrix &&
@@ -177,13 +165,13 @@ namespace greville
     if (uses_multigrid(name))
       {
         // p = 1 alone is solved by the coarse solver: to the end.
-        const auto levels = hierarchy.all_levels();
-        preconditioner    = std::make_unique<PMultigrid<dim>>(
-          typename PMultigrid<dim>::Levels(levels.begin(), levels.end()),
+        preconditioner = std::make_unique<PMultigrid<dim>>(
+          hierarchy.operators(),
           multigrid_parameters,
           smoother_parameters,
-          levels.size() == 1 ? 0.5 * parameters.tolerance
-                                : multigrid_parameters.coarse_tolerance);
+          hierarchy.all_levels().size() == 1
+            ? 0.5 * parameters.tolerance
+            : multigrid_parameters.coarse_tolerance);
       }
     else if (name == "cg-jacobi")
       preconditioner =

@@ -232,11 +232,8 @@ test_solvers(const MultiIndex<dim> &cells,
     const OrderHierarchy<dim> orders(box.mesh, p, coarsening);
     CellFilling<dim>          filling(orders.finest());
     filling.update(fillings<dim>(orders.finest(), is_filled), 0.8);
-    std::vector<unsigned int> n_points;
-    for (unsigned int l = 0; l < orders.n_levels(); ++l)
-      n_points.push_back(2 * orders[l].degree() + 1);
-    MassHierarchy<dim> mass(orders, n_points);
-    for (MassLevel<dim> *level : mass.all_levels())
+    MassHierarchy<dim> mass(orders);
+    for (const auto &level : mass.all_levels())
       {
         fill_weights<dim>(level->weights(), level->space(), is_filled, 0.1);
         const Extension<dim> extension(level->space(), filling);

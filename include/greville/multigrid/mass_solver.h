@@ -38,11 +38,11 @@ namespace greville
                   const dealii::Function<dim> &density);
 
     /**
-     * Collective. Weights of zero with @p n_points[l] Gauss points per
-     * direction on level l, to be filled before a MassSolver assembles.
+     * Collective. Weights of zero at the 2 p + 1 Gauss points per direction
+     * that make the matrix of material points, to be filled before a MassSolver
+     * assembles.
      */
-    MassHierarchy(const OrderHierarchy<dim>       &orders,
-                  const std::vector<unsigned int> &n_points);
+    MassHierarchy(const OrderHierarchy<dim> &orders);
 
     MassLevel<dim> &
     finest()
@@ -53,14 +53,17 @@ namespace greville
     /**
      * From the coarsest to the finest.
      */
-    std::vector<MassLevel<dim> *>
-    all_levels();
+    const std::vector<std::unique_ptr<MassLevel<dim>>> &
+    all_levels() const
+    {
+      return levels;
+    }
 
     /**
-     * Free the operators of all levels.
+     * The same as PMultigrid takes them.
      */
-    void
-    clear();
+    typename PMultigrid<dim>::Levels
+    operators() const;
 
   private:
     std::vector<std::unique_ptr<MassLevel<dim>>> levels;
