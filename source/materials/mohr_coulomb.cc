@@ -43,6 +43,7 @@ namespace greville
       "Equivalent plastic strain at which linear softening ends, or over "
       "which exponential softening falls by the factor e. Unit: none.",
       positive());
+    reduction_of_strength.declare(prm);
   }
 
 
@@ -76,19 +77,41 @@ namespace greville
                     "Residual cohesion",
                     last_cohesion,
                     "greater than 0 where the residual friction angle is 0");
-    softens       = last_cohesion < cohesion || last_angle < friction_angle;
-    exponential   = (softening == "exponential");
-    sin_dilatancy = std::sin(dilatancy_angle * (numbers::PI / 180.));
-    peak          = surface(cohesion, friction_angle);
+    softens     = last_cohesion < cohesion || last_angle < friction_angle;
+    exponential = (softening == "exponential");
+    reduction_of_strength.reinit(section);
+    peak = make_surface(0., 1.);
   }
 
 
 
   MohrCoulomb::Surface
-  MohrCoulomb::slope_of_surface(const double alpha) const
+  MohrCoulomb::make_surface(const double alpha, const double reduction) const
+  {
+    const double x    = alpha / softening_strain;
+    const double part = exponential ? std::exp(-x) : std::max(1. - x, 0.);
+    const double c =
+      (last_cohesion + (cohesion - last_cohesion) * part) / reduction;
+    const double phi = StrengthReduction::reduced_angle(
+      last_angle + (friction_angle - last_angle) * part, reduction);
+    const double psi =
+      std::min(StrengthReduction::reduced_angle(dilatancy_angle, 1.),
+               StrengthReduction::reduced_angle(last_angle, reduction));
+    const double sine = std::sin(phi), cosine = std::cos(phi);
+    return {sine,
+            2. * c * cosine,
+            sine > 0. ? c * cosine / sine : 0.,
+            std::sin(psi)};
+  }
+
+
+
+  MohrCoulomb::Surface
+  MohrCoulomb::slope_of_surface(const double alpha,
+                                const double reduction) const
   {
     if (!softens)
-      return {0., 0., 0.};
+      return {0., 0., 0., 0.};
     const double x     = alpha / softening_strain;
     const double part  = exponential ? std::exp(-x) : std::max(1. - x, 0.);
     const double slope = (exponential ? -part
@@ -96,20 +119,25 @@ namespace greville
                                       : 0.) /
                          softening_strain;
     const double degree = numbers::PI / 180.;
-    const double c      = last_cohesion + (cohesion - last_cohesion) * part,
-                 angle =
-                   degree * (last_angle + (friction_angle - last_angle) * part);
-    const double change_of_c = (cohesion - last_cohesion) * slope,
-                 change_of_angle =
-                   degree * (friction_angle - last_angle) * slope;
-    const double sine = std::sin(angle), cosine = std::cos(angle);
+    const double c =
+      (last_cohesion + (cohesion - last_cohesion) * part) / reduction;
+    const double change_of_c = (cohesion - last_cohesion) * slope / reduction;
+    // tan(phi) = tan(full) / r: phi' = full' r / (r^2 cos^2 + sin^2).
+    const double full =
+      degree * (last_angle + (friction_angle - last_angle) * part);
+    const double phi = std::atan(std::tan(full) / reduction);
+    const double a = reduction * std::cos(full), b = std::sin(full);
+    const double change_of_phi = degree * (friction_angle - last_angle) *
+                                 slope * reduction / (a * a + b * b);
+    const double sine = std::sin(phi), cosine = std::cos(phi);
     // of c cos(phi)
-    const double change = change_of_c * cosine - c * sine * change_of_angle;
-    return {cosine * change_of_angle,
+    const double change = change_of_c * cosine - c * sine * change_of_phi;
+    return {cosine * change_of_phi,
             2. * change,
             sine > 0.
-              ? (change - c * cosine * cosine / sine * change_of_angle) / sine
-              : 0.};
+              ? (change - c * cosine * cosine / sine * change_of_phi) / sine
+              : 0.,
+            0.};
   }
 
 
@@ -125,7 +153,7 @@ namespace greville
     Region region;
     returned(t, s, &region);
     const double K = elastic.bulk, G = elastic.shear;
-    const double phi = s.sine, psi = sin_dilatancy;
+    const double phi = s.sine, psi = s.sin_dilatancy;
     const double upper  = 2. * G * (1. + psi / 3.) + 2. * K * psi,
                  lower  = 2. * G * (1. - psi / 3.) - 2. * K * psi,
                  middle = (4. / 3. * G - 2. * K) * psi;
@@ -209,13 +237,17 @@ namespace greville
                              const Principal                   &trial,
                              const Principal                   &result,
                              const double                       alpha,
+                             const double                       reduction,
                              const bool                         grows,
                              const std::array<unsigned int, 3> &order) const
   {
     double    by_trial[3][3];
     Principal by_alpha;
-    differentiate_return(
-      trial, surface_at(alpha), slope_of_surface(alpha), by_trial, by_alpha);
+    differentiate_return(trial,
+                         surface_at(alpha, reduction),
+                         slope_of_surface(alpha, reduction),
+                         by_trial,
+                         by_alpha);
     if (softens && grows)
       {
         // d alpha = v (d trial - d result) with the derivatives v of

@@ -391,6 +391,7 @@ namespace greville
       for (unsigned int d = 0; d < dim; ++d)
         steps[d] = 0.1 * body.points.space().lattice().cell_size(d);
 
+      const double        strength_reduction = material.strength_reduction(0.);
       std::vector<double> values(layout.size);
       const PointRef<dim> p(values.data());
       for (const PlacedPoint<dim> &point : new_points)
@@ -401,6 +402,7 @@ namespace greville
           double        J_of_shape = 1.;
           state.F                  = unit_symmetric_tensor<3>();
           state.increment          = state.F;
+          state.strength_reduction = strength_reduction;
           try
             {
               material.initialize(state, stress(point.x));

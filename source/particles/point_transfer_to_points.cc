@@ -40,8 +40,7 @@ namespace greville
                     const unsigned int   g,
                     const unsigned int   count,
                     const Simd (&increment)[dim][dim],
-                    const double    step,
-                    const Material &material)
+                    const PointUpdate<dim> &update)
     {
       const PointLayout<dim> &layout = points.layout();
       MaterialPoint           states[simd_width];
@@ -49,12 +48,13 @@ namespace greville
         {
           MaterialPoint &state = states[lane];
           load_material_point<dim>(points.point(g, lane), layout, state);
-          state.dt = step;
+          state.dt                 = update.step;
+          state.strength_reduction = update.strength_reduction;
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
               state.increment[i][j] = increment[i][j][lane];
         }
-      material.update(ArrayView<MaterialPoint>(states, count));
+      update.material->update(ArrayView<MaterialPoint>(states, count));
 
       bool good = true;
       for (unsigned int lane = 0; lane < count; ++lane)
@@ -304,12 +304,7 @@ namespace greville
                   const Simd J = det * load(group + Layout::J * simd_width);
                   store(J, group + Layout::J * simd_width);
 
-                  if (!update_material(points,
-                                       g,
-                                       count,
-                                       increment,
-                                       update.step,
-                                       *update.material))
+                  if (!update_material(points, g, count, increment, update))
                     report_bad_point(points, g, count, report);
 
                   // c^2 = modulus / density

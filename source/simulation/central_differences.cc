@@ -366,8 +366,10 @@ namespace greville
     update.flip          = flip_share(state, trial.velocity_step);
     update.apic          = apic;
 
-    PointMotion motion =
-      update_points(state.bodies, discretization.transfer(), update);
+    PointMotion motion = update_points(state.bodies,
+                                       discretization.transfer(),
+                                       update,
+                                       state.time + (move ? trial.step : 0.));
     motion.merge(trial.motion);
     trial.motion = std::move(motion);
     if (kick || move)

@@ -77,7 +77,8 @@ namespace greville
   PointMotion
   update_points(std::vector<Body<dim>> &bodies,
                 PointTransfer<dim>     &transfer,
-                PointUpdate<dim>        update)
+                PointUpdate<dim>        update,
+                const double            time)
   {
     PointMotion motion;
     motion.left_cells.resize(bodies.size());
@@ -93,7 +94,8 @@ namespace greville
             motion.fastest_signal    = std::max(motion.fastest_signal, speed);
             continue;
           }
-        update.material          = body.material;
+        update.material           = body.material;
+        update.strength_reduction = body.material->strength_reduction(time);
         const PointReport report = transfer.grid_to_points(body.points, update);
         motion.fastest_signal =
           std::max(motion.fastest_signal, report.fastest_signal);
@@ -137,9 +139,15 @@ namespace greville
   template void
   impose_velocities(std::vector<Body<3>> &, const double);
   template PointMotion
-  update_points(std::vector<Body<2>> &, PointTransfer<2> &, PointUpdate<2>);
+  update_points(std::vector<Body<2>> &,
+                PointTransfer<2> &,
+                PointUpdate<2>,
+                const double);
   template PointMotion
-  update_points(std::vector<Body<3>> &, PointTransfer<3> &, PointUpdate<3>);
+  update_points(std::vector<Body<3>> &,
+                PointTransfer<3> &,
+                PointUpdate<3>,
+                const double);
   template void
   share_volume(State<2> &, PointTransfer<2> &, const double);
   template void

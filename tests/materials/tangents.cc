@@ -247,10 +247,11 @@ namespace
           f += random.matrix(k % 7 == 0 ? 1e-4 * size : size, plane);
         if (plane)
           f[2][2] = 1.;
-        point.increment = f;
-        point.F         = f * point.F;
-        point.J         = determinant(point.F);
-        point.dt        = 1e-2;
+        point.increment          = f;
+        point.F                  = f * point.F;
+        point.J                  = determinant(point.F);
+        point.dt                 = 1e-2;
+        point.strength_reduction = material->strength_reduction(0.);
         comparison.add(point, plane ? 2 : 3);
         n_torn += point.J > 1.;
         const MaterialPoint before = point;
@@ -422,7 +423,13 @@ main(int argc, char **argv)
      "Residual friction angle = 30",
      "Cohesion = 8e3",
      "Residual cohesion = 1e3",
-     "Softening = exponential"}};
+     "Softening = exponential"},
+    {"Friction angle = 40",
+     "Residual friction angle = 30",
+     "Dilatancy angle = 25",
+     "Cohesion = 8e3",
+     "Residual cohesion = 4e3",
+     "Strength reduction = 1.4"}};
   for (const auto &settings : pyramids)
     test("mohr-coulomb",
          with(settings),

@@ -4,6 +4,7 @@
 #define greville_materials_drucker_prager_h
 
 #include <greville/materials/hencky_plasticity.h>
+#include <greville/materials/strength_reduction.h>
 
 #include <limits>
 
@@ -38,7 +39,8 @@ namespace greville
    * equivalent strain dgamma / sqrt(3). State: see HenckyPlasticity.
    *
    * Parameters: "Cohesion" c, Pa, "Friction angle" phi and "Dilatancy angle"
-   * psi, degrees, "Tension cut-off" p_t, Pa, and "Cone".
+   * psi, degrees, "Tension cut-off" p_t, Pa, "Cone" and "Strength reduction",
+   * see StrengthReduction.
    *
    * reinit() throws dealii::ExcMessage for psi > phi, for phi = c = 0, a
    * cut-off beyond the apex, and a wrong Poisson's ratio, initialize() for a
@@ -79,6 +81,7 @@ namespace greville
                         "Where the cone agrees with Mohr-Coulomb's surface.",
                         dealii::Patterns::Selection(
                           "plane strain|plane strain associated|outer|inner"));
+      reduction_of_strength.declare(prm);
     }
 
     bool
@@ -102,19 +105,10 @@ namespace greville
                       "Cohesion",
                       cohesion,
                       "greater than 0 where the friction angle is 0");
-      dilatancy = associated_cone(dilatancy_angle)[0];
-      std::array<double, 2> cone_of_friction = associated_cone(friction_angle);
-      if (cone == "plane strain")
-        {
-          const double angle = friction_angle * (dealii::numbers::PI / 180.);
-          const double n     = std::sqrt(1. - dilatancy * dilatancy / 3.) +
-                           dilatancy * std::sin(angle) / 3.;
-          cone_of_friction = {{std::sin(angle) / n, std::cos(angle) / n}};
-        }
-      friction          = cone_of_friction[0];
-      strength          = cone_of_friction[1] * cohesion;
+      reduction_of_strength.reinit(section);
+      initial           = make_surface(1.);
       const double apex = friction_angle > 0.
-                            ? strength / friction
+                            ? initial.strength / initial.friction
                             : std::numeric_limits<double>::infinity();
       check_parameter(tension_cut_off <= apex * (1. + 1e-12),
                       section,
@@ -124,8 +118,14 @@ namespace greville
                         to_text(apex));
       largest_mean =
         tension_cut_off < 0. ? apex : std::min(tension_cut_off, apex);
-      corner_radius =
-        largest_mean < apex ? strength - friction * largest_mean : 0.;
+      is_cut_off            = largest_mean < apex;
+      initial.corner_radius = corner_radius_of(initial);
+    }
+
+    double
+    strength_reduction(const double time) const override
+    {
+      return reduction_of_strength.at(time);
     }
 
     /**
@@ -135,16 +135,21 @@ namespace greville
     bool
     has_symmetric_tangent() const override
     {
-      return std::abs(friction - dilatancy) <= 1e-12 * friction &&
-             (friction == 0. || largest_mean <= 0.);
+      const Surface &s = initial;
+      return s.friction == 0. ||
+             (std::abs(s.friction - s.dilatancy) <= 1e-12 * s.friction &&
+              largest_mean <= 0. && !reduction_of_strength.changes_strength());
     }
 
     double
-    yield_function(const Principal &tau, const double) const
+    yield_function(const Principal &tau,
+                   const double,
+                   const double reduction) const
     {
-      const double p = mean_of(tau);
-      return std::max(std::sqrt(second_invariant(tau)) + friction * p -
-                        strength,
+      const double  p = mean_of(tau);
+      const Surface s = surface_at(reduction);
+      return std::max(std::sqrt(second_invariant(tau)) + s.friction * p -
+                        s.strength,
                       p - largest_mean);
     }
 
@@ -158,9 +163,12 @@ namespace greville
     return_map(Principal     &tau,
                double        &alpha,
                double        &opening,
+               const double   reduction,
                ReturnTangent *tangent = nullptr) const
     {
       const double p = mean_of(tau), q = std::sqrt(second_invariant(tau));
+      const auto [friction, dilatancy, strength, corner_radius] =
+        surface_at(reduction);
       const double f = q + friction * p - strength;
       if (f <= 0. && p <= largest_mean)
         return false;
@@ -208,12 +216,56 @@ namespace greville
 
   private:
     /**
+     * eta, eta', xi c, and the radius of the cone at p_t.
+     */
+    struct Surface
+    {
+      double friction, dilatancy, strength, corner_radius;
+    };
+
+    Surface
+    surface_at(const double reduction) const
+    {
+      if (reduction == 1.)
+        return initial;
+      Surface s       = make_surface(reduction);
+      s.corner_radius = corner_radius_of(s);
+      return s;
+    }
+
+    double
+    corner_radius_of(const Surface &s) const
+    {
+      return is_cut_off ? s.strength - s.friction * largest_mean : 0.;
+    }
+
+    /**
+     * All but the radius.
+     */
+    Surface
+    make_surface(const double reduction) const
+    {
+      const double phi =
+        StrengthReduction::reduced_angle(friction_angle, reduction);
+      const double psi =
+        std::min(StrengthReduction::reduced_angle(dilatancy_angle, 1.), phi);
+      const double          dilatancy = associated_cone(psi)[0];
+      std::array<double, 2> factors   = associated_cone(phi);
+      if (cone == "plane strain")
+        {
+          const double n = std::sqrt(1. - dilatancy * dilatancy / 3.) +
+                           dilatancy * std::sin(phi) / 3.;
+          factors = {{std::sin(phi) / n, std::cos(phi) / n}};
+        }
+      return {factors[0], dilatancy, factors[1] * cohesion / reduction, 0.};
+    }
+
+    /**
      * eta and xi of the cone that fits for associated flow.
      */
     std::array<double, 2>
-    associated_cone(const double degrees) const
+    associated_cone(const double angle) const
     {
-      const double angle   = degrees * (dealii::numbers::PI / 180.);
       const double tangent = std::tan(angle);
       double       xi;
       if (cone == "plane strain" || cone == "plane strain associated")
@@ -231,9 +283,11 @@ namespace greville
     double      tension_cut_off = -1.;
     std::string cone            = "plane strain";
 
-    // eta, eta', xi c, p_t, and the radius of the cone at p_t
-    double friction = 0., dilatancy = 0., strength = 0., largest_mean = 0.,
-           corner_radius = 0.;
+    StrengthReduction reduction_of_strength;
+
+    Surface initial{0., 0., 0., 0.}; // without reduction
+    double  largest_mean = 0.;       // p_t
+    bool    is_cut_off   = false;
   };
 } // namespace greville
 

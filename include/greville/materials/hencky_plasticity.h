@@ -42,13 +42,15 @@ namespace greville
    *   static constexpr const char *name, *yield_condition;
    *   static constexpr bool opens,
    * whether it has an opening;
-   *   double yield_function(const Principal &tau, double alpha) const,
+   *   double yield_function(const Principal &tau, double alpha,
+   *                         double reduction) const,
    * positive where the stress is not possible, Pa;
    *   bool return_map(Principal &tau, double &alpha, double &opening,
-   *                   ReturnTangent *tangent = nullptr) const,
-   * which leaves an elastic trial stress alone and returns false, or else
-   * returns it to the yield surface, adds to alpha and to the opening, and
-   * fills the @p tangent if there is one; and if it opens
+   *                   double reduction, ReturnTangent *tangent = nullptr)
+   * const, which leaves an elastic trial stress alone and returns false, or
+   * else returns it to the yield surface, adds to alpha and to the opening, and
+   * fills the @p tangent if there is one (the @p reduction is
+   * MaterialPoint::strength_reduction); and if it opens
    *   double largest_mean_stress(double alpha) const, Pa.
    */
   template <typename Law>
@@ -81,7 +83,7 @@ namespace greville
     {
       dealii::SymmetricTensor<2, 3> e;
       const Principal tau = elastic.invert_hencky(point, e, stress, Law::name);
-      const double    f   = law().yield_function(tau, 0.);
+      const double f = law().yield_function(tau, 0., point.strength_reduction);
       check_stress(f <= 1e-10 * point.J * stress.norm(),
                    Law::name,
                    stress,
@@ -134,7 +136,10 @@ namespace greville
         {
           auto     &state = points[lane].state;
           Principal t{{tau[0][lane], tau[1][lane], tau[2][lane]}};
-          if (law().return_map(t, state[plastic_strain], state[opening]))
+          if (law().return_map(t,
+                               state[plastic_strain],
+                               state[opening],
+                               points[lane].strength_reduction))
             {
               for (unsigned int a = 0; a < 3; ++a)
                 tau[a][lane] = t[a];
@@ -204,7 +209,8 @@ namespace greville
           double    alpha = points[lane].state[plastic_strain],
                  opened   = points[lane].state[opening];
           ReturnTangent returned;
-          if (law().return_map(tau, alpha, opened, &returned))
+          if (law().return_map(
+                tau, alpha, opened, points[lane].strength_reduction, &returned))
             for (unsigned int a = 0; a < 3; ++a)
               {
                 const auto  &slopes      = returned.slopes[a];

@@ -31,6 +31,8 @@ namespace greville
     double J = 1.;
     /// The length of the step, s.
     double dt = 0.;
+    /// Material::strength_reduction() at the end of the step.
+    double strength_reduction = 1.;
     /// The Cauchy stress, Pa: before, and after update() at the end of the
     /// step.
     dealii::SymmetricTensor<2, 3> stress;
@@ -167,6 +169,18 @@ namespace greville
     dissipation(const MaterialPoint &) const
     {
       return 0.;
+    }
+
+    /**
+     * What the strength of the material is divided by at a time: the value of
+     * MaterialPoint::strength_reduction for the points of a step that ends
+     * then. Throws dealii::ExcMessage, which names the parameter, on all
+     * processes alike, where the parameters give none.
+     */
+    virtual double
+    strength_reduction(const double /*time*/) const
+    {
+      return 1.;
     }
 
     /**

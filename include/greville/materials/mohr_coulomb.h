@@ -4,6 +4,7 @@
 #define greville_materials_mohr_coulomb_h
 
 #include <greville/materials/hencky_plasticity.h>
+#include <greville/materials/strength_reduction.h>
 
 namespace greville
 {
@@ -33,7 +34,8 @@ namespace greville
    *
    * Parameters: "Cohesion", "Residual cohesion", Pa, "Friction angle",
    * "Residual friction angle", "Dilatancy angle", degrees, "Softening",
-   * "Softening strain". State: see HenckyPlasticity.
+   * "Softening strain", "Strength reduction", see StrengthReduction. State: see
+   * HenckyPlasticity.
    *
    * reinit() throws dealii::ExcMessage for residual > peak values, psi > the
    * residual phi, for phi = c = 0, and a wrong Poisson's ratio, initialize()
@@ -63,33 +65,45 @@ namespace greville
     bool
     has_symmetric_tangent() const override
     {
-      return !softens && dilatancy_angle == friction_angle && peak.apex <= 0.;
+      return !softens && dilatancy_angle == friction_angle && peak.apex <= 0. &&
+             (friction_angle == 0. ||
+              !reduction_of_strength.changes_strength());
     }
 
     void
     reinit(const std::string &section) override;
 
     double
-    yield_function(const Principal &tau, const double alpha) const
+    strength_reduction(const double time) const override
     {
-      const Surface s = surface_at(alpha);
+      return reduction_of_strength.at(time);
+    }
+
+    double
+    yield_function(const Principal &tau,
+                   const double     alpha,
+                   const double     reduction) const
+    {
+      const Surface s = surface_at(alpha, reduction);
       return s.f(std::max(tau[0], std::max(tau[1], tau[2])),
                  std::min(tau[0], std::min(tau[1], tau[2])));
     }
 
     /**
-     * That of the apex; without friction there is none.
+     * That of the apex, which no reduction moves; without friction there is
+     * none.
      */
     double
     largest_mean_stress(const double alpha) const
     {
-      return surface_at(alpha).apex;
+      return surface_at(alpha, 1.).apex;
     }
 
     bool
     return_map(Principal     &tau,
                double        &alpha,
                double        &opening,
+               const double   reduction,
                ReturnTangent *tangent = nullptr) const
     {
       // Sort.
@@ -101,20 +115,21 @@ namespace greville
       if (tau[i] < tau[j])
         std::swap(i, j);
       const Principal trial{{tau[i], tau[j], tau[k]}};
-      const Surface   start = surface_at(alpha);
+      const Surface   start = surface_at(alpha, reduction);
       if (start.f(trial[0], trial[2]) <= 0.)
         return false;
 
       Principal    result = returned(trial, start);
       const double growth = equivalent_strain(trial, result);
       if (softens && growth > 0.)
-        result = soften(trial, growth, alpha);
+        result = soften(trial, growth, reduction, alpha);
       else
         alpha += growth;
       if (tangent != nullptr)
-        differentiate(*tangent, trial, result, alpha, growth > 0., {{i, j, k}});
+        differentiate(
+          *tangent, trial, result, alpha, reduction, growth > 0., {{i, j, k}});
       if (result[0] == result[2] && start.sine > 0.)
-        opening += opening_at_apex(trial, result[0]);
+        opening += opening_at_apex(trial, result[0], start.sin_dilatancy);
       tau[i] = result[0];
       tau[j] = result[1];
       tau[k] = result[2];
@@ -123,11 +138,11 @@ namespace greville
 
   private:
     /**
-     * A yield surface: sin(phi), 2 c cos(phi), c cot(phi).
+     * A yield surface: sin(phi), 2 c cos(phi), c cot(phi); and sin(psi).
      */
     struct Surface
     {
-      double sine, strength, apex;
+      double sine, strength, apex, sin_dilatancy;
 
       double
       f(const double larger, const double smaller) const
@@ -147,24 +162,16 @@ namespace greville
       apex
     };
 
-    static Surface
-    surface(const double c, const double degrees)
+    Surface
+    surface_at(const double alpha, const double reduction) const
     {
-      const double angle = degrees * (dealii::numbers::PI / 180.);
-      const double sine = std::sin(angle), cosine = std::cos(angle);
-      return {sine, 2. * c * cosine, sine > 0. ? c * cosine / sine : 0.};
+      if ((!softens || alpha == 0.) && reduction == 1.)
+        return peak;
+      return make_surface(alpha, reduction);
     }
 
     Surface
-    surface_at(const double alpha) const
-    {
-      if (!softens || alpha == 0.)
-        return peak;
-      const double x    = alpha / softening_strain;
-      const double part = exponential ? std::exp(-x) : std::max(1. - x, 0.);
-      return surface(last_cohesion + (cohesion - last_cohesion) * part,
-                     last_angle + (friction_angle - last_angle) * part);
-    }
+    make_surface(const double alpha, const double reduction) const;
 
     /**
      * The return of sorted stresses to a given surface.
@@ -175,7 +182,7 @@ namespace greville
              Region          *region = nullptr) const
     {
       const double K = elastic.bulk, G = elastic.shear;
-      const double phi = s.sine, psi = sin_dilatancy;
+      const double phi = s.sine, psi = s.sin_dilatancy;
 
       // What a plane's flow takes from its largest and its smallest stress, and
       // adds to the one between.
@@ -232,9 +239,11 @@ namespace greville
      * left edge with -e_3 / (1 - m / 3).
      */
     double
-    opening_at_apex(const Principal &trial, const double apex) const
+    opening_at_apex(const Principal &trial,
+                    const double     apex,
+                    const double     m) const
     {
-      const double mean = mean_of(trial), m = sin_dilatancy;
+      const double mean  = mean_of(trial);
       const double right = (trial[0] - mean) / (1. + m / 3.),
                    left  = (mean - trial[2]) / (1. - m / 3.);
       return std::max((mean - apex) / elastic.bulk -
@@ -247,7 +256,10 @@ namespace greville
      * of the old strength; set @p alpha to x and return the stress.
      */
     Principal
-    soften(const Principal &trial, const double growth, double &alpha) const
+    soften(const Principal &trial,
+           const double     growth,
+           const double     reduction,
+           double          &alpha) const
     {
       const double mean  = mean_of(trial);
       const double range = equivalent_strain(trial, {{mean, mean, mean}});
@@ -257,7 +269,7 @@ namespace greville
       Principal    result;
       for (unsigned int i = 0;; ++i)
         {
-          result         = returned(trial, surface_at(x));
+          result         = returned(trial, surface_at(x, reduction));
           const double h = alpha + equivalent_strain(trial, result) - x;
           if (std::abs(h) <= 1e-15 * range + 2e-16 * x || i == 100)
             break;
@@ -279,7 +291,7 @@ namespace greville
      * The derivatives of a surface by alpha.
      */
     Surface
-    slope_of_surface(const double alpha) const;
+    slope_of_surface(const double alpha, const double reduction) const;
 
     /**
      * The tangent of a return of sorted stresses, which are the ones with the
@@ -291,6 +303,7 @@ namespace greville
                   const Principal                   &trial,
                   const Principal                   &result,
                   const double                       alpha,
+                  const double                       reduction,
                   const bool                         grows,
                   const std::array<unsigned int, 3> &order) const;
 
@@ -313,9 +326,11 @@ namespace greville
     std::string softening               = "linear";
     double      softening_strain        = 0.1;
 
-    double  last_cohesion = 0., last_angle = 0., sin_dilatancy = 0.;
+    StrengthReduction reduction_of_strength;
+
+    double  last_cohesion = 0., last_angle = 0.;
     bool    softens = false, exponential = false;
-    Surface peak{0., 0., 0.};
+    Surface peak{0., 0., 0., 0.};
   };
 } // namespace greville
 

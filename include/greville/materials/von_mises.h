@@ -49,7 +49,7 @@ namespace greville
     }
 
     double
-    yield_function(const Principal &tau, const double alpha) const
+    yield_function(const Principal &tau, const double alpha, const double) const
     {
       return std::sqrt(3. * second_invariant(tau)) -
              (yield_stress + hardening_modulus * alpha);
@@ -59,6 +59,7 @@ namespace greville
     return_map(Principal &tau,
                double    &alpha,
                double &,
+               const double,
                ReturnTangent *tangent = nullptr) const
     {
       const double strength = yield_stress + hardening_modulus * alpha;

@@ -72,6 +72,8 @@ namespace greville
     bool apic = false;
     /// The law of the points: needed where they are deformed.
     const Material *material = nullptr;
+    /// What it says at the end of the step, see Material.
+    double strength_reduction = 1.;
   };
 
 

@@ -37,13 +37,15 @@ namespace greville
 
   /**
    * Collective. One pass over the points of all bodies, without those that the
-   * @p update does not change. Its material is that of each body.
+   * @p update does not change. Its material is that of each body, with the
+   * strength that it has at the @p time (s) to which the points come.
    */
   template <int dim>
   PointMotion
   update_points(std::vector<Body<dim>> &bodies,
                 PointTransfer<dim>     &transfer,
-                PointUpdate<dim>        update);
+                PointUpdate<dim>        update,
+                const double            time);
 
   /**
    * Collective. Points of fluids share their changes of volume, every ten steps

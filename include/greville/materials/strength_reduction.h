@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_materials_strength_reduction_h
+#define greville_materials_strength_reduction_h
+
+#include <deal.II/base/numbers.h>
+#include <deal.II/base/parameter_handler.h>
+
+#include <greville/base/expression.h>
+#include <greville/materials/parameter_checks.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace greville
+{
+  /**
+   * A factor r(t) that the cohesion and tan(phi) of a frictional law are
+   * divided by: the one at which a slope fails is its factor of safety (T.
+   * Matsui, K.-C. San, Finite element slope stability analysis by shear
+   * strength reduction technique, Soils and Foundations 32, 1992). The apex
+   * c cot(phi) stays where it is.
+   */
+  class StrengthReduction
+  {
+  public:
+    void
+    declare(dealii::ParameterHandler &prm)
+    {
+      prm.add_parameter(
+        "Strength reduction",
+        text,
+        "What cohesion and tan(friction angle) are divided by: a formula of t, "
+        "s, greater than 0, at the end of each step. The dilatancy angle is at "
+        "most the friction angle that is left. Unit: none.");
+    }
+
+    /**
+     * Throws dealii::ExcMessage for what is no formula of t, and for a value
+     * at t = 0 that is not positive.
+     */
+    void
+    reinit(const std::string &section)
+    {
+      parameter = section + "/Strength reduction";
+      formula.reset();
+      if (text != "1")
+        formula.emplace(text, parameter, std::vector<std::string>{"t"});
+      at(0.);
+    }
+
+    /**
+     * Throws dealii::ExcMessage where it is not positive.
+     */
+    double
+    at(const double time) const
+    {
+      if (!formula)
+        return 1.;
+      const double value =
+        (*formula)(dealii::ArrayView<const double>(&time, 1));
+      AssertThrow(value > 0.,
+                  dealii::ExcMessage(
+                    "The formula <" + text + "> of the parameter '" +
+                    parameter + "' is " + to_text(value) + " at t = " +
+                    to_text(time) + "; it has to be greater than 0."));
+      return value;
+    }
+
+    bool
+    changes_strength() const
+    {
+      return formula.has_value();
+    }
+
+    /**
+     * The angle (radians) whose tangent is that of @p degrees over @p
+     * reduction.
+     */
+    static double
+    reduced_angle(const double degrees, const double reduction)
+    {
+      const double angle = degrees * (dealii::numbers::PI / 180.);
+      return reduction == 1. ? angle : std::atan(std::tan(angle) / reduction);
+    }
+
+  private:
+    std::string               text = "1", parameter;
+    std::optional<Expression> formula;
+  };
+} // namespace greville
+
+#endif
