@@ -21,9 +21,10 @@ namespace
                                   material.density};
     for (const double volume : {-1e-4, 2e-4})
       {
-        MaterialPoint point = rest(material);
-        Tensor2       f     = (1 + volume) * one_tensor();
-        f[0][1]             = 1e-3;
+        MaterialPoint point      = rest(material);
+        point.strength_reduction = material.strength_reduction(0.);
+        Tensor2 f                = (1 + volume) * one_tensor();
+        f[0][1]                  = 1e-3;
         f[2][2] -= 2e-4;
         for (unsigned int n = 0; n < 100; ++n)
           step(material, point, f, 1e-3);
@@ -104,7 +105,8 @@ main(int argc, char **argv)
                 "Dilatancy angle = 10",
                 "Cohesion = 1e3",
                 "Tension cut-off = 500",
-                "Cone = outer"});
+                "Cone = outer",
+                "Strength reduction = 2"});
   test_effects("drucker-prager",
                {"Cohesion = 2e3", "Dilatancy angle = 5", "Cone = outer"},
                {elastic[0],
@@ -113,7 +115,8 @@ main(int argc, char **argv)
                 "Dilatancy angle = 10",
                 "Cohesion = 1e3",
                 "Tension cut-off = 0",
-                "Cone = inner"});
+                "Cone = inner",
+                "Strength reduction = 2"});
   test_effects("drucker-prager",
                {"Cohesion = 2e3", "Dilatancy angle = 5"},
                {elastic[0],
@@ -122,7 +125,8 @@ main(int argc, char **argv)
                 "Dilatancy angle = 10",
                 "Cohesion = 1e3",
                 "Tension cut-off = 500",
-                "Cone = plane strain associated"});
+                "Cone = plane strain associated",
+                "Strength reduction = 2"});
   test_effects("mohr-coulomb",
                {"Cohesion = 2e3",
                 "Residual cohesion = 1e3",
@@ -135,7 +139,8 @@ main(int argc, char **argv)
                 "Residual friction angle = 20",
                 "Dilatancy angle = 10",
                 "Softening = exponential",
-                "Softening strain = 0.2"});
+                "Softening strain = 0.2",
+                "Strength reduction = 2"});
   const std::vector<std::string> tait = {"Sound speed = 20",
                                          "Exponent = 1",
                                          "Bulk viscosity = 1",
