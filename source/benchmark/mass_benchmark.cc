@@ -235,19 +235,19 @@ namespace greville
         record.cells = n;
         if (bodies.empty())
           {
-            DensityProblem<dim> problem(problem_parameters);
-            run_problem<dim>(problem, triangulation, record);
+            const auto problem = make_density_problem<dim>(problem_parameters);
+            run_problem<dim>(*problem, triangulation, record);
           }
         for (const std::string &body : bodies)
           for (const unsigned int count : counts)
             {
-              PointProblem<dim> problem(problem_parameters,
-                                        body,
-                                        count,
-                                        triangulation);
-              record.body                 = body;
+              const auto problem = make_point_problem<dim>(problem_parameters,
+                                                           body,
+                                                           count,
+                                                           triangulation);
+              record.body        = body;
               record.points_per_direction = count;
-              run_problem<dim>(problem, triangulation, record);
+              run_problem<dim>(*problem, triangulation, record);
             }
       }
   }

@@ -320,11 +320,4 @@ namespace greville
 
 
 
-  std::size_t
-  IncompleteCholesky::memory_consumption() const
-  {
-    return entries.size() * sizeof(float) +
-           columns.size() * sizeof(unsigned int) + size() * 2 * sizeof(double) +
-           row_begin.size() * sizeof(std::size_t);
-  }
 } // namespace greville

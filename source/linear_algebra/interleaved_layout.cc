@@ -8,20 +8,6 @@ namespace greville
 {
   using namespace dealii;
 
-  InterleavedLayout::InterleavedLayout(
-    const types::global_dof_index               first,
-    const types::global_dof_index               n_owned,
-    const std::vector<types::global_dof_index> &ghosts,
-    const MPI_Comm                              communicator)
-    : first(first)
-    , n_all(Utilities::MPI::sum(n_owned, communicator))
-    , n_own(n_owned)
-    , ghosts(ghosts)
-    , comm(communicator)
-  {}
-
-
-
   const std::shared_ptr<const Utilities::MPI::Partitioner> &
   InterleavedLayout::partitioner(const unsigned int width) const
   {

@@ -354,18 +354,6 @@ namespace greville
 
 
 
-  PartitionedCholesky::Vector &
-  PartitionedCholesky::vector_at_interface(const unsigned int width) const
-  {
-    Vector     &result      = at_interface[width];
-    const auto &partitioner = interface_layout->partitioner(width);
-    if (result.get_partitioner() != partitioner)
-      result.reinit(partitioner);
-    return result;
-  }
-
-
-
   void
   PartitionedCholesky::solve(double *x, const unsigned int width) const
   {

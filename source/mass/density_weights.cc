@@ -17,7 +17,7 @@ namespace greville
                                       const unsigned int      n_points_1d)
     : n_q(n_points_1d)
     , cell_begin(space.owned_cells().size())
-    , cell_batches(space)
+    , cell_batches(CellBatches<dim>::make(space))
   {
     const unsigned int width = CellBatches<dim>::width();
     values.resize(cell_batches.size() * n_points() * width, 0.);

@@ -1,188 +1,39 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/with_width.h>
 #include <greville/mass/extended_mass.h>
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 
 namespace greville
 {
   using namespace dealii;
 
-  namespace
-  {
-    constexpr unsigned int max_width = 8;
-  }
-
-
-
   template <int dim>
   void
   ExtendedMass<dim>::reinit(const SplineSpace<dim> &space)
   {
     points_mass.reinit(space);
-    const std::size_t n = points_mass.size();
-    place_x             = ZeroedArray<double>(n * max_width);
-    place_y             = ZeroedArray<double>(n * max_width);
-    roles               = ZeroedArray<int>(n);
-    is_numbered         = false;
-    unknowns.clear();
-    extended.clear();
-    held_functions.assign(space.owned_functions().size() +
-                            space.ghost_functions().size(),
-                          0);
+    ExtendedUnknowns<dim>::reinit(points_mass);
   }
 
 
 
   template <int dim>
   void
-  ExtendedMass<dim>::begin(const Extension<dim> &e, const bool changed)
+  ExtendedMass<dim>::begin(const Extension<dim> &extension, const bool changed)
   {
-    extension = &e;
-    if (!changed && is_numbered)
+    if (!this->update(extension, changed))
       {
         points_mass.clear();
         return;
       }
-    number_unknowns();
-    is_numbered = true;
     std::vector<unsigned int> active;
-    for (unsigned int f = 0; f < held_functions.size(); ++f)
-      if (e[f] != Extension<dim>::inactive)
-        active.push_back(f);
+    this->for_each_active(this->held_functions.size(),
+                          [&](const unsigned int f, const std::size_t) {
+                            active.push_back(f);
+                          });
     points_mass.set_rows(active);
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMass<dim>::number_unknowns()
-  {
-    using Kind                          = Extension<dim>;
-    const SplineSpace<dim> &space       = points_mass.space();
-    const unsigned int      n_functions = space.owned_functions().size();
-    const unsigned int n_all = n_functions + space.ghost_functions().size();
-    const MPI_Comm     comm  = communicator();
-    const bool         is_parallel = Utilities::MPI::n_mpi_processes(comm) > 1;
-
-    for (const auto *old : {&unknowns, &extended})
-      for (const unsigned int place : *old)
-        if (place != numbers::invalid_unsigned_int)
-          roles[place] = 0;
-    unknowns.clear();
-    owned_unknown_functions.clear();
-    lumped.clear();
-    extended.clear();
-    extended_functions = extension->extended_functions();
-    std::vector<types::global_dof_index> ghost_unknowns;
-    types::global_dof_index              first_unknown = 0;
-
-    for (unsigned int f = 0; f < n_functions; ++f)
-      if ((*extension)[f] == Kind::stable || (*extension)[f] == Kind::lumped)
-        {
-          unknowns.push_back(points_mass.place(f));
-          owned_unknown_functions.push_back(f);
-        }
-    n_owned = unknowns.size();
-    for (unsigned int f = 0; f < n_all; ++f)
-      if ((*extension)[f] == Kind::lumped)
-        lumped.push_back(points_mass.place(f));
-
-    // E of the extended functions, with positions for numbers.
-    std::vector<std::uint64_t> all_positions, positions;
-    std::vector<double>        all_weights, weights;
-    extended_begin.assign(1, 0);
-    for (const unsigned int f : extended_functions)
-      {
-        extended.push_back(points_mass.place(f));
-        extension->row(f, positions, weights);
-        all_positions.insert(all_positions.end(),
-                             positions.begin(),
-                             positions.end());
-        all_weights.insert(all_weights.end(), weights.begin(), weights.end());
-        extended_begin.push_back(all_positions.size());
-      }
-
-    // Unknowns of other processes: functions of own cells, then the others that
-    // occur in E. Their places are of use only where they have one.
-    std::map<std::uint64_t, unsigned int> ghost_of; // by position
-    if (is_parallel)
-      {
-        const std::uint64_t mine   = n_owned;
-        std::uint64_t       offset = 0;
-        int ierr = MPI_Exscan(&mine, &offset, 1, MPI_UINT64_T, MPI_SUM, comm);
-        AssertThrowMPI(ierr);
-        first_unknown =
-          Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : offset;
-
-        const auto &owned = space.owned_functions();
-        for (unsigned int f = n_functions; f < n_all; ++f)
-          if ((*extension)[f] == Kind::stable ||
-              (*extension)[f] == Kind::lumped)
-            ghost_of[space.function_position(f)] = f;
-        for (const std::uint64_t position : all_positions)
-          if (!std::binary_search(owned.begin(), owned.end(), position))
-            ghost_of.emplace(position, numbers::invalid_unsigned_int);
-
-        // The owners tell the numbers of the unknowns.
-        std::vector<std::uint64_t> wanted;
-        for (const auto &entry : ghost_of)
-          wanted.push_back(entry.first);
-        const auto dofs = space.global_numbers(wanted);
-        IndexSet   ghosts(space.n_dofs());
-        {
-          auto sorted = dofs;
-          std::sort(sorted.begin(), sorted.end());
-          ghosts.add_indices(sorted.begin(), sorted.end());
-        }
-        VectorType numbers_of(space.locally_owned_dofs(), ghosts, comm);
-        for (unsigned int u = 0; u < n_owned; ++u)
-          numbers_of.local_element(owned_unknown_functions[u]) =
-            first_unknown + u;
-        numbers_of.update_ghost_values();
-
-        std::vector<std::pair<types::global_dof_index, std::uint64_t>> order;
-        for (unsigned int k = 0; k < wanted.size(); ++k)
-          order.emplace_back(numbers_of(dofs[k]), wanted[k]);
-        std::sort(order.begin(), order.end());
-        for (const auto &entry : order)
-          {
-            auto              &found = ghost_of.at(entry.second);
-            const unsigned int f     = found;
-            found                    = unknowns.size();
-            unknowns.push_back(f == numbers::invalid_unsigned_int
-                                 ? numbers::invalid_unsigned_int
-                                 : points_mass.place(f));
-            ghost_unknowns.push_back(entry.first);
-          }
-      }
-    layout = std::make_shared<const InterleavedLayout>(first_unknown,
-                                                       n_owned,
-                                                       ghost_unknowns,
-                                                       comm);
-    for (unsigned int u = 0; u < unknowns.size(); ++u)
-      if (unknowns[u] != numbers::invalid_unsigned_int)
-        roles[unknowns[u]] = 1 + int(u);
-
-    for (unsigned int k = 0; k < extended.size(); ++k)
-      roles[extended[k]] = -1 - int(k);
-    extended_entries.clear();
-    const auto &owned = space.owned_functions();
-    for (std::size_t e = 0; e < all_positions.size(); ++e)
-      {
-        const auto place =
-          std::lower_bound(owned.begin(), owned.end(), all_positions[e]);
-        const bool is_owned =
-          place != owned.end() && *place == all_positions[e];
-        const unsigned int unknown =
-          is_owned ? roles[points_mass.place(place - owned.begin())] - 1
-                   : ghost_of.at(all_positions[e]);
-        extended_entries.push_back({unknown, all_weights[e]});
-      }
   }
 
 
@@ -194,196 +45,14 @@ namespace greville
     // A function that a point meets with its outermost edge only has the mass
     // of round-off.
     double largest = 0.;
-    for (const unsigned int place : unknowns)
+    for (const unsigned int place : this->unknowns)
       if (place != numbers::invalid_unsigned_int)
         largest = std::max(largest, points_mass.diagonal(place));
-    for (const unsigned int place : lumped)
+    for (const unsigned int place : this->lumped)
       {
         points_mass.decouple(place);
         points_mass.raise_diagonal(place, 1e-15 * largest);
       }
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMass<dim>::hold(const std::vector<unsigned char> &held)
-  {
-    held_functions = held;
-    held_places.clear();
-    for (unsigned int f = 0; f < held.size(); ++f)
-      if (held[f] != 0 && (*extension)[f] != Extension<dim>::inactive)
-        held_places.emplace_back(points_mass.place(f), held[f]);
-
-    // Components that hold something, and pairs of them that differ in E.
-    unsigned int found[dim * dim] = {};
-    for (const auto &entry : held_places)
-      {
-        const unsigned int changes =
-          changes_extension(entry.first, entry.second);
-        for (unsigned int c = 0; c < dim; ++c)
-          {
-            found[c * dim + c] |= (entry.second >> c) & 1;
-            for (unsigned int d = 0; d < c; ++d)
-              found[c * dim + d] |= ((changes >> c) ^ (changes >> d)) & 1;
-          }
-      }
-    Utilities::MPI::max(ArrayView<const unsigned int>(found, dim * dim),
-                        communicator(),
-                        ArrayView<unsigned int>(found, dim * dim));
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        component_has_held[c] = found[c * dim + c] != 0;
-        first_alike[c]        = 0;
-        while (first_alike[c] < c && found[c * dim + first_alike[c]] != 0)
-          ++first_alike[c];
-      }
-    ++hold_counter;
-  }
-
-
-
-  template <int dim>
-  unsigned int
-  ExtendedMass<dim>::changes_extension(const unsigned int  place,
-                                       const unsigned char components) const
-  {
-    // Weights below this are round-off.
-    constexpr double negligible = 1e-10;
-    const int        role       = roles[place];
-    if (role >= 0)
-      return 0;
-    unsigned int result = 0;
-    for (std::size_t e = extended_begin[-role - 1]; e < extended_begin[-role];
-         ++e)
-      if (std::abs(extended_entries[e].weight) > negligible)
-        {
-          const unsigned int u = extended_entries[e].unknown;
-          result |= u < n_owned
-                      ? components & ~held_functions[owned_unknown_functions[u]]
-                      : components;
-        }
-    return result;
-  }
-
-
-
-  template <int dim>
-  std::vector<unsigned char>
-  ExtendedMass<dim>::held_unknowns() const
-  {
-    std::vector<unsigned char> result;
-    result.reserve(n_owned);
-    for (const unsigned int f : owned_unknown_functions)
-      result.push_back(held_functions[f]);
-    return result;
-  }
-
-
-
-  template <int dim>
-  std::vector<std::array<int, 3>>
-  ExtendedMass<dim>::unknown_positions() const
-  {
-    const SplineSpace<dim>         &space = points_mass.space();
-    std::vector<std::array<int, 3>> result(n_owned);
-    for (unsigned int u = 0; u < n_owned; ++u)
-      {
-        const auto i =
-          multi_index<dim>(space.owned_functions()[owned_unknown_functions[u]],
-                           space.n_functions());
-        result[u] = {};
-        for (unsigned int d = 0; d < dim; ++d)
-          result[u][d] = i[d];
-      }
-    return result;
-  }
-
-
-
-  namespace
-  {
-    /**
-     * to[c] += factor * from[c].
-     */
-    template <int width>
-    inline void
-    add(double *to, const double factor, const double *from)
-    {
-      for (int c = 0; c < width; ++c)
-        to[c] += factor * from[c];
-    }
-
-    template <int width>
-    inline void
-    copy(double *to, const double *from)
-    {
-      for (int c = 0; c < width; ++c)
-        to[c] = from[c];
-    }
-  } // namespace
-
-
-
-  template <int dim>
-  void
-  ExtendedMass<dim>::zero_held(double *values, const unsigned int width) const
-  {
-    for (const auto &entry : held_places)
-      for (unsigned int c = 0; c < width; ++c)
-        if ((entry.second >> (c % dim)) & 1)
-          values[std::size_t(entry.first) * width + c] = 0.;
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMass<dim>::expand(const double *x, const unsigned int width) const
-  {
-    with_width(width, [&](const auto w) {
-      constexpr int n      = decltype(w)::value;
-      double       *values = place_x.data();
-      for (unsigned int u = 0; u < unknowns.size(); ++u)
-        if (unknowns[u] != numbers::invalid_unsigned_int)
-          copy<n>(values + std::size_t(unknowns[u]) * n,
-                  x + std::size_t(u) * n);
-      for (unsigned int k = 0; k < extended.size(); ++k)
-        {
-          double sum[n] = {};
-          for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
-               ++e)
-            add<n>(sum,
-                   extended_entries[e].weight,
-                   x + std::size_t(extended_entries[e].unknown) * n);
-          copy<n>(values + std::size_t(extended[k]) * n, sum);
-        }
-    });
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMass<dim>::collect(double *y, const unsigned int width) const
-  {
-    with_width(width, [&](const auto w) {
-      constexpr int n      = decltype(w)::value;
-      const double *values = place_y.data();
-      for (unsigned int u = 0; u < unknowns.size(); ++u)
-        if (unknowns[u] != numbers::invalid_unsigned_int)
-          copy<n>(y + std::size_t(u) * n,
-                  values + std::size_t(unknowns[u]) * n);
-        else
-          for (int c = 0; c < n; ++c)
-            y[std::size_t(u) * n + c] = 0.;
-      for (unsigned int k = 0; k < extended.size(); ++k)
-        for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1]; ++e)
-          add<n>(y + std::size_t(extended_entries[e].unknown) * n,
-                 extended_entries[e].weight,
-                 values + std::size_t(extended[k]) * n);
-    });
   }
 
 
@@ -395,13 +64,13 @@ namespace greville
                            const unsigned int width) const
   {
     x.update_ghost_values();
-    expand(x.begin(), width);
-    zero_held(place_x.data(), width);
-    points_mass.vmult(place_y.data(), place_x.data(), width);
-    zero_held(place_y.data(), width);
-    collect(y.begin(), width);
+    this->expand(x.begin(), width);
+    this->zero_held(this->place_x.data(), width);
+    points_mass.vmult(this->place_y.data(), this->place_x.data(), width);
+    this->zero_held(this->place_y.data(), width);
+    this->collect(y.begin(), width);
     y.compress(VectorOperation::add);
-    zero_held_unknowns(y, width);
+    this->zero_held_unknowns(y, width);
     x.zero_out_ghost_values();
   }
 
@@ -409,18 +78,298 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedMass<dim>::zero_held_unknowns(VectorType        &x,
-                                        const unsigned int width) const
+  ExtendedMass<dim>::subtract_held(
+    VectorType                            &rows,
+    const std::vector<VectorField<dim> *> &fields,
+    const unsigned int                     width) const
   {
-    for (const auto &entry : held_places)
+    const auto columns  = columns_of<VectorType>(fields);
+    const auto for_held = [&](const unsigned int n, const auto &visit) {
+      if (std::count(this->component_has_held.begin(),
+                     this->component_has_held.end(),
+                     true) > 0)
+        this->for_each_active(
+          n, [&](const unsigned int f, const std::size_t place) {
+            if (this->held_functions[f] != 0)
+              for (unsigned int c = 0; c < columns.size(); ++c)
+                if (this->is_held(f, c))
+                  visit(c, place, columns[c]->local_element(f));
+          });
+    };
+    VectorType x, y;
+    this->initialize_vector(x, width);
+    bool any = false;
+    for_held(this->n_owned_functions(),
+             [&](const unsigned int c,
+                 const std::size_t  place,
+                 const double       value) {
+               any = any || value != 0.;
+               if (this->roles[place] > 0)
+                 x.local_element((this->roles[place] - 1) * width + c) = value;
+             });
+    // Walls at rest contribute nothing.
+    if (Utilities::MPI::max<unsigned int>(any, this->communicator()) == 0)
+      return;
+
+    x.update_ghost_values();
+    this->expand(x.begin(), width);
+    for (const VectorType *column : columns)
+      column->update_ghost_values();
+    for_held(this->held_functions.size(),
+             [&](const unsigned int c,
+                 const std::size_t  place,
+                 const double       value) {
+               this->place_x[place * width + c] = value;
+             });
+    for (VectorType *column : columns)
+      column->zero_out_ghost_values();
+    points_mass.vmult(this->place_y.data(), this->place_x.data(), width);
+    this->zero_held(this->place_y.data(), width);
+    this->initialize_vector(y, width);
+    this->collect(y.begin(), width);
+    y.compress(VectorOperation::add);
+    rows.add(-1., y);
+    this->zero_held_unknowns(rows, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::multiply_field(VectorField<dim>       &rows,
+                                    const VectorField<dim> &field) const
+  {
+    VectorType y;
+    this->initialize_vector(y, 1);
+    for (unsigned int c = 0; c < dim; ++c)
       {
-        const int role = roles[entry.first];
-        if (role <= 0 || role > int(n_owned))
-          continue;
-        for (unsigned int c = 0; c < width; ++c)
-          if ((entry.second >> (c % dim)) & 1)
-            x.local_element((role - 1) * width + c) = 0.;
+        this->to_places(field[c]);
+        points_mass.vmult(this->place_y.data(), this->place_x.data(), 1);
+        this->collect(y.begin(), 1);
+        y.compress(VectorOperation::add);
+        rows[c] = 0.;
+        for (unsigned int u = 0; u < this->n_owned; ++u)
+          rows[c].local_element(this->owned_unknown_functions[u]) =
+            y.local_element(u);
       }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::multiply_at_held(VectorField<dim>       &rows,
+                                      const VectorField<dim> &field) const
+  {
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        rows[c] = 0.;
+        if (!this->component_has_held[c])
+          continue;
+        this->to_places(field[c]);
+        this->for_each_active(
+          this->held_functions.size(),
+          [&](const unsigned int f, const std::size_t place) {
+            if (!this->is_held(f, c))
+              return;
+            double sum = 0.;
+            points_mass.for_each_entry(place,
+                                       [&](const unsigned int j,
+                                           const double       value) {
+                                         sum += value * this->place_x[j];
+                                       });
+            rows[c].local_element(f) = sum;
+          });
+        rows[c].compress(VectorOperation::add);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::approximate_diagonal(VectorType &diagonal) const
+  {
+    this->initialize_vector(diagonal, 1);
+    for (unsigned int u = 0; u < this->unknowns.size(); ++u)
+      if (this->unknowns[u] != numbers::invalid_unsigned_int)
+        diagonal.local_element(u) = points_mass.diagonal(this->unknowns[u]);
+    diagonal.compress(VectorOperation::add);
+  }
+
+
+
+  template <int dim>
+  LowerTriangle
+  ExtendedMass<dim>::local_entries(const unsigned int components)
+  {
+    using Entry          = typename ExtendedUnknowns<dim>::Entry;
+    const unsigned int n = this->unknowns.size();
+    LowerTriangle      result;
+
+    // What all of them hold has no role here.
+    std::vector<unsigned char>                is_held(n, 0);
+    std::vector<std::pair<unsigned int, int>> held_roles;
+    for (const auto &entry : this->held_places)
+      if ((entry.second & components) == components)
+        {
+          int &role = this->roles[entry.first];
+          held_roles.emplace_back(entry.first, role);
+          if (role > 0)
+            is_held[role - 1] = 1;
+          role = 0;
+        }
+
+    // A row that is summed up, up to a column, and bits of its entries.
+    constexpr unsigned int     n_bits = 64;
+    std::vector<double>        sums(n, 0.);
+    std::vector<std::uint64_t> touched(n / n_bits + 1, 0);
+    unsigned int               lowest = n, highest = 0;
+    const auto add_entry = [&](const unsigned int unknown, const double value) {
+      if (is_held[unknown])
+        return;
+      touched[unknown / n_bits] |= std::uint64_t(1) << (unknown % n_bits);
+      lowest  = std::min(lowest, unknown);
+      highest = std::max(highest, unknown);
+      sums[unknown] += value;
+    };
+    // Visit the entries, ascending, and clear the row.
+    const auto take_row = [&](const auto &visit) {
+      for (unsigned int word = lowest / n_bits;
+           lowest <= highest && word <= highest / n_bits;
+           ++word)
+        for (; touched[word] != 0; touched[word] &= touched[word] - 1)
+          {
+            const unsigned int j =
+              word * n_bits + __builtin_ctzll(touched[word]);
+            visit(j, sums[j]);
+            sums[j] = 0.;
+          }
+      lowest  = n;
+      highest = 0;
+    };
+    const auto add_row_times_E = [&](const unsigned int place,
+                                     const unsigned int last) {
+      points_mass.for_each_entry(
+        place, [&](const unsigned int j, const double value) {
+          const int role = this->roles[j];
+          if (role > 0)
+            {
+              if (unsigned(role - 1) <= last)
+                add_entry(role - 1, value);
+            }
+          else if (role < 0)
+            for (std::size_t e = this->extended_begin[-role - 1];
+                 e < this->extended_begin[-role];
+                 ++e)
+              if (this->extended_entries[e].unknown <= last)
+                add_entry(this->extended_entries[e].unknown,
+                          this->extended_entries[e].weight * value);
+        });
+    };
+
+    // B = M E in the rows of this->extended functions.
+    std::vector<std::size_t> B_begin(1, 0);
+    std::vector<Entry>       B;
+    for (const unsigned int place : this->extended)
+      {
+        if (this->roles[place] != 0)
+          add_row_times_E(place, n);
+        take_row([&](const unsigned int j, const double value) {
+          B.push_back({j, value});
+        });
+        B_begin.push_back(B.size());
+      }
+
+    // The this->extended functions of each unknown.
+    std::vector<std::size_t> transpose_begin(n + 1, 0);
+    for (const auto &entry : this->extended_entries)
+      ++transpose_begin[entry.unknown + 1];
+    std::partial_sum(transpose_begin.begin(),
+                     transpose_begin.end(),
+                     transpose_begin.begin());
+    std::vector<Entry> transpose(this->extended_entries.size());
+    {
+      auto next = transpose_begin;
+      for (unsigned int k = 0; k < this->extended.size(); ++k)
+        for (std::size_t e = this->extended_begin[k];
+             e < this->extended_begin[k + 1];
+             ++e)
+          transpose[next[this->extended_entries[e].unknown]++] = {
+            k, this->extended_entries[e].weight};
+    }
+
+    // Unknowns that no this->extended function meets have the entries of M.
+    std::vector<bool> is_plain(n, true);
+    for (unsigned int u = 0; u < n; ++u)
+      is_plain[u] =
+        transpose_begin[u] == transpose_begin[u + 1] && u < this->n_owned;
+    for (const unsigned int place : this->extended)
+      points_mass.for_each_entry(place,
+                                 [&](const unsigned int j, const double) {
+                                   if (this->roles[j] > 0)
+                                     is_plain[this->roles[j] - 1] = false;
+                                 });
+
+    // A = (E^T B) with the rows of B = M E, lower part.
+    const unsigned int length =
+      2 * points_mass.space().degree() + 1; // of a stencil
+    const std::size_t n_entries =
+      std::size_t(n) * (Utilities::fixed_power<dim>(length) / 2 + 1);
+    result.row_begin.reserve(n + 1);
+    result.columns.reserve(n_entries);
+    result.values.reserve(n_entries);
+    for (unsigned int i = 0; i < n; ++i)
+      {
+        if (is_held[i])
+          {
+            const bool has_place =
+              this->unknowns[i] != numbers::invalid_unsigned_int;
+            result.columns.push_back(i);
+            result.values.push_back(
+              has_place ? points_mass.diagonal(this->unknowns[i]) : 0.);
+            result.row_begin.push_back(result.columns.size());
+            continue;
+          }
+        if (is_plain[i])
+          {
+            points_mass.for_each_lower_entry(
+              this->unknowns[i], [&](const unsigned int j, const double value) {
+                // Ghosts, which come last, have the entry in their row.
+                if (this->roles[j] <= 0 || unsigned(this->roles[j] - 1) > i)
+                  return;
+                result.columns.push_back(this->roles[j] - 1);
+                result.values.push_back(value);
+              });
+            // Where all its points are those of other processes.
+            if (result.columns.size() == result.row_begin.back() ||
+                result.columns.back() != i)
+              {
+                result.columns.push_back(i);
+                result.values.push_back(0.);
+              }
+            result.row_begin.push_back(result.columns.size());
+            continue;
+          }
+        if (this->unknowns[i] != numbers::invalid_unsigned_int)
+          add_row_times_E(this->unknowns[i], i);
+        for (std::size_t t = transpose_begin[i]; t < transpose_begin[i + 1];
+             ++t)
+          for (std::size_t b = B_begin[transpose[t].unknown];
+               b < B_begin[transpose[t].unknown + 1];
+               ++b)
+            if (B[b].unknown <= i)
+              add_entry(B[b].unknown, transpose[t].weight * B[b].weight);
+        add_entry(i, 0.);
+        take_row([&](const unsigned int j, const double value) {
+          result.columns.push_back(j);
+          result.values.push_back(value);
+        });
+        result.row_begin.push_back(result.columns.size());
+      }
+    for (const auto &entry : held_roles)
+      this->roles[entry.first] = entry.second;
+    return result;
   }
 
 

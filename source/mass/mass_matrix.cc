@@ -73,29 +73,6 @@ namespace greville
 
 
 
-  template <int dim>
-  void
-  MassMatrix<dim>::vmult(VectorType &dst, const VectorType &src) const
-  {
-    view_src.with(src.begin(), [&](Vec x) {
-      view_dst.with(dst.begin(),
-                    [&](Vec y) { check_petsc(MatMult(petsc(), x, y)); });
-    });
-  }
-
-
-
-  template <int dim>
-  std::size_t
-  MassMatrix<dim>::memory_consumption() const
-  {
-    MatInfo info;
-    check_petsc(MatGetInfo(petsc(), MAT_LOCAL, &info));
-    return info.nz_used * (sizeof(PetscScalar) + sizeof(PetscInt));
-  }
-
-
-
   template class MassMatrix<2>;
   template class MassMatrix<3>;
 } // namespace greville

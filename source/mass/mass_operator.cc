@@ -166,24 +166,6 @@ namespace greville
 
   template <int dim>
   void
-  CrossMassOperator<dim>::vmult(VectorType &dst, const VectorType &src) const
-  {
-    apply(*rows, *columns, dst, src);
-  }
-
-
-
-  template <int dim>
-  void
-  CrossMassOperator<dim>::Tvmult(VectorType &dst, const VectorType &src) const
-  {
-    apply(*columns, *rows, dst, src);
-  }
-
-
-
-  template <int dim>
-  void
   CrossMassOperator<dim>::apply(const Side       &out,
                                 const Side       &in,
                                 VectorType       &dst,
@@ -267,15 +249,6 @@ namespace greville
         dst.compress(VectorOperation::add);
         src.zero_out_ghost_values();
       }
-  }
-
-
-
-  template <int dim>
-  void
-  CrossMassOperator<dim>::row_sums(VectorType &dst) const
-  {
-    integrate(dst, Functions::ConstantFunction<dim>(1.));
   }
 
 

@@ -213,27 +213,13 @@ namespace greville
   void
   StencilMatrix<dim>::decouple(const unsigned int i)
   {
-    const int    p      = spline_space->degree();
-    const int    length = 2 * p + 1;
-    const int    center = half - 1;
-    unsigned int line   = line_of[i];
-    int          full   = 0;
-    for (unsigned int k = 0; k < neighbor_lines.size(); ++k)
-      for (int dx = 0; dx < length; ++dx, ++full)
-        {
-          if (full == center)
-            continue;
-          const unsigned int j     = int(i) + distance(line, k) + dx - p;
-          double            &entry = full > center
-                                       ? values[std::size_t(i) * half + (full - center)]
-                                       : values[std::size_t(j) * half + (center - full)];
-          if (entry != 0.)
-            {
-              values[std::size_t(i) * half] += entry;
-              values[std::size_t(j) * half] += entry;
-              entry = 0.;
-            }
-        }
+    for_each_place(i, [&](const unsigned int j, const std::size_t e) {
+      if (j == i || values[e] == 0.)
+        return;
+      values[std::size_t(i) * half] += values[e];
+      values[std::size_t(j) * half] += values[e];
+      values[e] = 0.;
+    });
   }
 
 

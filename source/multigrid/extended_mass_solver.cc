@@ -443,34 +443,6 @@ namespace greville
 
 
 
-  template <int dim>
-  unsigned int
-  ExtendedMassSolver<dim>::most_iterations_with_old_factors() const
-  {
-    // One solve that needs so many more makes a new factorization due.
-    return fresh_iterations + 1 +
-           static_cast<unsigned int>(smoother_parameters.reuse);
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMassSolver<dim>::judge_factorization(const unsigned int n_iterations)
-  {
-    if (is_fresh)
-      {
-        fresh_iterations  = n_iterations;
-        excess_iterations = 0;
-      }
-    else if (n_iterations > fresh_iterations)
-      excess_iterations += n_iterations - fresh_iterations;
-    is_fresh = false;
-    is_due   = excess_iterations > smoother_parameters.reuse;
-  }
-
-
-
   template class ExtendedMassSolver<2>;
   template class ExtendedMassSolver<3>;
 } // namespace greville

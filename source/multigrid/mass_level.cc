@@ -7,24 +7,6 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  MassLevel<dim>::MassLevel(const SplineSpace<dim> &space,
-                            const Function<dim>    &density)
-    : spline_space(&space)
-    , density_weights(space, space.degree() + 1, density)
-  {}
-
-
-
-  template <int dim>
-  MassLevel<dim>::MassLevel(const SplineSpace<dim> &space,
-                            DensityWeights<dim>     weights)
-    : spline_space(&space)
-    , density_weights(std::move(weights))
-  {}
-
-
-
-  template <int dim>
   void
   MassLevel<dim>::assemble(const bool with_matrix, const bool apply)
   {
@@ -107,18 +89,6 @@ namespace greville
 
   template <int dim>
   void
-  MassLevel<dim>::clear()
-  {
-    mass_operator.reset();
-    mass_matrix.reset();
-    entries.reset();
-    apply_matrix = false;
-  }
-
-
-
-  template <int dim>
-  void
   MassLevel<dim>::read(VectorType &unknowns, const VectorType &x) const
   {
     const auto &functions = entries->unknown_functions();
@@ -191,7 +161,7 @@ namespace greville
       return;
     LevelOperator<dim>::distribute(x);
     read(unknown_source, x);
-    entries->distribute(x, unknown_source);
+    entries->write_columns({&x}, unknown_source, 1);
   }
 
 
@@ -202,7 +172,7 @@ namespace greville
   {
     if (!is_extended())
       return;
-    entries->condense(unknown_result, x);
+    entries->restrict_columns(unknown_result, {&x}, 1);
     write(x, unknown_result);
     LevelOperator<dim>::condense(x);
   }

@@ -30,38 +30,6 @@ namespace greville
 
 
 
-  template <int dim>
-  MassHierarchy<dim>::MassHierarchy(const OrderHierarchy<dim> &orders,
-                                    const Function<dim>       &density)
-  {
-    for (unsigned int l = 0; l < orders.n_levels(); ++l)
-      levels.push_back(std::make_unique<MassLevel<dim>>(orders[l], density));
-  }
-
-
-
-  template <int dim>
-  MassHierarchy<dim>::MassHierarchy(const OrderHierarchy<dim> &orders)
-  {
-    for (unsigned int l = 0; l < orders.n_levels(); ++l)
-      levels.push_back(std::make_unique<MassLevel<dim>>(
-        orders[l], DensityWeights<dim>(orders[l], 2 * orders[l].degree() + 1)));
-  }
-
-
-
-  template <int dim>
-  typename PMultigrid<dim>::Levels
-  MassHierarchy<dim>::operators() const
-  {
-    typename PMultigrid<dim>::Levels result;
-    for (const auto &level : levels)
-      result.push_back(level.get());
-    return result;
-  }
-
-
-
   namespace
   {
     const std::vector<std::string> solver_names = {"p-multigrid",
@@ -121,15 +89,6 @@ namespace greville
                 ExcMessage("The parameter '" + parameter + "' is <" + name +
                            ">; it has to be one of " + names() + "." +
                            did_you_mean(name, known)));
-  }
-
-
-
-  template <int dim>
-  bool
-  MassSolver<dim>::uses_multigrid(const std::string &name)
-  {
-    return name.find("p-multigrid") != std::string::npos;
   }
 
 

@@ -164,19 +164,6 @@ namespace greville
 
   template <int dim>
   void
-  OrderTransfer<dim>::prolongate_and_add(const unsigned int to_level,
-                                         VectorType        &dst,
-                                         const VectorType  &src) const
-  {
-    VectorType &correction = steps[to_level - 1].fine_sum;
-    prolongate(to_level, correction, src);
-    dst += correction;
-  }
-
-
-
-  template <int dim>
-  void
   OrderTransfer<dim>::restrict_and_add(const unsigned int from_level,
                                        VectorType        &dst,
                                        const VectorType  &src) const

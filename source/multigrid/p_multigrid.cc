@@ -185,16 +185,6 @@ namespace greville
 
   template <int dim>
   void
-  PMultigrid<dim>::compute_residual(const unsigned int l) const
-  {
-    levels[l]->vmult(residual[l], x[l]);
-    residual[l].sadd(-1., 1., b[l]);
-  }
-
-
-
-  template <int dim>
-  void
   PMultigrid<dim>::solve_coarse() const
   {
     x[0]               = 0.;

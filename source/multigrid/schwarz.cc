@@ -331,24 +331,6 @@ namespace greville
 
 
 
-  template <int dim>
-  void
-  AdditiveSchwarz<dim>::vmult(VectorType &dst, const VectorType &src) const
-  {
-    apply(dst, src, false);
-  }
-
-
-
-  template <int dim>
-  void
-  AdditiveSchwarz<dim>::Tvmult(VectorType &dst, const VectorType &src) const
-  {
-    apply(dst, src, true);
-  }
-
-
-
   template class AdditiveSchwarz<2>;
   template class AdditiveSchwarz<3>;
 } // namespace greville

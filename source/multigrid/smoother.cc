@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/lac/diagonal_matrix.h>
 #include <deal.II/lac/precondition.h>
 
 #include <greville/linear_algebra/petsc_preconditioner.h>
@@ -160,9 +159,7 @@ namespace greville
         data.smoothing_range     = parameters.chebyshev_range;
         data.eig_cg_n_iterations = 15;
         data.preconditioner =
-          std::make_shared<DiagonalMatrix<VectorType>>(level.diagonal());
-        for (double &entry : data.preconditioner->get_vector())
-          entry = 1. / entry;
+          std::make_shared<DiagonalPreconditioner>(level.diagonal());
         chebyshev.initialize(matrix, data);
         VectorType vector;
         initialize_vector(vector, level);
@@ -191,23 +188,11 @@ namespace greville
           level.vmult(dst, src);
         }
 
-        types::global_dof_index
-        m() const
-        {
-          return level.diagonal().size();
-        }
-
-        double
-        el(const unsigned int i, const unsigned int) const
-        {
-          return level.diagonal()(i);
-        }
-
         const LevelOperator<dim> &level;
       };
 
       using Chebyshev =
-        PreconditionChebyshev<Matrix, VectorType, DiagonalMatrix<VectorType>>;
+        PreconditionChebyshev<Matrix, VectorType, DiagonalPreconditioner>;
       Matrix    matrix;
       Chebyshev chebyshev;
     };

@@ -208,20 +208,6 @@ namespace greville
 
 
   template <int dim>
-  double
-  TensorProductSolver<dim>::diagonal(const unsigned int i) const
-  {
-    const auto index =
-      multi_index<dim>(space->owned_functions()[i], space->n_functions());
-    double result = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      result *= factors[d].diagonal[index[d]];
-    return result;
-  }
-
-
-
-  template <int dim>
   TensorProductPreconditioner<dim>::TensorProductPreconditioner(
     TensorProductSolver<dim>         s,
     const VectorType                &all_diagonals,

@@ -18,10 +18,12 @@ namespace greville
 
 
   template <int dim>
-  CellBatches<dim>::CellBatches(const SplineSpace<dim> &space)
+  std::vector<typename CellBatches<dim>::Batch>
+  CellBatches<dim>::make(const SplineSpace<dim> &space)
   {
-    const auto &cells   = space.owned_cells();
-    const auto &extents = space.lattice().n_cells();
+    std::vector<Batch> batches;
+    const auto        &cells   = space.owned_cells();
+    const auto        &extents = space.lattice().n_cells();
 
     unsigned int begin = 0;
     while (begin < cells.size())
@@ -67,10 +69,11 @@ namespace greville
       batches[b].continues_column =
         column(batches[b]) == column(batches[b - 1]) &&
         height(batches[b]) == height(batches[b - 1]) + 1;
+    return batches;
   }
 
 
 
-  template class CellBatches<2>;
-  template class CellBatches<3>;
+  template struct CellBatches<2>;
+  template struct CellBatches<3>;
 } // namespace greville

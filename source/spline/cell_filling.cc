@@ -25,20 +25,6 @@ namespace greville
 
   template <int dim>
   bool
-  CellFilling<dim>::is_at_contact_wall(const MultiIndex<dim> &function,
-                                       const MultiIndex<dim> &n) const
-  {
-    for (unsigned int d = 0; d < dim; ++d)
-      if ((contact_walls[2 * d] && function[d] == 0) ||
-          (contact_walls[2 * d + 1] && function[d] + 1 == n[d]))
-        return true;
-    return false;
-  }
-
-
-
-  template <int dim>
-  bool
   CellFilling<dim>::update(const std::vector<double> &filling,
                            const double               threshold)
   {
@@ -97,64 +83,68 @@ namespace greville
                    [&](const unsigned int c, const double value) {
                      classes[c] = static_cast<unsigned char>(value);
                    });
-    MultiIndex<dim> three;
-    three.fill(3);
-    constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
+    // Call visit(offset, index) for the neighbours of a cell and itself: the
+    // offset is 0, 1, or 2 in each direction, and the index lies beyond the
+    // extents behind walls.
+    const auto for_each_neighbor = [&](const unsigned int c,
+                                       const auto        &visit) {
+      constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
+      MultiIndex<dim>        three;
+      three.fill(3);
+      const auto index = multi_index<dim>(positions[c], extents);
+      for (unsigned int k = 0; k < n_neighbors; ++k)
+        {
+          const auto offset   = multi_index<dim>(k, three);
+          auto       neighbor = index;
+          for (unsigned int d = 0; d < dim; ++d)
+            neighbor[d] += offset[d] - 1;
+          visit(offset, neighbor);
+        }
+    };
+    const auto find = [&](const MultiIndex<dim> &index) {
+      for (unsigned int d = 0; d < dim; ++d)
+        if (index[d] >= extents[d])
+          return dealii::numbers::invalid_unsigned_int;
+      return neighbors.find(lexicographic<dim>(index, extents));
+    };
 
     // Whether the cell and its neighbours are well-filled, in 3D those by
     // faces.
     const auto is_inside_body = [&](const unsigned int c) {
-      const auto index = multi_index<dim>(positions[c], extents);
-      for (unsigned int k = 0; k < n_neighbors; ++k)
-        {
-          const auto      offset = multi_index<dim>(k, three);
-          MultiIndex<dim> neighbor;
-          bool            is_not_looked_at = false;
-          unsigned int    n_sides          = 0;
+      bool result = true;
+      for_each_neighbor(
+        c, [&](const MultiIndex<dim> &offset, const MultiIndex<dim> &neighbor) {
+          if (!result ||
+              (dim == 3 &&
+               dim - std::count(offset.begin(), offset.end(), 1u) > 1))
+            return;
+          bool is_behind_wall = false;
           for (unsigned int d = 0; d < dim; ++d)
-            n_sides += offset[d] != 1;
-          if (dim == 3 && n_sides > 1)
-            continue;
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              neighbor[d] = index[d] + offset[d] - 1;
-              if (neighbor[d] < extents[d])
-                continue;
-              if (extents[d] > 2 && !contact_walls[2 * d + offset[d] / 2])
-                return false;
-              is_not_looked_at = true;
-            }
-          if (is_not_looked_at)
-            continue;
-          const unsigned int n =
-            neighbors.find(lexicographic<dim>(neighbor, extents));
+            if (neighbor[d] >= extents[d])
+              {
+                is_behind_wall = true;
+                if (extents[d] > 2 && !contact_walls[2 * d + offset[d] / 2])
+                  result = false;
+              }
+          if (is_behind_wall)
+            return;
+          const unsigned int n = find(neighbor);
           if (n == dealii::numbers::invalid_unsigned_int ||
               classes[n] != well_filled)
-            return false;
-        }
-      return true;
+            result = false;
+        });
+      return result;
     };
 
     // The best host that a neighbour has.
     const auto host_of_neighbors = [&](const unsigned int c) {
-      const auto    index = multi_index<dim>(positions[c], extents);
-      std::uint64_t best = none, best_distance = none;
-      for (unsigned int k = 0; k < n_neighbors; ++k)
-        {
-          const auto      offset = multi_index<dim>(k, three);
-          MultiIndex<dim> neighbor;
-          bool            is_inside = true;
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              neighbor[d] = index[d] + offset[d] - 1;
-              is_inside   = is_inside && neighbor[d] < extents[d];
-            }
-          if (!is_inside)
-            continue;
-          const unsigned int n =
-            neighbors.find(lexicographic<dim>(neighbor, extents));
+      const auto index = multi_index<dim>(positions[c], extents);
+      auto       best  = std::make_pair(none, none); // distance and host
+      for_each_neighbor(
+        c, [&](const MultiIndex<dim> &, const MultiIndex<dim> &neighbor) {
+          const unsigned int n = find(neighbor);
           if (n == dealii::numbers::invalid_unsigned_int || hosts[n] == none)
-            continue;
+            return;
           const auto    host     = multi_index<dim>(hosts[n], extents);
           std::uint64_t distance = 0;
           for (unsigned int d = 0; d < dim; ++d)
@@ -163,14 +153,9 @@ namespace greville
                 std::int64_t(host[d]) - std::int64_t(index[d]);
               distance += difference * difference;
             }
-          if (distance < best_distance ||
-              (distance == best_distance && hosts[n] < best))
-            {
-              best          = hosts[n];
-              best_distance = distance;
-            }
-        }
-      return best;
+          best = std::min(best, std::make_pair(distance, hosts[n]));
+        });
+      return best.second;
     };
 
     std::fill(hosts.begin(), hosts.end(), none);
@@ -204,18 +189,6 @@ namespace greville
     });
     for (unsigned int sweep = 0; sweep < reach; ++sweep)
       adopt(host_of_neighbors);
-  }
-
-
-
-  template <int dim>
-  std::uint64_t
-  CellFilling<dim>::n_fragments() const
-  {
-    std::uint64_t n = 0;
-    for (const unsigned int c : filled)
-      n += hosts[c] == none;
-    return Utilities::MPI::sum(n, spline_space->communicator());
   }
 
 

@@ -72,18 +72,6 @@ namespace greville
 
 
 
-  double
-  KnotVector::greville_abscissa(const unsigned int i) const
-  {
-    AssertIndexRange(i, n_functions());
-    double sum = 0;
-    for (unsigned int k = 1; k <= p; ++k)
-      sum += t[i + k];
-    return sum / p;
-  }
-
-
-
   void
   KnotVector::evaluate(const unsigned int       element,
                        const double             x,
@@ -169,15 +157,6 @@ namespace greville
           matrix(a, b) = weights[a];
       }
     return matrix;
-  }
-
-
-
-  double
-  BandedMatrix::operator()(const unsigned int i, const unsigned int j) const
-  {
-    const unsigned int k = j - first_column[i];
-    return (j >= first_column[i] && k < width) ? values[i * width + k] : 0.;
   }
 
 

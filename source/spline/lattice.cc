@@ -58,30 +58,6 @@ namespace greville
 
 
   template <int dim>
-  Point<dim>
-  Lattice<dim>::cell_corner(const MultiIndex<dim> &index) const
-  {
-    Point<dim> corner;
-    for (unsigned int d = 0; d < dim; ++d)
-      corner[d] = lower_corner[d] + cell_size(d) * index[d];
-    return corner;
-  }
-
-
-
-  template <int dim>
-  Point<dim>
-  Lattice<dim>::cell_center(const MultiIndex<dim> &index) const
-  {
-    Point<dim> center;
-    for (unsigned int d = 0; d < dim; ++d)
-      center[d] = lower_corner[d] + cell_size(d) * (index[d] + 0.5);
-    return center;
-  }
-
-
-
-  template <int dim>
   MultiIndex<dim>
   Lattice<dim>::find_cell(const Point<dim> &point) const
   {

@@ -31,19 +31,6 @@ namespace greville
 
 
 
-  template <int dim>
-  void
-  OrderHierarchy<dim>::reinit(DistributedTriangulation<dim> &triangulation,
-                              const unsigned int             degree,
-                              const std::string             &coarsening)
-  {
-    spaces.clear();
-    for (const unsigned int order : orders(degree, coarsening))
-      spaces.emplace_back(triangulation, order);
-  }
-
-
-
   template class OrderHierarchy<2>;
   template class OrderHierarchy<3>;
 } // namespace greville

@@ -83,27 +83,21 @@ namespace greville
   void
   SplineSpace<dim>::find_owned_cells_and_functions()
   {
+    std::vector<std::pair<std::uint64_t, unsigned int>> found;
+    for (const auto &cell : tria->active_cell_iterators())
+      if (cell->is_locally_owned())
+        found.emplace_back(lexicographic<dim>(mesh_lattice.find_cell(
+                                                cell->center()),
+                                              mesh_lattice.n_cells()),
+                           cell->active_cell_index());
+    std::sort(found.begin(), found.end());
     cells.clear();
-    std::vector<std::uint64_t> positions(tria->n_active_cells());
-    for (const auto &cell : tria->active_cell_iterators())
-      if (cell->is_locally_owned())
-        {
-          const std::uint64_t position =
-            lexicographic<dim>(mesh_lattice.find_cell(cell->center()),
-                               mesh_lattice.n_cells());
-          positions[cell->active_cell_index()] = position;
-          cells.push_back(position);
-        }
-    std::sort(cells.begin(), cells.end());
-
     cell_numbers.assign(tria->n_active_cells(), numbers::invalid_unsigned_int);
-    for (const auto &cell : tria->active_cell_iterators())
-      if (cell->is_locally_owned())
-        cell_numbers[cell->active_cell_index()] =
-          std::lower_bound(cells.begin(),
-                           cells.end(),
-                           positions[cell->active_cell_index()]) -
-          cells.begin();
+    for (const auto &entry : found)
+      {
+        cell_numbers[entry.second] = cells.size();
+        cells.push_back(entry.first);
+      }
 
     // The functions of a cell's Greville points are a run in each direction.
     owned.clear();
@@ -155,71 +149,55 @@ namespace greville
     runs.fill(p + 1);
     runs[0] = 1;
 
-    const auto for_each_function = [&](const auto &visit) {
-      for (unsigned int c = 0; c < cells.size(); ++c)
-        {
-          const auto cell = multi_index<dim>(cells[c], mesh_lattice.n_cells());
-          for (unsigned int r = 0; r < n_runs; ++r)
-            {
-              MultiIndex<dim> function = multi_index<dim>(r, runs);
-              for (unsigned int d = 0; d < dim; ++d)
-                function[d] += cell[d];
-              const std::uint64_t start = lexicographic<dim>(function, extents);
-              auto hint = std::lower_bound(owned.begin(), owned.end(), start);
-              for (unsigned int a = 0; a <= p; ++a)
-                {
-                  const bool is_owned =
-                    hint != owned.end() && *hint == start + a;
-                  visit(std::size_t(c) * functions_per_cell + r * (p + 1) + a,
-                        start + a,
-                        is_owned ? hint - owned.begin() : -1);
-                  if (is_owned)
-                    ++hint;
-                }
-            }
-        }
+    cell_function_numbers.resize(cells.size() * functions_per_cell);
+    std::vector<std::pair<std::size_t, std::uint64_t>> others; // with positions
+    std::size_t                                        slot = 0;
+    for (const std::uint64_t c : cells)
+      {
+        const auto cell = multi_index<dim>(c, mesh_lattice.n_cells());
+        for (unsigned int r = 0; r < n_runs; ++r)
+          {
+            MultiIndex<dim> function = multi_index<dim>(r, runs);
+            for (unsigned int d = 0; d < dim; ++d)
+              function[d] += cell[d];
+            const std::uint64_t start = lexicographic<dim>(function, extents);
+            auto hint = std::lower_bound(owned.begin(), owned.end(), start);
+            for (unsigned int a = 0; a <= p; ++a, ++slot)
+              if (hint != owned.end() && *hint == start + a)
+                cell_function_numbers[slot] = hint++ - owned.begin();
+              else
+                others.emplace_back(slot, start + a);
+          }
+      }
+
+    std::vector<std::uint64_t> positions;
+    for (const auto &entry : others)
+      positions.push_back(entry.second);
+    std::sort(positions.begin(), positions.end());
+    positions.erase(std::unique(positions.begin(), positions.end()),
+                    positions.end());
+    const auto place_of = [&](const std::uint64_t position) {
+      return std::lower_bound(positions.begin(), positions.end(), position) -
+             positions.begin();
     };
 
-    cell_function_numbers.resize(cells.size() * functions_per_cell);
-    ghosts.clear();
-    for_each_function([&](const std::size_t   slot,
-                          const std::uint64_t position,
-                          const long          number) {
-      cell_function_numbers[slot] = number;
-      if (number < 0)
-        ghosts.push_back(position);
-    });
-    std::sort(ghosts.begin(), ghosts.end());
-    ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
-
     // Ghosts in the order of their global numbers, as in a Partitioner.
-    ghost_numbers = global_numbers(ghosts);
-    std::vector<unsigned int> order(ghosts.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](const auto a, const auto b) {
-      return ghost_numbers[a] < ghost_numbers[b];
-    });
-    std::vector<unsigned int> place(ghosts.size());
-    for (unsigned int k = 0; k < order.size(); ++k)
-      place[order[k]] = owned.size() + k;
-
-    if (!ghosts.empty())
-      for_each_function([&](const std::size_t   slot,
-                            const std::uint64_t position,
-                            const long          number) {
-        if (number < 0)
-          cell_function_numbers[slot] =
-            place[std::lower_bound(ghosts.begin(), ghosts.end(), position) -
-                  ghosts.begin()];
-      });
-
-    const auto old_ghosts  = ghosts;
-    const auto old_numbers = ghost_numbers;
-    for (unsigned int k = 0; k < order.size(); ++k)
+    const auto numbers = global_numbers(positions);
+    std::vector<std::pair<types::global_dof_index, std::uint64_t>> order;
+    for (unsigned int k = 0; k < positions.size(); ++k)
+      order.emplace_back(numbers[k], positions[k]);
+    std::sort(order.begin(), order.end());
+    ghosts.clear();
+    ghost_numbers.clear();
+    std::vector<unsigned int> place(positions.size());
+    for (const auto &entry : order)
       {
-        ghosts[k]        = old_ghosts[order[k]];
-        ghost_numbers[k] = old_numbers[order[k]];
+        place[place_of(entry.second)] = owned.size() + ghosts.size();
+        ghost_numbers.push_back(entry.first);
+        ghosts.push_back(entry.second);
       }
+    for (const auto &entry : others)
+      cell_function_numbers[entry.first] = place[place_of(entry.second)];
   }
 
 

@@ -14,6 +14,20 @@ namespace greville
    */
   template <int dim>
   using VectorField = std::array<VectorType, dim>;
+
+  /**
+   * The components of fields, one behind the other.
+   */
+  template <typename Vector, typename Field>
+  std::vector<Vector *>
+  columns_of(const std::vector<Field *> &fields)
+  {
+    std::vector<Vector *> result;
+    for (Field *field : fields)
+      for (Vector &component : *field)
+        result.push_back(&component);
+    return result;
+  }
 } // namespace greville
 
 #endif

@@ -4,7 +4,6 @@
 #define greville_benchmark_mass_problem_h
 
 #include <greville/multigrid/mass_solver.h>
-#include <greville/particles/material_points.h>
 
 #include <memory>
 #include <string>
@@ -82,76 +81,21 @@ namespace greville
    * M_ij = int rho N_i N_j dx, by Gauss quadrature.
    */
   template <int dim>
-  class DensityProblem : public MassProblem<dim>
-  {
-  public:
-    DensityProblem(const MassProblemParameters &parameters);
-
-    std::unique_ptr<MassHierarchy<dim>>
-    make_mass(const OrderHierarchy<dim> &orders) override;
-
-    void
-    right_hand_side(VectorType &b, const MassLevel<dim> &level) override;
-
-    double
-    error(const VectorType &x, const MassLevel<dim> &level) override;
-
-    typename Extension<dim>::Counts
-    count_functions(const SplineSpace<dim> &space) const override;
-
-  private:
-    std::unique_ptr<dealii::Function<dim>> density, acceleration;
-  };
-
-
+  std::unique_ptr<MassProblem<dim>>
+  make_density_problem(const MassProblemParameters &parameters);
 
   /**
-   * M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the material points of a body, with
-   * extended B-splines where its parameters say so.
+   * Collective. M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the material points of a
+   * body, with extended B-splines where its parameters say so. Parameters and
+   * triangulation are kept by reference. @p body is one of those that
+   * 'Problem/Points' names, with @p n points per cell and direction.
    */
   template <int dim>
-  class PointProblem : public MassProblem<dim>
-  {
-  public:
-    /**
-     * Collective. Parameters and triangulation are kept by reference. @p body
-     * is one of body_names(), with @p n points per cell and direction.
-     */
-    PointProblem(const MassProblemParameters   &parameters,
-                 const std::string             &body,
-                 const unsigned int             n,
-                 DistributedTriangulation<dim> &triangulation);
-
-    /**
-     * Separated by '|'.
-     */
-    static std::string
-    body_names()
-    {
-      return dim == 2 ? "box|column|disk" : "box|column|ball";
-    }
-
-    std::unique_ptr<MassHierarchy<dim>>
-    make_mass(const OrderHierarchy<dim> &orders) override;
-
-    void
-    right_hand_side(VectorType &b, const MassLevel<dim> &level) override;
-
-    double
-    error(const VectorType &x, const MassLevel<dim> &level) override;
-
-    typename Extension<dim>::Counts
-    count_functions(const SplineSpace<dim> &space) const override;
-
-  private:
-    void
-    make_points(const std::string &body, const unsigned int n);
-
-    const MassProblemParameters &parameters;
-    SplineSpace<dim>             space;  // of order 1
-    MaterialPoints<dim>          points; // their velocity in x is f
-    CellFilling<dim>             filling;
-  };
+  std::unique_ptr<MassProblem<dim>>
+  make_point_problem(const MassProblemParameters   &parameters,
+                     const std::string             &body,
+                     const unsigned int             n,
+                     DistributedTriangulation<dim> &triangulation);
 } // namespace greville
 
 #endif

@@ -130,9 +130,6 @@ namespace greville
              const unsigned int width,
              const HeldRows    &held = HeldRows()) const;
 
-    std::size_t
-    memory_consumption() const;
-
   private:
     bool
     try_shift(const LowerTriangle       &matrix,

@@ -30,7 +30,13 @@ namespace greville
       const dealii::types::global_dof_index               first,
       const dealii::types::global_dof_index               n_owned,
       const std::vector<dealii::types::global_dof_index> &ghosts,
-      const MPI_Comm                                      communicator);
+      const MPI_Comm                                      communicator)
+      : first(first)
+      , n_all(dealii::Utilities::MPI::sum(n_owned, communicator))
+      , n_own(n_owned)
+      , ghosts(ghosts)
+      , comm(communicator)
+    {}
 
     unsigned int
     n_owned() const

@@ -100,9 +100,6 @@ namespace greville
     void
     find_interface();
 
-    /**
-     * Find the order of elimination.
-     */
     void
     find_order(const std::vector<std::array<int, 3>> &positions,
                const std::vector<bool>               &may_leave_out,
@@ -131,7 +128,14 @@ namespace greville
      * A vector of the interface, with contents of no meaning.
      */
     Vector &
-    vector_at_interface(const unsigned int width) const;
+    vector_at_interface(const unsigned int width) const
+    {
+      Vector     &result      = at_interface[width];
+      const auto &partitioner = interface_layout->partitioner(width);
+      if (result.get_partitioner() != partitioner)
+        result.reinit(partitioner);
+      return result;
+    }
 
     bool
     is_parallel() const

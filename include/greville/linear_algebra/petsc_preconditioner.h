@@ -31,10 +31,6 @@ namespace greville
     void
     Tvmult(VectorType &dst, const VectorType &src) const override;
 
-    /**
-     * Zero: PETSc does not tell.
-     */
-
   private:
     PetscHandle<PC, PCDestroy> pc;
     PetscVectorView            view_dst, view_src;

@@ -16,7 +16,20 @@ namespace greville
   struct SolverParameters
   {
     void
-    declare(dealii::ParameterHandler &prm);
+    declare(dealii::ParameterHandler &prm)
+    {
+      prm.add_parameter(
+        "Tolerance",
+        tolerance,
+        "Iterations end when the Euclidean norm of the residual has fallen to "
+        "this part of that of the right-hand side. Unit: none.",
+        dealii::Patterns::Double(1e-15, 1.));
+      prm.add_parameter(
+        "Maximum iterations",
+        max_iterations,
+        "A solver that needs more has not converged. Unit: iterations.",
+        dealii::Patterns::Integer(1));
+    }
 
     double       tolerance      = 1e-8;
     unsigned int max_iterations = 1000;

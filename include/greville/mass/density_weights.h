@@ -60,9 +60,6 @@ namespace greville
       return values.data() + cell_begin[cell];
     }
 
-    /**
-     * Set all weights to zero.
-     */
     void
     clear()
     {
@@ -81,7 +78,9 @@ namespace greville
       return dealii::Utilities::fixed_power<dim>(n_q);
     }
 
-    const CellBatches<dim> &
+    using Batch = typename CellBatches<dim>::Batch;
+
+    const std::vector<Batch> &
     batches() const
     {
       return cell_batches;
@@ -107,7 +106,7 @@ namespace greville
   private:
     unsigned int                  n_q = 0;
     std::vector<std::size_t>      cell_begin;
-    CellBatches<dim>              cell_batches;
+    std::vector<Batch>            cell_batches;
     dealii::AlignedVector<double> values;
   };
 } // namespace greville

@@ -34,13 +34,24 @@ namespace greville
     }
 
     void
-    vmult(VectorType &dst, const VectorType &src) const;
+    vmult(VectorType &dst, const VectorType &src) const
+    {
+      view_src.with(src.begin(), [&](Vec x) {
+        view_dst.with(dst.begin(),
+                      [&](Vec y) { check_petsc(MatMult(petsc(), x, y)); });
+      });
+    }
 
     /**
      * Bytes of entries and column numbers on this process.
      */
     std::size_t
-    memory_consumption() const;
+    memory_consumption() const
+    {
+      MatInfo info;
+      check_petsc(MatGetInfo(petsc(), MAT_LOCAL, &info));
+      return info.nz_used * (sizeof(PetscScalar) + sizeof(PetscInt));
+    }
 
   private:
     PetscMatrix     matrix;

@@ -33,19 +33,28 @@ namespace greville
      * dst = P src. Vectors are made by SplineSpace::initialize_vector().
      */
     void
-    vmult(VectorType &dst, const VectorType &src) const;
+    vmult(VectorType &dst, const VectorType &src) const
+    {
+      apply(*rows, *columns, dst, src);
+    }
 
     /**
      * dst = P^T src.
      */
     void
-    Tvmult(VectorType &dst, const VectorType &src) const;
+    Tvmult(VectorType &dst, const VectorType &src) const
+    {
+      apply(*columns, *rows, dst, src);
+    }
 
     /**
      * dst_i = sum_q w_q N_i^rows(x_q): by the partition of unity, the row sums.
      */
     void
-    row_sums(VectorType &dst) const;
+    row_sums(VectorType &dst) const
+    {
+      integrate(dst, dealii::Functions::ConstantFunction<dim>(1.));
+    }
 
     /**
      * dst_i = sum_q w_q N_i^rows(x_q)^2: the diagonal, for equal spaces.

@@ -137,6 +137,14 @@ namespace greville
       unsigned int line;
     };
 
+    /**
+     * Call visit(j, e) for all places j around @p i, ascending: values[e] is
+     * M_ij.
+     */
+    template <typename Visit>
+    void
+    for_each_place(const unsigned int i, const Visit &visit) const;
+
     template <int n>
     void
     add_cell_of_order(const unsigned int cell,
@@ -189,7 +197,7 @@ namespace greville
   template <int dim>
   template <typename Visit>
   void
-  StencilMatrix<dim>::for_each_entry(const unsigned int i,
+  StencilMatrix<dim>::for_each_place(const unsigned int i,
                                      const Visit       &visit) const
   {
     const int          p      = spline_space->degree();
@@ -203,13 +211,26 @@ namespace greville
         for (int dx = 0; dx < length; ++dx, ++full)
           {
             const unsigned int j = first + dx;
-            const double       value =
-              full >= center ? values[std::size_t(i) * half + (full - center)]
-                                   : values[std::size_t(j) * half + (center - full)];
-            if (value != 0.)
-              visit(j, value);
+            visit(j,
+                  full >= center ? std::size_t(i) * half + (full - center)
+                                 : std::size_t(j) * half + (center - full));
           }
       }
+  }
+
+
+
+  template <int dim>
+  template <typename Visit>
+  void
+  StencilMatrix<dim>::for_each_entry(const unsigned int i,
+                                     const Visit       &visit) const
+  {
+    for_each_place(i, [&](const unsigned int j, const std::size_t e) {
+      const double value = values[e];
+      if (value != 0.)
+        visit(j, value);
+    });
   }
 
 

@@ -101,9 +101,6 @@ namespace greville
     void
     match_unknowns();
 
-    /**
-     * Tell the factors what is held now.
-     */
     void
     hold();
 
@@ -140,13 +137,29 @@ namespace greville
      * Iterations after which a solve had better begin again with new factors.
      */
     unsigned int
-    most_iterations_with_old_factors() const;
+    most_iterations_with_old_factors() const
+    {
+      // One solve that needs so many more makes a new factorization due.
+      return fresh_iterations + 1 +
+             static_cast<unsigned int>(smoother_parameters.reuse);
+    }
 
     /**
      * Is it time for a new factorization?
      */
     void
-    judge_factorization(const unsigned int n_iterations);
+    judge_factorization(const unsigned int n_iterations)
+    {
+      if (is_fresh)
+        {
+          fresh_iterations  = n_iterations;
+          excess_iterations = 0;
+        }
+      else if (n_iterations > fresh_iterations)
+        excess_iterations += n_iterations - fresh_iterations;
+      is_fresh = false;
+      is_due   = excess_iterations > smoother_parameters.reuse;
+    }
 
     template <int width>
     SolveResult

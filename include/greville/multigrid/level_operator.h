@@ -115,7 +115,20 @@ namespace greville
    */
   template <int dim>
   void
-  initialize_vector(VectorType &vector, const LevelOperator<dim> &level);
+  initialize_vector(VectorType &vector, const LevelOperator<dim> &level)
+  {
+    const SplineSpace<dim> &space = level.space();
+    const unsigned int      n     = level.n_components();
+    if (n == 1)
+      {
+        space.initialize_vector(vector);
+        return;
+      }
+    const auto       range = space.partitioner()->local_range();
+    dealii::IndexSet owned(n * space.n_dofs());
+    owned.add_range(n * range.first, n * range.second);
+    vector.reinit(owned, space.communicator());
+  }
 
   /**
    * Apply @p action(to, from), which works on one component, to all of the

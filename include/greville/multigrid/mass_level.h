@@ -25,12 +25,18 @@ namespace greville
      * operator is made yet. The space is kept by reference.
      */
     MassLevel(const SplineSpace<dim>      &space,
-              const dealii::Function<dim> &density);
+              const dealii::Function<dim> &density)
+      : spline_space(&space)
+      , density_weights(space, space.degree() + 1, density)
+    {}
 
     /**
      * As above with @p weights, which the caller fills before assemble().
      */
-    MassLevel(const SplineSpace<dim> &space, DensityWeights<dim> weights);
+    MassLevel(const SplineSpace<dim> &space, DensityWeights<dim> weights)
+      : spline_space(&space)
+      , density_weights(std::move(weights))
+    {}
 
     DensityWeights<dim> &
     weights()
@@ -66,7 +72,13 @@ namespace greville
      * Free the operators.
      */
     void
-    clear();
+    clear()
+    {
+      mass_operator.reset();
+      mass_matrix.reset();
+      entries.reset();
+      apply_matrix = false;
+    }
 
     const SplineSpace<dim> &
     space() const override

@@ -10,9 +10,6 @@
 
 namespace greville
 {
-  /**
-   * Parameters of MassSolver.
-   */
   struct MassSolverParameters : SolverParameters
   {
     void
@@ -35,14 +32,24 @@ namespace greville
      * The hierarchy is kept by reference.
      */
     MassHierarchy(const OrderHierarchy<dim>   &orders,
-                  const dealii::Function<dim> &density);
+                  const dealii::Function<dim> &density)
+    {
+      for (unsigned int l = 0; l < orders.n_levels(); ++l)
+        levels.push_back(std::make_unique<MassLevel<dim>>(orders[l], density));
+    }
 
     /**
      * Collective. Weights of zero at the 2 p + 1 Gauss points per direction
      * that make the matrix of material points, to be filled before a MassSolver
      * assembles.
      */
-    MassHierarchy(const OrderHierarchy<dim> &orders);
+    MassHierarchy(const OrderHierarchy<dim> &orders)
+    {
+      for (unsigned int l = 0; l < orders.n_levels(); ++l)
+        levels.push_back(std::make_unique<MassLevel<dim>>(
+          orders[l],
+          DensityWeights<dim>(orders[l], 2 * orders[l].degree() + 1)));
+    }
 
     MassLevel<dim> &
     finest()
@@ -63,7 +70,13 @@ namespace greville
      * The same as PMultigrid takes them.
      */
     typename PMultigrid<dim>::Levels
-    operators() const;
+    operators() const
+    {
+      typename PMultigrid<dim>::Levels result;
+      for (const auto &level : levels)
+        result.push_back(level.get());
+      return result;
+    }
 
   private:
     std::vector<std::unique_ptr<MassLevel<dim>>> levels;
@@ -130,11 +143,11 @@ namespace greville
     SolveResult
     solve(VectorType &x, const VectorType &b) const;
 
-    /**
-     * Whether the solver has a p-multigrid cycle.
-     */
     static bool
-    uses_multigrid(const std::string &name);
+    uses_multigrid(const std::string &name)
+    {
+      return name.find("p-multigrid") != std::string::npos;
+    }
 
   private:
     void

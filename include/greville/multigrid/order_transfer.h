@@ -72,7 +72,12 @@ namespace greville
     void
     prolongate_and_add(const unsigned int to_level,
                        VectorType        &dst,
-                       const VectorType  &src) const override;
+                       const VectorType  &src) const override
+    {
+      VectorType &correction = steps[to_level - 1].fine_sum;
+      prolongate(to_level, correction, src);
+      dst += correction;
+    }
 
     void
     restrict_and_add(const unsigned int from_level,

@@ -9,9 +9,6 @@
 
 namespace greville
 {
-  /**
-   * Parameters of PMultigrid.
-   */
   struct PMultigridParameters
   {
     void
@@ -103,10 +100,14 @@ namespace greville
            const bool         from_zero) const;
 
     /**
-     * residual = b - A x.
+     * residual = b - A x on level l.
      */
     void
-    compute_residual(const unsigned int level) const;
+    compute_residual(const unsigned int l) const
+    {
+      levels[l]->vmult(residual[l], x[l]);
+      residual[l].sadd(-1., 1., b[l]);
+    }
 
     void
     solve_coarse() const;

@@ -73,10 +73,16 @@ namespace greville
                     const std::function<LocalSolver(const Mat)> &make);
 
     void
-    vmult(VectorType &dst, const VectorType &src) const override;
+    vmult(VectorType &dst, const VectorType &src) const override
+    {
+      apply(dst, src, false);
+    }
 
     void
-    Tvmult(VectorType &dst, const VectorType &src) const override;
+    Tvmult(VectorType &dst, const VectorType &src) const override
+    {
+      apply(dst, src, true);
+    }
 
   private:
     /**

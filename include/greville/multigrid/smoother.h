@@ -85,9 +85,6 @@ namespace greville
                const bool               by_components,
                const MakeSmoother<dim> &make);
 
-  /**
-   * Whether a smoother needs LevelOperator::matrix().
-   */
   bool
   smoother_needs_matrix(const std::string &name);
 

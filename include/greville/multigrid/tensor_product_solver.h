@@ -44,7 +44,15 @@ namespace greville
      * The diagonal of M_1 x ... x M_1 at the owned function number @p i.
      */
     double
-    diagonal(const unsigned int i) const;
+    diagonal(const unsigned int i) const
+    {
+      const auto index =
+        multi_index<dim>(space->owned_functions()[i], space->n_functions());
+      double result = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        result *= factors[d].diagonal[index[d]];
+      return result;
+    }
 
     /**
      * Bytes that this process sends to others in one solve.

@@ -15,9 +15,8 @@ namespace greville
    * on the mesh only and so serve all orders of an OrderHierarchy.
    */
   template <int dim>
-  class CellBatches
+  struct CellBatches
   {
-  public:
     struct Batch
     {
       /// Number of the first cell in SplineSpace::owned_cells().
@@ -39,36 +38,11 @@ namespace greville
     static unsigned int
     width();
 
-    CellBatches() = default;
-
-    CellBatches(const SplineSpace<dim> &space);
-
-    std::size_t
-    size() const
-    {
-      return batches.size();
-    }
-
-    const Batch &
-    operator[](const std::size_t batch) const
-    {
-      return batches[batch];
-    }
-
-    typename std::vector<Batch>::const_iterator
-    begin() const
-    {
-      return batches.begin();
-    }
-
-    typename std::vector<Batch>::const_iterator
-    end() const
-    {
-      return batches.end();
-    }
-
-  private:
-    std::vector<Batch> batches;
+    /**
+     * The batches of a space.
+     */
+    static std::vector<Batch>
+    make(const SplineSpace<dim> &space);
   };
 } // namespace greville
 

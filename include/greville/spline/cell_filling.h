@@ -64,7 +64,14 @@ namespace greville
      */
     bool
     is_at_contact_wall(const MultiIndex<dim> &function,
-                       const MultiIndex<dim> &n_functions) const;
+                       const MultiIndex<dim> &n_functions) const
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        if ((contact_walls[2 * d] && function[d] == 0) ||
+            (contact_walls[2 * d + 1] && function[d] + 1 == n_functions[d]))
+          return true;
+      return false;
+    }
 
     /**
      * Collective. @p filling, of each owned cell, is the part of it that is
@@ -104,7 +111,13 @@ namespace greville
      * Number of fragments of all processes. Collective.
      */
     std::uint64_t
-    n_fragments() const;
+    n_fragments() const
+    {
+      std::uint64_t n = 0;
+      for (const unsigned int c : filled)
+        n += hosts[c] == none;
+      return dealii::Utilities::MPI::sum(n, spline_space->communicator());
+    }
 
   private:
     enum Class : unsigned char

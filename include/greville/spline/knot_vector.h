@@ -104,7 +104,14 @@ namespace greville
      * The Greville abscissa (t_(i+1) + ... + t_(i+p)) / p of function @p i.
      */
     double
-    greville_abscissa(const unsigned int i) const;
+    greville_abscissa(const unsigned int i) const
+    {
+      AssertIndexRange(i, n_functions());
+      double sum = 0;
+      for (unsigned int k = 1; k <= p; ++k)
+        sum += t[i + k];
+      return sum / p;
+    }
 
     /**
      * Derivative of order @p derivative (0, 1 or 2) of the p + 1 functions of
@@ -165,7 +172,11 @@ namespace greville
      * An entry, zero outside the run.
      */
     double
-    operator()(const unsigned int i, const unsigned int j) const;
+    operator()(const unsigned int i, const unsigned int j) const
+    {
+      const unsigned int k = j - first_column[i];
+      return (j >= first_column[i] && k < width) ? values[i * width + k] : 0.;
+    }
   };
 
   /**

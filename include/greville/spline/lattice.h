@@ -94,10 +94,22 @@ namespace greville
      * The corner of the cell @p index with the smallest coordinates.
      */
     dealii::Point<dim>
-    cell_corner(const MultiIndex<dim> &index) const;
+    cell_corner(const MultiIndex<dim> &index) const
+    {
+      dealii::Point<dim> corner;
+      for (unsigned int d = 0; d < dim; ++d)
+        corner[d] = lower_corner[d] + cell_size(d) * index[d];
+      return corner;
+    }
 
     dealii::Point<dim>
-    cell_center(const MultiIndex<dim> &index) const;
+    cell_center(const MultiIndex<dim> &index) const
+    {
+      dealii::Point<dim> center;
+      for (unsigned int d = 0; d < dim; ++d)
+        center[d] = lower_corner[d] + cell_size(d) * (index[d] + 0.5);
+      return center;
+    }
 
     /**
      * The cell that contains @p point; the nearest one for points outside.

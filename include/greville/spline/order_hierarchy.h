@@ -34,7 +34,12 @@ namespace greville
     void
     reinit(DistributedTriangulation<dim> &triangulation,
            const unsigned int             degree,
-           const std::string             &coarsening);
+           const std::string             &coarsening)
+    {
+      spaces.clear();
+      for (const unsigned int order : orders(degree, coarsening))
+        spaces.emplace_back(triangulation, order);
+    }
 
     /**
      * "one by one": p, p-1, ..., 1; "by two": p, p-2, ..., 1 (the last step may

@@ -96,9 +96,6 @@ namespace greville
       return knot_vectors[d];
     }
 
-    /**
-     * Number of functions in each direction.
-     */
     const MultiIndex<dim> &
     n_functions() const
     {

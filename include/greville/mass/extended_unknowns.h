@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_mass_extended_unknowns_h
+#define greville_mass_extended_unknowns_h
+
+#include <greville/base/vector_field.h>
+#include <greville/linear_algebra/interleaved_layout.h>
+#include <greville/mass/stencil_matrix.h>
+#include <greville/spline/extension.h>
+
+#include <array>
+
+namespace greville
+{
+  /**
+   * The *unknowns* of extended B-splines, which are the stable and the lumped
+   * functions only, and the matrix E that gives all functions from them (see
+   * Extension). Unknowns are numbered without gaps in lexicographic order on
+   * each process. Vectors of unknowns are interleaved: entry c of unknown i at
+   * i * width + c.
+   *
+   * Functions can be held, column by column, at zero (walls): they are then
+   * left out of the columns of E.
+   *
+   * E is applied on the places of a StencilMatrix.
+   */
+  template <int dim>
+  class ExtendedUnknowns
+  {
+  public:
+    /**
+     * The matrix is kept by reference. It is asked for places only.
+     */
+    void
+    reinit(const StencilMatrix<dim> &matrix);
+
+    /**
+     * Collective. Number the unknowns of an extension, which is kept by
+     * reference, where it has @p changed or is the first one. Returns whether
+     * it did.
+     */
+    bool
+    update(const Extension<dim> &extension, const bool changed);
+
+    /**
+     * Collective. Hold functions: bit c of @p held[f] holds local function f in
+     * the columns c, c + dim, c + 2 dim, ...
+     */
+    void
+    hold(const std::vector<unsigned char> &held);
+
+    /**
+     * For each component the first one with the same E: held functions that
+     * depend on others which are not held make a difference. The same on all
+     * processes.
+     */
+    const std::array<unsigned int, dim> &
+    alike() const
+    {
+      return first_alike;
+    }
+
+    /**
+     * Number of calls of hold() so far.
+     */
+    unsigned int
+    n_holds() const
+    {
+      return hold_counter;
+    }
+
+    /**
+     * Whether any function that meets mass is held in a component, on any
+     * process.
+     */
+    const std::array<bool, dim> &
+    has_held() const
+    {
+      return component_has_held;
+    }
+
+    /**
+     * The components (bits) in which the owned unknowns are held.
+     */
+    std::vector<unsigned char>
+    held_unknowns() const;
+
+    /**
+     * The positions of the owned unknowns in the lattice of functions, with
+     * zeros for directions beyond @p dim.
+     */
+    std::vector<std::array<int, 3>>
+    unknown_positions() const;
+
+    unsigned int
+    n_owned_unknowns() const
+    {
+      return n_owned;
+    }
+
+    MPI_Comm
+    communicator() const
+    {
+      return places->space().communicator();
+    }
+
+    /**
+     * The places of the unknowns of this process, the owned ones first,
+     * ascending; invalid_unsigned_int for those of others that only E asks for.
+     */
+    const std::vector<unsigned int> &
+    unknown_places() const
+    {
+      return unknowns;
+    }
+
+    /**
+     * Local numbers of the functions of the owned unknowns.
+     */
+    const std::vector<unsigned int> &
+    unknown_functions() const
+    {
+      return owned_unknown_functions;
+    }
+
+    /**
+     * The layout of vectors of @p width columns. Ghost entries are those that
+     * vmult() needs.
+     */
+    void
+    initialize_vector(VectorType &vector, const unsigned int width) const
+    {
+      vector.reinit(layout->partitioner(width));
+    }
+
+    const std::shared_ptr<const InterleavedLayout> &
+    unknown_layout() const
+    {
+      return layout;
+    }
+
+    /**
+     * Collective. rows = E^T b for @p columns b of the space, of component 0,
+     * 1, ..., dim - 1, 0, ...
+     */
+    void
+    restrict_columns(VectorType                            &rows,
+                     const std::vector<const VectorType *> &columns,
+                     const unsigned int                     width) const;
+
+    /**
+     * Collective. @p columns = E x for the owned functions of the space, where
+     * they are not held; zero where they are inactive.
+     */
+    void
+    write_columns(const std::vector<VectorType *> &columns,
+                  VectorType                      &x,
+                  const unsigned int               width) const;
+
+    /**
+     * rows = E^T b for fields b of the space, one behind the other: component c
+     * of field k is column k dim + c.
+     */
+    void
+    restrict_fields(VectorType                                  &rows,
+                    const std::vector<const VectorField<dim> *> &fields,
+                    const unsigned int                           width) const;
+
+    /**
+     * x = the coefficients of the unknowns in the fields.
+     */
+    void
+    read_fields(VectorType                                  &x,
+                const std::vector<const VectorField<dim> *> &fields,
+                const unsigned int                           width) const;
+
+    /**
+     * fields = E x, where they are not held; zero where they are inactive. The
+     * held entries of @p x become those of the fields.
+     */
+    void
+    write_fields(const std::vector<VectorField<dim> *> &fields,
+                 VectorType                            &x,
+                 const unsigned int                     width) const;
+
+    /**
+     * Collective. Give extended functions the coefficients that E makes of
+     * those of the others. The sum of the coefficients times @p weights, the
+     * lumped mass, stays as it is: what an extended function gets is taken from
+     * the functions that it depends on.
+     */
+    void
+    extend(VectorField<dim> &field, const VectorType &weights) const;
+
+    /**
+     * Set the held entries of @p x to zero.
+     */
+    void
+    zero_held_unknowns(VectorType &x, const unsigned int width) const;
+
+  protected:
+    struct Entry
+    {
+      unsigned int unknown;
+      double       weight;
+    };
+
+    /**
+     * place_x = E x, at all places.
+     */
+    void
+    expand(const double *x, const unsigned int width) const;
+
+    /**
+     * y = E^T place_y.
+     */
+    void
+    collect(double *y, const unsigned int width) const;
+
+    /**
+     * Copy a component of a field to the places, with the ghosts of others.
+     */
+    void
+    to_places(const VectorType &component) const;
+
+    void
+    zero_held(double *values, const unsigned int width) const;
+
+    /**
+     * Call visit(f, place) for the first local functions that are active.
+     */
+    template <typename Visit>
+    void
+    for_each_active(const unsigned int n_functions, const Visit &visit) const
+    {
+      for (unsigned int f = 0; f < n_functions; ++f)
+        if ((*extension)[f] != Extension<dim>::inactive)
+          visit(f, std::size_t(places->place(f)));
+    }
+
+    bool
+    is_held(const unsigned int function, const unsigned int column) const
+    {
+      return (held_functions[function] >> (column % dim)) & 1;
+    }
+
+    unsigned int
+    n_owned_functions() const
+    {
+      return places->space().owned_functions().size();
+    }
+
+    unsigned int              n_owned = 0;
+    std::vector<unsigned int> unknowns; // places
+    std::vector<unsigned int> owned_unknown_functions;
+    std::vector<unsigned int> lumped;   // places
+    std::vector<unsigned int> extended; // places
+    std::vector<std::size_t>  extended_begin;
+    std::vector<Entry>        extended_entries;
+
+    // By place: 1 + the unknown, or -1 - the extended function, or 0.
+    ZeroedArray<int> roles;
+
+    std::vector<unsigned char>                          held_functions;
+    std::vector<std::pair<unsigned int, unsigned char>> held_places;
+    std::array<bool, dim>                               component_has_held{};
+
+    mutable ZeroedArray<double> place_x, place_y;
+
+  private:
+    void
+    number_unknowns();
+
+    /**
+     * Whether a held function is an extended one that depends on some that are
+     * not held, in which components (bits).
+     */
+    unsigned int
+    changes_extension(const unsigned int  place,
+                      const unsigned char components) const;
+
+    const StencilMatrix<dim> *places    = nullptr;
+    const Extension<dim>     *extension = nullptr;
+
+    // Whether the unknowns have been numbered, on all processes; this one may
+    // have none of them.
+    bool                          is_numbered = false;
+    std::vector<unsigned int>     extended_functions; // local numbers
+    std::array<unsigned int, dim> first_alike{};
+    unsigned int                  hold_counter = 0;
+
+    std::shared_ptr<const InterleavedLayout> layout;
+  };
+} // namespace greville
+
+#endif

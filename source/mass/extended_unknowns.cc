@@ -1,0 +1,528 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/with_width.h>
+#include <greville/mass/extended_unknowns.h>
+
+#include <algorithm>
+#include <map>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::reinit(const StencilMatrix<dim> &matrix)
+  {
+    constexpr unsigned int max_width = 8;
+    places                           = &matrix;
+    place_x     = ZeroedArray<double>(matrix.size() * max_width);
+    place_y     = ZeroedArray<double>(matrix.size() * max_width);
+    roles       = ZeroedArray<int>(matrix.size());
+    is_numbered = false;
+    unknowns.clear();
+    extended.clear();
+    held_functions.assign(n_owned_functions() +
+                            matrix.space().ghost_functions().size(),
+                          0);
+  }
+
+
+
+  template <int dim>
+  bool
+  ExtendedUnknowns<dim>::update(const Extension<dim> &e, const bool changed)
+  {
+    extension = &e;
+    if (!changed && is_numbered)
+      return false;
+    number_unknowns();
+    is_numbered = true;
+    return true;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::number_unknowns()
+  {
+    using Kind                          = Extension<dim>;
+    const SplineSpace<dim> &space       = places->space();
+    const unsigned int      n_functions = space.owned_functions().size();
+    const unsigned int n_all = n_functions + space.ghost_functions().size();
+    const MPI_Comm     comm  = communicator();
+    const bool         is_parallel = Utilities::MPI::n_mpi_processes(comm) > 1;
+
+    for (const auto *old : {&unknowns, &extended})
+      for (const unsigned int place : *old)
+        if (place != numbers::invalid_unsigned_int)
+          roles[place] = 0;
+    unknowns.clear();
+    owned_unknown_functions.clear();
+    lumped.clear();
+    extended.clear();
+    extended_functions = extension->extended_functions();
+    std::vector<types::global_dof_index> ghost_unknowns;
+    types::global_dof_index              first_unknown = 0;
+
+    for (unsigned int f = 0; f < n_functions; ++f)
+      if ((*extension)[f] == Kind::stable || (*extension)[f] == Kind::lumped)
+        {
+          unknowns.push_back(places->place(f));
+          owned_unknown_functions.push_back(f);
+        }
+    n_owned = unknowns.size();
+    for (unsigned int f = 0; f < n_all; ++f)
+      if ((*extension)[f] == Kind::lumped)
+        lumped.push_back(places->place(f));
+
+    // E of the extended functions, with positions for numbers.
+    std::vector<std::uint64_t> all_positions, positions;
+    std::vector<double>        all_weights, weights;
+    extended_begin.assign(1, 0);
+    for (const unsigned int f : extended_functions)
+      {
+        extended.push_back(places->place(f));
+        extension->row(f, positions, weights);
+        all_positions.insert(all_positions.end(),
+                             positions.begin(),
+                             positions.end());
+        all_weights.insert(all_weights.end(), weights.begin(), weights.end());
+        extended_begin.push_back(all_positions.size());
+      }
+
+    // Unknowns of other processes: functions of own cells, then the others that
+    // occur in E. Their places are of use only where they have one.
+    std::map<std::uint64_t, unsigned int> ghost_of; // by position
+    if (is_parallel)
+      {
+        const std::uint64_t mine   = n_owned;
+        std::uint64_t       offset = 0;
+        int ierr = MPI_Exscan(&mine, &offset, 1, MPI_UINT64_T, MPI_SUM, comm);
+        AssertThrowMPI(ierr);
+        first_unknown =
+          Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : offset;
+
+        const auto &owned = space.owned_functions();
+        for (unsigned int f = n_functions; f < n_all; ++f)
+          if ((*extension)[f] == Kind::stable ||
+              (*extension)[f] == Kind::lumped)
+            ghost_of[space.function_position(f)] = f;
+        for (const std::uint64_t position : all_positions)
+          if (!std::binary_search(owned.begin(), owned.end(), position))
+            ghost_of.emplace(position, numbers::invalid_unsigned_int);
+
+        // The owners tell the numbers of the unknowns.
+        std::vector<std::uint64_t> wanted;
+        for (const auto &entry : ghost_of)
+          wanted.push_back(entry.first);
+        const auto dofs = space.global_numbers(wanted);
+        IndexSet   ghosts(space.n_dofs());
+        {
+          auto sorted = dofs;
+          std::sort(sorted.begin(), sorted.end());
+          ghosts.add_indices(sorted.begin(), sorted.end());
+        }
+        VectorType numbers_of(space.locally_owned_dofs(), ghosts, comm);
+        for (unsigned int u = 0; u < n_owned; ++u)
+          numbers_of.local_element(owned_unknown_functions[u]) =
+            first_unknown + u;
+        numbers_of.update_ghost_values();
+
+        std::vector<std::pair<types::global_dof_index, std::uint64_t>> order;
+        for (unsigned int k = 0; k < wanted.size(); ++k)
+          order.emplace_back(numbers_of(dofs[k]), wanted[k]);
+        std::sort(order.begin(), order.end());
+        for (const auto &entry : order)
+          {
+            auto              &found = ghost_of.at(entry.second);
+            const unsigned int f     = found;
+            found                    = unknowns.size();
+            unknowns.push_back(f == numbers::invalid_unsigned_int
+                                 ? numbers::invalid_unsigned_int
+                                 : places->place(f));
+            ghost_unknowns.push_back(entry.first);
+          }
+      }
+    layout = std::make_shared<const InterleavedLayout>(first_unknown,
+                                                       n_owned,
+                                                       ghost_unknowns,
+                                                       comm);
+    for (unsigned int u = 0; u < unknowns.size(); ++u)
+      if (unknowns[u] != numbers::invalid_unsigned_int)
+        roles[unknowns[u]] = 1 + int(u);
+
+    for (unsigned int k = 0; k < extended.size(); ++k)
+      roles[extended[k]] = -1 - int(k);
+    extended_entries.clear();
+    const auto &owned = space.owned_functions();
+    for (std::size_t e = 0; e < all_positions.size(); ++e)
+      {
+        const auto place =
+          std::lower_bound(owned.begin(), owned.end(), all_positions[e]);
+        const bool is_owned =
+          place != owned.end() && *place == all_positions[e];
+        const unsigned int unknown =
+          is_owned ? roles[places->place(place - owned.begin())] - 1
+                   : ghost_of.at(all_positions[e]);
+        extended_entries.push_back({unknown, all_weights[e]});
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::hold(const std::vector<unsigned char> &held)
+  {
+    held_functions = held;
+    held_places.clear();
+    for (unsigned int f = 0; f < held.size(); ++f)
+      if (held[f] != 0 && (*extension)[f] != Extension<dim>::inactive)
+        held_places.emplace_back(places->place(f), held[f]);
+
+    // Components that hold something, and pairs of them that differ in E.
+    unsigned int found[dim * dim] = {};
+    for (const auto &entry : held_places)
+      {
+        const unsigned int changes =
+          changes_extension(entry.first, entry.second);
+        for (unsigned int c = 0; c < dim; ++c)
+          {
+            found[c * dim + c] |= (entry.second >> c) & 1;
+            for (unsigned int d = 0; d < c; ++d)
+              found[c * dim + d] |= ((changes >> c) ^ (changes >> d)) & 1;
+          }
+      }
+    Utilities::MPI::max(ArrayView<const unsigned int>(found, dim * dim),
+                        communicator(),
+                        ArrayView<unsigned int>(found, dim * dim));
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        component_has_held[c] = found[c * dim + c] != 0;
+        first_alike[c]        = 0;
+        while (first_alike[c] < c && found[c * dim + first_alike[c]] != 0)
+          ++first_alike[c];
+      }
+    ++hold_counter;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  ExtendedUnknowns<dim>::changes_extension(const unsigned int  place,
+                                           const unsigned char components) const
+  {
+    // Weights below this are round-off.
+    constexpr double negligible = 1e-10;
+    const int        role       = roles[place];
+    if (role >= 0)
+      return 0;
+    unsigned int result = 0;
+    for (std::size_t e = extended_begin[-role - 1]; e < extended_begin[-role];
+         ++e)
+      if (std::abs(extended_entries[e].weight) > negligible)
+        {
+          const unsigned int u = extended_entries[e].unknown;
+          result |= u < n_owned
+                      ? components & ~held_functions[owned_unknown_functions[u]]
+                      : components;
+        }
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<unsigned char>
+  ExtendedUnknowns<dim>::held_unknowns() const
+  {
+    std::vector<unsigned char> result;
+    result.reserve(n_owned);
+    for (const unsigned int f : owned_unknown_functions)
+      result.push_back(held_functions[f]);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::array<int, 3>>
+  ExtendedUnknowns<dim>::unknown_positions() const
+  {
+    const SplineSpace<dim>         &space = places->space();
+    std::vector<std::array<int, 3>> result(n_owned);
+    for (unsigned int u = 0; u < n_owned; ++u)
+      {
+        const auto i =
+          multi_index<dim>(space.owned_functions()[owned_unknown_functions[u]],
+                           space.n_functions());
+        result[u] = {};
+        for (unsigned int d = 0; d < dim; ++d)
+          result[u][d] = i[d];
+      }
+    return result;
+  }
+
+
+
+  namespace
+  {
+    /**
+     * to[c] += factor * from[c].
+     */
+    template <int width>
+    inline void
+    add(double *to, const double factor, const double *from)
+    {
+      for (int c = 0; c < width; ++c)
+        to[c] += factor * from[c];
+    }
+
+    template <int width>
+    inline void
+    copy(double *to, const double *from)
+    {
+      for (int c = 0; c < width; ++c)
+        to[c] = from[c];
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::zero_held(double            *values,
+                                   const unsigned int width) const
+  {
+    for (const auto &entry : held_places)
+      for (unsigned int c = 0; c < width; ++c)
+        if ((entry.second >> (c % dim)) & 1)
+          values[std::size_t(entry.first) * width + c] = 0.;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::expand(const double *x, const unsigned int width) const
+  {
+    with_width(width, [&](const auto w) {
+      constexpr int n      = decltype(w)::value;
+      double       *values = place_x.data();
+      for (unsigned int u = 0; u < unknowns.size(); ++u)
+        if (unknowns[u] != numbers::invalid_unsigned_int)
+          copy<n>(values + std::size_t(unknowns[u]) * n,
+                  x + std::size_t(u) * n);
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        {
+          double sum[n] = {};
+          for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
+               ++e)
+            add<n>(sum,
+                   extended_entries[e].weight,
+                   x + std::size_t(extended_entries[e].unknown) * n);
+          copy<n>(values + std::size_t(extended[k]) * n, sum);
+        }
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::collect(double *y, const unsigned int width) const
+  {
+    with_width(width, [&](const auto w) {
+      constexpr int n      = decltype(w)::value;
+      const double *values = place_y.data();
+      for (unsigned int u = 0; u < unknowns.size(); ++u)
+        if (unknowns[u] != numbers::invalid_unsigned_int)
+          copy<n>(y + std::size_t(u) * n,
+                  values + std::size_t(unknowns[u]) * n);
+        else
+          for (int c = 0; c < n; ++c)
+            y[std::size_t(u) * n + c] = 0.;
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1]; ++e)
+          add<n>(y + std::size_t(extended_entries[e].unknown) * n,
+                 extended_entries[e].weight,
+                 values + std::size_t(extended[k]) * n);
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::zero_held_unknowns(VectorType        &x,
+                                            const unsigned int width) const
+  {
+    for (const auto &entry : held_places)
+      {
+        const int role = roles[entry.first];
+        if (role <= 0 || role > int(n_owned))
+          continue;
+        for (unsigned int c = 0; c < width; ++c)
+          if ((entry.second >> (c % dim)) & 1)
+            x.local_element((role - 1) * width + c) = 0.;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::restrict_columns(
+    VectorType                            &rows,
+    const std::vector<const VectorType *> &columns,
+    const unsigned int                     width) const
+  {
+    for_each_active(held_functions.size(),
+                    [&](const unsigned int f, const std::size_t place) {
+                      for (unsigned int c = 0; c < columns.size(); ++c)
+                        place_y[place * width + c] =
+                          f < n_owned_functions() && !is_held(f, c)
+                            ? columns[c]->local_element(f)
+                            : 0.;
+                    });
+    rows = 0.;
+    collect(rows.begin(), width);
+    rows.compress(VectorOperation::add);
+    zero_held_unknowns(rows, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::write_columns(const std::vector<VectorType *> &columns,
+                                       VectorType                      &x,
+                                       const unsigned int width) const
+  {
+    x.update_ghost_values();
+    expand(x.begin(), width);
+    x.zero_out_ghost_values();
+    for (unsigned int f = 0; f < n_owned_functions(); ++f)
+      for (unsigned int c = 0; c < columns.size(); ++c)
+        if (!is_held(f, c))
+          columns[c]->local_element(f) =
+            (*extension)[f] == Extension<dim>::inactive
+              ? 0.
+              : place_x[std::size_t(places->place(f)) * width + c];
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::restrict_fields(
+    VectorType                                  &rows,
+    const std::vector<const VectorField<dim> *> &fields,
+    const unsigned int                           width) const
+  {
+    restrict_columns(rows, columns_of<const VectorType>(fields), width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::read_fields(
+    VectorType                                  &x,
+    const std::vector<const VectorField<dim> *> &fields,
+    const unsigned int                           width) const
+  {
+    const auto columns = columns_of<const VectorType>(fields);
+    for (unsigned int u = 0; u < n_owned; ++u)
+      for (unsigned int c = 0; c < columns.size(); ++c)
+        x.local_element(u * width + c) =
+          columns[c]->local_element(owned_unknown_functions[u]);
+    zero_held_unknowns(x, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::write_fields(
+    const std::vector<VectorField<dim> *> &fields,
+    VectorType                            &x,
+    const unsigned int                     width) const
+  {
+    // Extended functions depend on held unknowns, too.
+    const auto columns = columns_of<VectorType>(fields);
+    for (unsigned int u = 0; u < n_owned; ++u)
+      for (unsigned int c = 0; c < columns.size(); ++c)
+        if (is_held(owned_unknown_functions[u], c))
+          x.local_element(u * width + c) =
+            columns[c]->local_element(owned_unknown_functions[u]);
+    write_columns(columns, x, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::to_places(const VectorType &component) const
+  {
+    component.update_ghost_values();
+    for_each_active(held_functions.size(),
+                    [&](const unsigned int f, const std::size_t place) {
+                      place_x[place] = component.local_element(f);
+                    });
+    component.zero_out_ghost_values();
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::extend(VectorField<dim> &field,
+                                const VectorType &weights) const
+  {
+    constexpr unsigned int width = dim == 2 ? 2 : 4;
+    VectorType             x, taken;
+    initialize_vector(x, width);
+    initialize_vector(taken, width);
+    read_fields(x, {&field}, width);
+    std::vector<std::array<double, dim>> old(extended.size());
+    for (unsigned int k = 0; k < extended.size(); ++k)
+      for (unsigned int c = 0; c < dim; ++c)
+        if (extended_functions[k] < n_owned_functions())
+          old[k][c] = field[c].local_element(extended_functions[k]);
+    write_fields({&field}, x, width);
+    for (unsigned int k = 0; k < extended.size(); ++k)
+      {
+        const unsigned int f = extended_functions[k];
+        if (f >= n_owned_functions())
+          continue;
+        const std::size_t n = extended_begin[k + 1] - extended_begin[k];
+        for (unsigned int c = 0; c < dim; ++c)
+          {
+            const double part = weights.local_element(f) *
+                                (field[c].local_element(f) - old[k][c]) / n;
+            for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
+                 ++e)
+              taken.local_element(extended_entries[e].unknown * width + c) +=
+                part;
+          }
+      }
+    taken.compress(VectorOperation::add);
+    for (unsigned int u = 0; u < n_owned; ++u)
+      {
+        const unsigned int f = owned_unknown_functions[u];
+        for (unsigned int c = 0; c < dim; ++c)
+          if (weights.local_element(f) > 0.)
+            field[c].local_element(f) -=
+              taken.local_element(u * width + c) / weights.local_element(f);
+      }
+  }
+
+
+
+  template class ExtendedUnknowns<2>;
+  template class ExtendedUnknowns<3>;
+} // namespace greville
