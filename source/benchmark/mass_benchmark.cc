@@ -190,12 +190,8 @@ namespace greville
       {
         unsigned int n = 1;
         if (MassSolver<dim>::uses_multigrid(solver))
-          for (const auto *list : {&parameters.smoothers,
-                                   &parameters.cycles,
-                                   &parameters.restrictions,
-                                   &parameters.prolongations,
-                                   &parameters.coarsenings})
-            n *= std::max<std::size_t>(1, list->size());
+          for (const auto &list : parameters.variants())
+            n *= std::max<std::size_t>(1, list.values.size());
         n_variants += n;
       }
     const auto        &bodies = problem_parameters.bodies;

@@ -13,6 +13,18 @@ namespace greville
 {
   using namespace dealii;
 
+  std::vector<MassBenchmarkParameters::Variants>
+  MassBenchmarkParameters::variants()
+  {
+    return {{"Smoothers", smoother_names(), smoothers},
+            {"Cycles", "V|W|F", cycles},
+            {"Restrictions", OrderTransfer<2>::restrictions(), restrictions},
+            {"Prolongations", OrderTransfer<2>::prolongations(), prolongations},
+            {"Coarsenings", OrderHierarchy<2>::coarsenings(), coarsenings}};
+  }
+
+
+
   void
   MassBenchmarkParameters::declare(ParameterHandler &prm)
   {
@@ -32,29 +44,11 @@ namespace greville
     prm.add_parameter("Solvers",
                       solvers,
                       "Solvers: " + MassSolver<2>::names() + ".");
-    prm.add_parameter("Smoothers",
-                      smoothers,
-                      "Smoothers to run each p-multigrid solver with: " +
-                        smoother_names() + ". Empty: the one of p-multigrid.");
-    prm.add_parameter("Cycles",
-                      cycles,
-                      "Cycles to run each p-multigrid solver with: V|W|F. "
-                      "Empty: the one of p-multigrid.");
-    prm.add_parameter("Restrictions",
-                      restrictions,
-                      "Restrictions to run each p-multigrid solver with: " +
-                        OrderTransfer<2>::restrictions() +
-                        ". Empty: the one of p-multigrid.");
-    prm.add_parameter("Prolongations",
-                      prolongations,
-                      "Prolongations to run each p-multigrid solver with: " +
-                        OrderTransfer<2>::prolongations() +
-                        ". Empty: the one of p-multigrid.");
-    prm.add_parameter("Coarsenings",
-                      coarsenings,
-                      "Coarsenings to run each p-multigrid solver with: " +
-                        OrderHierarchy<2>::coarsenings() +
-                        ". Empty: the one of p-multigrid.");
+    for (const Variants &list : variants())
+      prm.add_parameter(list.name,
+                        list.values,
+                        list.name + " to run each p-multigrid solver with: " +
+                          list.allowed + ". Empty: the one of p-multigrid.");
     prm.add_parameter("Published iterations",
                       published,
                       "Tables to compare with in the first of the dimensions: "
@@ -98,18 +92,6 @@ namespace greville
                                    "' has the entry <" + entry.str() +
                                    "> twice."));
           }
-    }
-
-
-
-    void
-    check_names(const std::vector<std::string> &names,
-                const std::string              &parameter,
-                const std::string              &allowed)
-    {
-      for (const std::string &name : names)
-        check_word(name, "Benchmark/" + parameter, allowed);
-      check_different(names, parameter);
     }
   } // namespace
 
@@ -167,17 +149,12 @@ namespace greville
     for (const auto &list : cells_of_dimensions())
       check_different(list, "Cells");
     smoother_parameters.check();
-    check_names(parameters.smoothers, "Smoothers", smoother_names());
-    check_names(parameters.cycles, "Cycles", "V|W|F");
-    check_names(parameters.restrictions,
-                "Restrictions",
-                OrderTransfer<2>::restrictions());
-    check_names(parameters.prolongations,
-                "Prolongations",
-                OrderTransfer<2>::prolongations());
-    check_names(parameters.coarsenings,
-                "Coarsenings",
-                OrderHierarchy<2>::coarsenings());
+    for (const auto &list : parameters.variants())
+      {
+        for (const std::string &name : list.values)
+          check_word(name, "Benchmark/" + list.name, list.allowed);
+        check_different(list.values, list.name);
+      }
     for (const unsigned int dim : parameters.dimensions)
       problem_parameters.check(dim);
     for (const std::string &entry : parameters.published)

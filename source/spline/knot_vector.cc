@@ -175,17 +175,14 @@ namespace greville
     // The columns that a row meets: the functions of the elements in its
     // support.
     matrix.first_column.assign(matrix.n_rows, matrix.n_columns);
-    std::vector<unsigned int> end(matrix.n_rows, 0);
     for (unsigned int e = 0; e < rows.n_elements(); ++e)
       for (unsigned int a = 0; a < n_rows; ++a)
         {
-          const unsigned int i = rows.first_function(e) + a;
-          matrix.first_column[i] =
-            std::min(matrix.first_column[i], columns.first_function(e));
-          end[i] = std::max(end[i], columns.first_function(e) + n_cols);
+          const unsigned int first = columns.first_function(e);
+          unsigned int &begin = matrix.first_column[rows.first_function(e) + a];
+          begin               = std::min(begin, first);
+          matrix.width        = std::max(matrix.width, first + n_cols - begin);
         }
-    for (unsigned int i = 0; i < matrix.n_rows; ++i)
-      matrix.width = std::max(matrix.width, end[i] - matrix.first_column[i]);
     matrix.values.assign(std::size_t(matrix.n_rows) * matrix.width, 0.);
 
     const QGauss<1>     quadrature((n_rows + n_cols) / 2);

@@ -20,6 +20,20 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
+    /**
+     * A list of what p-multigrid solvers are run with, and the values that are
+     * allowed, separated by '|'.
+     */
+    struct Variants
+    {
+      std::string               name;
+      std::string               allowed;
+      std::vector<std::string> &values;
+    };
+
+    std::vector<Variants>
+    variants();
+
     std::vector<unsigned int> dimensions = {2};
     std::vector<unsigned int> orders     = {1, 2, 3};
     std::string               cells      = "16, 32";
