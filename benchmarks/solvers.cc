@@ -124,7 +124,7 @@ namespace
     consistent.scheme.mass            = "consistent";
     Simulation<dim>         simulation(consistent, MPI_COMM_WORLD);
     const SplineSpace<dim> &space = simulation.space();
-    while (simulation.n_steps() < n_steps)
+    while (simulation.state().n_steps < n_steps)
       simulation.step();
 
     // The mass matrix of the points.

@@ -70,7 +70,7 @@ namespace
     const MPI_Comm  comm = MPI_COMM_WORLD;
     Simulation<dim> simulation(parameters, comm);
     const auto      advance = [&](const unsigned int until) {
-      while (simulation.n_steps() < until)
+      while (simulation.state().n_steps < until)
         {
           AssertThrow(!simulation.is_finished(),
                       ExcMessage("The simulation ends before step " +
@@ -81,7 +81,7 @@ namespace
 
     advance(first);
     const auto   parts_before      = simulation.part_times();
-    const auto   iterations_before = simulation.n_all_iterations();
+    const auto   iterations_before = simulation.state().n_all_iterations;
     const double reference_before  = reference_loop();
     MPI_Barrier(comm);
     const double cpu_before = cpu_seconds(), wall_before = wall_seconds();
@@ -105,7 +105,7 @@ namespace
       .add("wall", wall)
       .add("reference", Utilities::MPI::max(reference, comm))
       .add("iterations",
-           double(simulation.n_all_iterations() - iterations_before) /
+           double(simulation.state().n_all_iterations - iterations_before) /
              (last - first))
       .add("factorizations", simulation.mass().n_factorizations())
       .add("balance", all_points.max / all_points.avg)

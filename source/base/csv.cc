@@ -4,10 +4,12 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/csv.h>
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
 
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 namespace greville
 {
@@ -60,5 +62,47 @@ namespace greville
       }
     AssertThrow(has_lines,
                 ExcMessage("The file " + of + " has no lines of numbers."));
+  }
+
+
+
+  void
+  CsvWriter::open(const std::string              &name,
+                  const std::vector<std::string> &names,
+                  const unsigned int              precision,
+                  const MPI_Comm                  communicator)
+  {
+    file  = name;
+    comm  = communicator;
+    errno = 0;
+    if (Utilities::MPI::this_mpi_process(comm) == 0)
+      out.open(file);
+    out.precision(precision);
+    write_line(names);
+  }
+
+
+
+  void
+  CsvWriter::write(const std::vector<double> &values)
+  {
+    errno = 0;
+    write_line(values);
+  }
+
+
+
+  template <typename T>
+  void
+  CsvWriter::write_line(const std::vector<T> &words)
+  {
+    run_on_first(
+      [&]() {
+        for (std::size_t k = 0; k < words.size(); ++k)
+          out << (k > 0 ? "," : "") << words[k];
+        out << std::endl;
+        AssertThrow(out, ExcMessage(write_error(file)));
+      },
+      comm);
   }
 } // namespace greville

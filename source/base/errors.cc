@@ -111,4 +111,15 @@ namespace greville
       }
     throw_on_all(message, comm);
   }
+
+
+
+  void
+  run_on_first(const std::function<void()> &action, const MPI_Comm comm)
+  {
+    if (Utilities::MPI::this_mpi_process(comm) == 0)
+      run_on_all(action, comm);
+    else
+      throw_on_all("", comm);
+  }
 } // namespace greville

@@ -197,8 +197,6 @@ namespace greville
 
 
 
-  template std::unique_ptr<Function<2>>
-  make_function<2>(const std::string &, const std::string &);
-  template std::unique_ptr<Function<3>>
-  make_function<3>(const std::string &, const std::string &);
+  template decltype(make_function<2>) make_function<2>;
+  template decltype(make_function<3>) make_function<3>;
 } // namespace greville

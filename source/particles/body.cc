@@ -516,22 +516,8 @@ namespace greville
 
   template class RigidMotion<2>;
   template class RigidMotion<3>;
-  template std::vector<PlacedPoint<2>>
-  place_points<2>(const PointPlacement &,
-                  const std::string &,
-                  const SplineSpace<2> &);
-  template std::vector<PlacedPoint<3>>
-  place_points<3>(const PointPlacement &,
-                  const std::string &,
-                  const SplineSpace<3> &);
-  template std::vector<unsigned int>
-  make_points<2>(Body<2> &,
-                 const SplineSpace<2> &,
-                 const Tensor<1, 2> &,
-                 const PointLayout<2> &);
-  template std::vector<unsigned int>
-  make_points<3>(Body<3> &,
-                 const SplineSpace<3> &,
-                 const Tensor<1, 3> &,
-                 const PointLayout<3> &);
+  template decltype(place_points<2>) place_points<2>;
+  template decltype(place_points<3>) place_points<3>;
+  template decltype(make_points<2>)  make_points<2>;
+  template decltype(make_points<3>)  make_points<3>;
 } // namespace greville

@@ -1,80 +1,61 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/parameters.h>
 #include <greville/particles/body.h>
 
 namespace greville
 {
   using namespace dealii;
+  using namespace dealii::Patterns;
 
   void
   BodyParameters::declare(ParameterHandler &prm)
   {
-    prm.add_parameter("Material", material, "The name of the body's material.");
-    prm.add_parameter(
-      "Shape",
-      shape,
+    add_parameter(prm, "Material", material)(
+      "The name of the body's material.");
+    add_parameter(prm, "Shape", shape)(
       "The inside of the body: a formula of x, y (and z) in m that is true "
       "inside. Shapes are box(x0, y0, [z0,] x1, y1, [z1]), ball(x, y, [z,] "
       "radius), cylinder(x0, y0, z0, x1, y1, z1, radius), half_space(n_x, n_y, "
       "[n_z,] c) with n . x <= c; union(...), intersection(...) and "
       "difference(a, b, ...) combine them.");
-    prm.add_parameter(
-      "Clip at the grid",
-      clip,
+    add_parameter(prm, "Clip at the grid", clip)(
       "What sticks out of the grid is cut off; an error otherwise.");
-    prm.add_parameter("Points file",
-                      points_file,
-                      "Instead of a shape: a CSV file, beside the parameter "
-                      "file, with a header and the columns x, y (, z) in m and "
-                      "volume in m^3 (2D: m^2). Lines with # are comments.");
-    prm.add_parameter(
-      "Points per direction",
-      points_per_direction,
-      "Points per cell in each direction; one number for all. Unit: none.",
-      Patterns::List(Patterns::Integer(1, 12), 1, 3));
-    prm.add_parameter("Placement",
-                      placement,
-                      "Points of a cell at equal distances with equal volumes, "
-                      "or on Gauss points with the volumes of Gauss weights.",
-                      Patterns::Selection("equidistant|Gauss"));
-    prm.add_parameter("Jitter",
-                      jitter,
-                      "Each point is moved at random by at most this part of "
-                      "half the distance between points. Unit: none.",
-                      Patterns::Double(0., 1.));
-    prm.add_parameter("Seed",
-                      seed,
-                      "Of the random numbers of the jitter. Unit: none.",
-                      Patterns::Integer(0));
-    prm.add_parameter(
-      "Displacement",
-      displacement,
+    add_parameter(prm, "Points file", points_file)(
+      "Instead of a shape: a CSV file, beside the parameter file, with a "
+      "header and the columns x, y (, z) in m and volume in m^3 (2D: m^2). "
+      "Lines with # are comments.");
+    add_parameter(prm,
+                  "Points per direction",
+                  points_per_direction,
+                  List(Integer(1, 12), 1, 3))(
+      "Points per cell in each direction; one number for all. Unit: none.");
+    add_parameter(prm, "Placement", placement, Selection("equidistant|Gauss"))(
+      "Points of a cell at equal distances with equal volumes, or on Gauss "
+      "points with the volumes of Gauss weights.");
+    add_parameter(prm, "Jitter", jitter, Double(0., 1.))(
+      "Each point is moved at random by at most this part of half the distance "
+      "between points. Unit: none.");
+    add_parameter(prm, "Seed", seed, Integer(0))(
+      "Of the random numbers of the jitter. Unit: none.");
+    add_parameter(prm, "Displacement", displacement)(
       "Initial displacement from the positions of the shape: formulas of x, y "
       "(, z) separated by semicolons, which also give the deformation gradient "
       "and the stress; empty: none. Unit: m.");
-    prm.add_parameter(
-      "Velocity",
-      velocity,
+    add_parameter(prm, "Velocity", velocity)(
       "Initial velocity: formulas of the positions of the shape x, y (, z) "
       "separated by semicolons; empty: at rest. Unit: m / s.");
-    prm.add_parameter("Stress",
-                      stress,
-                      "Initial Cauchy stress: formulas of x, y (, z) for xx; "
-                      "yy; zz; xy (; xz; yz); empty: none. Unit: Pa.");
-    prm.add_parameter(
-      "K0",
-      K0,
+    add_parameter(prm, "Stress", stress)(
+      "Initial Cauchy stress: formulas of x, y (, z) for xx; yy; zz; xy (; xz; "
+      "yz); empty: none. Unit: Pa.");
+    add_parameter(prm, "K0", K0)(
       "Not negative: the initial stress is the weight of what lies above, -rho "
       "g depth, along gravity, and K0 times that across. Unit: none.");
-    prm.add_parameter(
-      "Surface",
-      surface,
+    add_parameter(prm, "Surface", surface)(
       "For K0: where the body ends against gravity, as the coordinate along "
       "the axis of gravity; a formula of x, y (, z). No point may lie beyond "
       "it by half a cell or more. Unit: m.");
-    prm.add_parameter(
-      "Imposed velocity",
-      imposed_velocity,
+    add_parameter(prm, "Imposed velocity", imposed_velocity)(
       "Formulas of t, separated by semicolons: points follow this velocity and "
       "feel no force. Other bodies stick to them, whatever their density, and "
       "let go where they would be pulled. Empty: a free body. Unit: m / s.");

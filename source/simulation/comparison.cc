@@ -89,63 +89,32 @@ namespace greville
 
   template <int dim>
   ExactSolution<dim>::ExactSolution(const ExactParameters &parameters)
-    : displacement_formulas(
+    : displacement(
         formulas_of<dim>(parameters.displacement, "Displacement", dim))
-    , velocity_formulas(formulas_of<dim>(parameters.velocity, "Velocity", dim))
-    , stress_formulas(formulas_of<dim>(parameters.stress,
-                                       "Stress",
-                                       PointLayout<dim>::n_stress))
+    , velocity(formulas_of<dim>(parameters.velocity, "Velocity", dim))
+    , stress(formulas_of<dim>(parameters.stress,
+                              "Stress",
+                              PointLayout<dim>::n_stress))
   {}
 
 
 
   template <int dim>
-  std::optional<Errors>
-  ExactSolution<dim>::displacement(const std::vector<Body<dim>> &bodies,
-                                   const double                  t,
-                                   const MPI_Comm                comm) const
-  {
-    return errors_of<dim>(displacement_formulas,
-                          bodies,
-                          t,
-                          comm,
-                          [](const ConstPointRef<dim> p, const unsigned int d) {
-                            return p.position(d) - p.reference(d);
-                          });
-  }
-
-
-
-  template <int dim>
-  std::optional<Errors>
-  ExactSolution<dim>::velocity(const std::vector<Body<dim>> &bodies,
-                               const double                  t,
-                               const MPI_Comm                comm) const
-  {
-    return errors_of<dim>(velocity_formulas,
-                          bodies,
-                          t,
-                          comm,
-                          [](const ConstPointRef<dim> p, const unsigned int d) {
-                            return p.velocity(d);
-                          });
-  }
-
-
-
-  template <int dim>
-  std::optional<Errors>
-  ExactSolution<dim>::stress(const std::vector<Body<dim>> &bodies,
+  ExactErrors
+  ExactSolution<dim>::errors(const std::vector<Body<dim>> &bodies,
                              const double                  t,
+                             const double                  t_velocity,
                              const MPI_Comm                comm) const
   {
-    return errors_of<dim>(stress_formulas,
-                          bodies,
-                          t,
-                          comm,
-                          [](const ConstPointRef<dim> p, const unsigned int k) {
-                            return p.stress(k);
-                          });
+    using Ref    = const ConstPointRef<dim>;
+    const auto u = [](Ref p, const unsigned int d) {
+      return p.position(d) - p.reference(d);
+    };
+    const auto v = [](Ref p, const unsigned int d) { return p.velocity(d); };
+    const auto s = [](Ref p, const unsigned int k) { return p.stress(k); };
+    return {errors_of<dim>(displacement, bodies, t, comm, u),
+            errors_of<dim>(velocity, bodies, t_velocity, comm, v),
+            errors_of<dim>(stress, bodies, t, comm, s)};
   }
 
 

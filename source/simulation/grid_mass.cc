@@ -203,26 +203,10 @@ namespace greville
 
 
 
-  template std::vector<unsigned char>
-  held_at_walls<2>(const SplineSpace<2> &,
-                   const Walls<2> &,
-                   const unsigned int);
-  template std::vector<unsigned char>
-  held_at_walls<3>(const SplineSpace<3> &,
-                   const Walls<3> &,
-                   const unsigned int);
+  template decltype(held_at_walls<2>) held_at_walls<2>;
+  template decltype(held_at_walls<3>) held_at_walls<3>;
   template class GridMass<2>;
   template class GridMass<3>;
-  template std::unique_ptr<GridMass<2>>
-  make_grid_mass<2>(const std::string &,
-                    const unsigned int,
-                    DistributedTriangulation<2> &,
-                    const SimulationParameters &,
-                    const Walls<2> &);
-  template std::unique_ptr<GridMass<3>>
-  make_grid_mass<3>(const std::string &,
-                    const unsigned int,
-                    DistributedTriangulation<3> &,
-                    const SimulationParameters &,
-                    const Walls<3> &);
+  template decltype(make_grid_mass<2>) make_grid_mass<2>;
+  template decltype(make_grid_mass<3>) make_grid_mass<3>;
 } // namespace greville

@@ -195,20 +195,8 @@ namespace greville
 
 
 
-  template void
-  balance_load(DistributedTriangulation<2> &,
-               const SimulationParameters &,
-               const Loads<2> &);
-  template void
-  balance_load(DistributedTriangulation<3> &,
-               const SimulationParameters &,
-               const Loads<3> &);
-  template State<2>
-  make_initial_state(const SimulationParameters &,
-                     const Loads<2> &,
-                     Discretization<2> &);
-  template State<3>
-  make_initial_state(const SimulationParameters &,
-                     const Loads<3> &,
-                     Discretization<3> &);
+  template decltype(balance_load<2>)       balance_load<2>;
+  template decltype(balance_load<3>)       balance_load<3>;
+  template decltype(make_initial_state<2>) make_initial_state<2>;
+  template decltype(make_initial_state<3>) make_initial_state<3>;
 } // namespace greville

@@ -152,10 +152,8 @@ namespace greville
 
 
 
-  template void
-  add_point_load(const MakePointLoads<2> &);
-  template void
-  add_point_load(const MakePointLoads<3> &);
+  template decltype(add_point_load<2>) add_point_load<2>;
+  template decltype(add_point_load<3>) add_point_load<3>;
   template class Loads<2>;
   template class Loads<3>;
 } // namespace greville

@@ -134,22 +134,10 @@ namespace greville
 
 
 
-  template void
-  impose_velocities(std::vector<Body<2>> &, const double);
-  template void
-  impose_velocities(std::vector<Body<3>> &, const double);
-  template PointMotion
-  update_points(std::vector<Body<2>> &,
-                PointTransfer<2> &,
-                PointUpdate<2>,
-                const double);
-  template PointMotion
-  update_points(std::vector<Body<3>> &,
-                PointTransfer<3> &,
-                PointUpdate<3>,
-                const double);
-  template void
-  share_volume(State<2> &, PointTransfer<2> &, const double);
-  template void
-  share_volume(State<3> &, PointTransfer<3> &, const double);
+  template decltype(impose_velocities<2>) impose_velocities<2>;
+  template decltype(impose_velocities<3>) impose_velocities<3>;
+  template decltype(update_points<2>)     update_points<2>;
+  template decltype(update_points<3>)     update_points<3>;
+  template decltype(share_volume<2>)      share_volume<2>;
+  template decltype(share_volume<3>)      share_volume<3>;
 } // namespace greville

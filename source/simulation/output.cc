@@ -329,12 +329,8 @@ namespace greville
   {
     std::ostringstream text;
     DataOutBase::write_pvd_record(text, times_and_names[kind]);
-    run_on_all(
-      [&]() {
-        if (Utilities::MPI::this_mpi_process(comm) == 0)
-          write_atomically(directory + "/" + name, text.str());
-      },
-      comm);
+    run_on_first(
+      [&]() { write_atomically(directory + "/" + name, text.str()); }, comm);
   }
 
 
@@ -384,10 +380,9 @@ namespace greville
   template <int dim>
   Probes<dim>::Probes(const std::string            &text,
                       const std::vector<Body<dim>> &bodies,
-                      const std::string            &file,
+                      const std::string            &file_name,
                       const MPI_Comm                comm)
     : comm(comm)
-    , file(file)
   {
     for (const std::string &position : Utilities::split_string_list(text, ';'))
       {
@@ -444,27 +439,18 @@ namespace greville
           Utilities::MPI::min(own_body == probe.body ? probe.id : none, comm);
         probes.push_back(probe);
       }
-    run_on_all(
-      [&]() {
-        if (Utilities::MPI::this_mpi_process(comm) > 0)
-          return;
-        errno = 0;
-        out.open(file);
-        out << "time";
-        const char *axes[] = {"x", "y", "z"};
-        for (unsigned int k = 0; k < probes.size(); ++k)
-          {
-            const std::string probe = std::to_string(k);
-            for (const char *what : {"", "v"})
-              for (unsigned int d = 0; d < dim; ++d)
-                out << "," << what << axes[d] << probe;
-            for (const char *c : {"xx", "yy", "zz", "xy"})
-              out << ",stress_" << c << probe;
-          }
-        out << std::endl;
-        AssertThrow(out, ExcMessage(write_error(file)));
-      },
-      comm);
+    std::vector<std::string> names  = {"time"};
+    const char              *axes[] = {"x", "y", "z"};
+    for (unsigned int k = 0; k < probes.size(); ++k)
+      {
+        const std::string probe = std::to_string(k);
+        for (const char *what : {"", "v"})
+          for (unsigned int d = 0; d < dim; ++d)
+            names.push_back(std::string(what) + axes[d] + probe);
+        for (const char *c : {"xx", "yy", "zz", "xy"})
+          names.push_back(std::string("stress_") + c + probe);
+      }
+    file.open(file_name, names, 12, comm);
   }
 
 
@@ -476,7 +462,7 @@ namespace greville
     if (probes.empty())
       return;
     constexpr unsigned int n = 2 * dim + 4;
-    std::vector<double>    values(n * probes.size(), 0.);
+    std::vector<double>    values(1 + n * probes.size(), 0.);
     for (unsigned int b = 0; b < bodies.size(); ++b)
       {
         bodies[b].points.for_each(
@@ -486,28 +472,17 @@ namespace greville
                 {
                   for (unsigned int d = 0; d < dim; ++d)
                     {
-                      values[k * n + d]       = p.position(d);
-                      values[k * n + dim + d] = p.velocity(d);
+                      values[1 + k * n + d]       = p.position(d);
+                      values[1 + k * n + dim + d] = p.velocity(d);
                     }
                   for (unsigned int c = 0; c < 4; ++c)
-                    values[k * n + 2 * dim + c] = p.stress(c);
+                    values[1 + k * n + 2 * dim + c] = p.stress(c);
                 }
           });
       }
     Utilities::MPI::sum(values, comm, values);
-    run_on_all(
-      [&]() {
-        if (!out.is_open())
-          return;
-        errno = 0;
-        out.precision(12);
-        out << time;
-        for (const double value : values)
-          out << "," << value;
-        out << std::endl;
-        AssertThrow(out, ExcMessage(write_error(file)));
-      },
-      comm);
+    values[0] = time;
+    file.write(values);
   }
 
 

@@ -6,7 +6,6 @@
 #include <greville/simulation/run.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <iomanip>
 #include <iostream>
@@ -62,26 +61,15 @@ namespace greville
              comm)
     , is_terminal(isatty(STDOUT_FILENO) == 1)
   {
-    run_on_all(
-      [&]() {
-        if (!is_first)
-          return;
-        const std::string file = directory + "/statistics.csv";
-        errno                  = 0;
-        statistics_file.open(file);
-        const auto names = Statistics<dim>::names();
-        for (std::size_t k = 0; k < names.size(); ++k)
-          statistics_file << (k > 0 ? "," : "") << names[k];
-        statistics_file << std::endl;
-        statistics_file.precision(14);
-        AssertThrow(statistics_file, ExcMessage(write_error(file)));
-      },
-      comm);
+    for (const Body<dim> &body : simulation.bodies())
+      n_points += body.n_points;
+    statistics_file.open(directory + "/statistics.csv",
+                         Statistics<dim>::names(),
+                         14,
+                         comm);
     // A formula that fails is better found now than at the end.
     const double end = parameters.time.end;
-    exact.displacement(simulation.bodies(), end, comm);
-    exact.velocity(simulation.bodies(), end, comm);
-    exact.stress(simulation.bodies(), end, comm);
+    exact.errors(simulation.bodies(), end, end, comm);
   }
 
 
@@ -106,7 +94,9 @@ namespace greville
             if (is_terminal && parameters.output.print_times)
               out << "\r\033[K" << std::flush;
             // The fields of the grid are those of the step that failed.
-            fields.write_points(simulation.time(), simulation.bodies(), comm);
+            fields.write_points(simulation.state().time,
+                                simulation.bodies(),
+                                comm);
             throw;
           }
         for (const std::string &warning : simulation.take_warnings())
@@ -117,28 +107,14 @@ namespace greville
       }
 
     RunSummary summary;
-    summary.wall_time  = seconds_since(begin);
-    summary.n_removed  = simulation.n_removed();
-    summary.n_sent     = simulation.n_sent();
-    summary.n_steps    = simulation.n_steps();
-    summary.time       = simulation.time();
-    summary.critical   = simulation.critical();
-    summary.part_times = simulation.part_times();
-    summary.front      = largest_front;
-    for (const Body<dim> &body : simulation.bodies())
-      summary.n_points += body.n_points;
-    summary.bytes_per_point =
-      Utilities::MPI::sum(double(simulation.points_memory()), comm) /
-      summary.n_points;
-
-    const double t       = simulation.time();
-    summary.displacement = exact.displacement(simulation.bodies(), t, comm);
+    summary.wall_time = seconds_since(begin);
     // Velocities at half steps are those of the middle of the last step.
+    const double t    = simulation.state().time;
     const double half = parameters.time.velocities == "half steps"
-                          ? 0.5 * simulation.last_step()
+                          ? 0.5 * simulation.state().step
                           : 0.;
-    summary.velocity  = exact.velocity(simulation.bodies(), t - half, comm);
-    summary.stress    = exact.stress(simulation.bodies(), t, comm);
+    summary.errors    = exact.errors(simulation.bodies(), t, t - half, comm);
+    summary.front     = largest_front;
     if (measured.has_surface())
       summary.surface =
         measured.surface_distance(simulation.bodies(),
@@ -148,12 +124,7 @@ namespace greville
     if (measured.has_series())
       summary.series = measured.series_distance();
     print_summary(summary);
-    run_on_all(
-      [&]() {
-        if (is_first)
-          write_summary(summary);
-      },
-      comm);
+    write_summary(summary);
     return summary;
   }
 
@@ -164,7 +135,7 @@ namespace greville
   SimulationRun<dim>::write_due(const bool is_last)
   {
     const OutputParameters &output = parameters.output;
-    const double            now    = simulation.time() * (1. + 1e-12);
+    const double            now    = simulation.state().time * (1. + 1e-12);
     if (is_last || now >= next_statistics)
       {
         write_statistics();
@@ -172,24 +143,15 @@ namespace greville
       }
     if (is_last || now >= next_fields)
       {
-        write_fields();
+        fields.write(simulation.state().time,
+                     simulation.bodies(),
+                     simulation.space(),
+                     simulation.state().velocity,
+                     simulation.mass().lumped());
         next_fields = output.fields_every > 0.
                         ? next_fields + output.fields_every
                         : std::numeric_limits<double>::infinity();
       }
-  }
-
-
-
-  template <int dim>
-  void
-  SimulationRun<dim>::write_fields()
-  {
-    fields.write(simulation.time(),
-                 simulation.bodies(),
-                 simulation.space(),
-                 simulation.grid_velocity(),
-                 simulation.mass().lumped());
   }
 
 
@@ -201,20 +163,8 @@ namespace greville
     const Statistics<dim> row = simulation.statistics();
     largest_front             = std::max(largest_front, row.front);
     measured.add(row);
-    probes.write(simulation.time(), simulation.bodies());
-    run_on_all(
-      [&]() {
-        if (!is_first)
-          return;
-        errno             = 0;
-        const auto values = row.values();
-        for (std::size_t k = 0; k < values.size(); ++k)
-          statistics_file << (k > 0 ? "," : "") << values[k];
-        statistics_file << std::endl;
-        AssertThrow(statistics_file,
-                    ExcMessage(write_error(directory + "/statistics.csv")));
-      },
-      comm);
+    probes.write(simulation.state().time, simulation.bodies());
+    statistics_file.write(row.values());
   }
 
 
@@ -264,24 +214,21 @@ namespace greville
       return;
     const double end     = parameters.time.end;
     const double elapsed = seconds_since(begin);
-    const double part    = simulation.time() / end;
+    const double part    = simulation.state().time / end;
     // A terminal is refreshed five times a second, a file gets ten lines.
     if (!is_last && (is_terminal ? seconds_since(last_shown) < 0.2
                                  : part < last_shown_time + 0.1))
       return;
-    last_shown             = std::chrono::steady_clock::now();
-    last_shown_time        = std::floor(10. * part) / 10.;
-    std::uint64_t n_points = 0;
-    for (const Body<dim> &body : simulation.bodies())
-      n_points += body.n_points;
+    last_shown      = std::chrono::steady_clock::now();
+    last_shown_time = std::floor(10. * part) / 10.;
     std::ostringstream line;
-    line << std::setprecision(4) << "step " << simulation.n_steps()
-         << ", t = " << simulation.time() << " of " << end
-         << " s, dt = " << simulation.last_step() << " s";
-    if (simulation.n_iterations() > 0)
-      line << ", " << simulation.n_iterations() << " iterations";
+    line << std::setprecision(4) << "step " << simulation.state().n_steps
+         << ", t = " << simulation.state().time << " of " << end
+         << " s, dt = " << simulation.state().step << " s";
+    if (simulation.state().n_iterations > 0)
+      line << ", " << simulation.state().n_iterations << " iterations";
     line << ", " << std::setprecision(3)
-         << double(n_points) * simulation.n_steps() / elapsed * 1e-6
+         << 1e-6 * n_points * simulation.state().n_steps / elapsed
          << " M points/s, " << std::ceil(elapsed / part * (1. - part))
          << " s left";
     if (is_terminal)
@@ -311,50 +258,49 @@ namespace greville
   void
   SimulationRun<dim>::print_summary(const RunSummary &summary)
   {
-    out << "\n  " << summary.n_steps << " steps to t = " << std::setprecision(6)
-        << summary.time << " s, " << summary.n_points << " points";
-    if (summary.n_removed > 0)
-      out << ", of which " << summary.n_removed << " have left the grid";
+    const State<dim> &state = simulation.state();
+    out << "\n  " << state.n_steps << " steps to t = " << std::setprecision(6)
+        << state.time << " s, " << n_points << " points";
+    if (state.n_removed > 0)
+      out << ", of which " << state.n_removed << " have left the grid";
     out << '\n';
     const ConsistentMass<dim> *const mass = simulation.consistent_mass();
-    if (mass && simulation.n_steps() > 0)
+    if (mass && state.n_steps > 0)
       {
         const auto functions = mass->extension().counts();
-        const auto fragments = mass->n_fragments();
         out << "  mass: " << std::setprecision(3)
-            << double(simulation.n_all_iterations()) /
-                 std::max(1u, simulation.n_steps())
+            << double(state.n_all_iterations) / state.n_steps
             << " iterations per step, " << mass->n_factorizations()
             << " factorizations; at the end " << functions.stable << " stable, "
             << functions.extended << " extended, " << functions.lumped
-            << " lumped functions, " << fragments << " cells of fragments\n";
+            << " lumped functions, " << mass->n_fragments()
+            << " cells of fragments\n";
       }
     if (parameters.output.print_times)
       {
+        const double bytes = bytes_per_point();
         out << std::setprecision(3) << "  " << summary.wall_time << " s, "
-            << summary.point_steps_per_second() * 1e-6
-            << " million points and steps per second, "
-            << summary.bytes_per_point << " bytes per point\n";
-        double sum = 0.;
-        for (const auto &part : summary.part_times)
-          sum += part.second;
-        for (const auto &part : summary.part_times)
-          out << "    " << std::left << std::setw(16) << part.first
-              << std::right << std::fixed << std::setprecision(2)
-              << std::setw(9) << part.second << " s" << std::setprecision(1)
-              << std::setw(7) << 100. * part.second / summary.wall_time
-              << " %\n"
+            << 1e-6 * n_points * state.n_steps / summary.wall_time
+            << " million points and steps per second, " << bytes
+            << " bytes per point\n";
+        const auto print = [&](const std::string &part, const double seconds) {
+          out << "    " << std::left << std::setw(16) << part << std::right
+              << std::fixed << std::setprecision(2) << std::setw(9) << seconds
+              << " s" << std::setprecision(1) << std::setw(7)
+              << 100. * seconds / summary.wall_time << " %\n"
               << std::defaultfloat;
-        out << "    " << std::left << std::setw(16) << "output, other"
-            << std::right << std::fixed << std::setprecision(2) << std::setw(9)
-            << summary.wall_time - sum << " s" << std::setprecision(1)
-            << std::setw(7)
-            << 100. * (summary.wall_time - sum) / summary.wall_time << " %\n"
-            << std::defaultfloat;
+        };
+        double rest = summary.wall_time;
+        for (const auto &part : simulation.part_times())
+          {
+            print(part.first, part.second);
+            rest -= part.second;
+          }
+        print("output, other", rest);
       }
-    print_errors(out, "displacement", summary.displacement);
-    print_errors(out, "velocity", summary.velocity);
-    print_errors(out, "stress", summary.stress);
+    print_errors(out, "displacement", summary.errors.displacement);
+    print_errors(out, "velocity", summary.errors.velocity);
+    print_errors(out, "stress", summary.errors.stress);
     if (summary.surface)
       out << std::setprecision(3) << "  distance to the measured surface: mean "
           << 1e3 * summary.surface->mean << " mm, largest "
@@ -374,28 +320,31 @@ namespace greville
   void
   SimulationRun<dim>::write_summary(const RunSummary &summary)
   {
-    double n_cells = 1.;
+    const State<dim> &state    = simulation.state();
+    const double      critical = state.estimates.critical;
+    double            n_cells  = 1.;
     for (const unsigned int n : parameters.grid.cells)
       n_cells *= n;
     JsonWriter json;
     json.add("dimension", dim)
-      .add("points", summary.n_points)
-      .add("removed_points", summary.n_removed)
+      .add("points", n_points)
+      .add("removed_points", state.n_removed)
       .add("cells", n_cells)
       .add("p", parameters.grid.degree)
       .add("mass", parameters.scheme.mass)
       .add("quadrature", parameters.scheme.quadrature)
       .add("processes", Utilities::MPI::n_mpi_processes(comm))
-      .add("steps", summary.n_steps)
-      .add("time", summary.time)
+      .add("steps", state.n_steps)
+      .add("time", state.time)
       .add("wall_time", summary.wall_time)
-      .add("point_steps_per_second", summary.point_steps_per_second())
-      .add("bytes_per_point", summary.bytes_per_point)
-      .add("points_sent", summary.n_sent);
-    if (std::isfinite(summary.critical) && summary.critical > 0.)
-      json.add("critical_step", summary.critical);
+      .add("point_steps_per_second",
+           double(n_points) * state.n_steps / summary.wall_time)
+      .add("bytes_per_point", bytes_per_point())
+      .add("points_sent", Utilities::MPI::sum(state.n_sent, comm));
+    if (std::isfinite(critical) && critical > 0.)
+      json.add("critical_step", critical);
     json.add("front", summary.front).begin("parts");
-    for (const auto &part : summary.part_times)
+    for (const auto &part : simulation.part_times())
       json.add(part.first, part.second);
     json.end().begin("errors");
     const auto errors = [&](const std::string           &name,
@@ -403,9 +352,9 @@ namespace greville
       if (value)
         json.begin(name).add("l2", value->l2).add("max", value->max).end();
     };
-    errors("displacement", summary.displacement);
-    errors("velocity", summary.velocity);
-    errors("stress", summary.stress);
+    errors("displacement", summary.errors.displacement);
+    errors("velocity", summary.errors.velocity);
+    errors("stress", summary.errors.stress);
     json.end().begin("reference");
     const auto distance = [&](const std::string             &name,
                               const std::optional<Distance> &value) {
@@ -420,7 +369,19 @@ namespace greville
     distance("surface", summary.surface);
     distance("series", summary.series);
     json.end();
-    write_atomically(directory + "/summary.json", json.text());
+    run_on_first(
+      [&]() { write_atomically(directory + "/summary.json", json.text()); },
+      comm);
+  }
+
+
+
+  template <int dim>
+  double
+  SimulationRun<dim>::bytes_per_point() const
+  {
+    return Utilities::MPI::sum(double(simulation.points_memory()), comm) /
+           n_points;
   }
 
 

@@ -234,15 +234,6 @@ namespace greville
 
 
   template <int dim>
-  std::uint64_t
-  Simulation<dim>::n_sent() const
-  {
-    return Utilities::MPI::sum(current.n_sent, comm);
-  }
-
-
-
-  template <int dim>
   std::vector<std::string>
   Simulation<dim>::take_warnings()
   {

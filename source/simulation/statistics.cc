@@ -233,30 +233,10 @@ namespace greville
 
   template struct Statistics<2>;
   template struct Statistics<3>;
-  template Statistics<2>
-  compute_statistics<2>(const std::vector<Body<2>> &,
-                        const PointTransfer<2> &,
-                        const Tensor<1, 2> &,
-                        const MPI_Comm);
-  template Statistics<3>
-  compute_statistics<3>(const std::vector<Body<3>> &,
-                        const PointTransfer<3> &,
-                        const Tensor<1, 3> &,
-                        const MPI_Comm);
-  template double
-  free_energy<2>(const std::vector<Body<2>> &,
-                 const PointTransfer<2> &,
-                 const MPI_Comm);
-  template double
-  free_energy<3>(const std::vector<Body<3>> &,
-                 const PointTransfer<3> &,
-                 const MPI_Comm);
-  template double
-  kinetic_energy<2>(const std::vector<Body<2>> &,
-                    const PointTransfer<2> &,
-                    const MPI_Comm);
-  template double
-  kinetic_energy<3>(const std::vector<Body<3>> &,
-                    const PointTransfer<3> &,
-                    const MPI_Comm);
+  template decltype(compute_statistics<2>) compute_statistics<2>;
+  template decltype(compute_statistics<3>) compute_statistics<3>;
+  template decltype(free_energy<2>)        free_energy<2>;
+  template decltype(free_energy<3>)        free_energy<3>;
+  template decltype(kinetic_energy<2>)     kinetic_energy<2>;
+  template decltype(kinetic_energy<3>)     kinetic_energy<3>;
 } // namespace greville

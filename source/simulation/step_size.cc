@@ -309,10 +309,8 @@ namespace greville
 
 
 
-  template std::string
-  describe_materials(const std::vector<Body<2>> &);
-  template std::string
-  describe_materials(const std::vector<Body<3>> &);
+  template decltype(describe_materials<2>) describe_materials<2>;
+  template decltype(describe_materials<3>) describe_materials<3>;
   template class StepSize<2>;
   template class StepSize<3>;
 } // namespace greville

@@ -98,7 +98,6 @@ namespace greville
     write_table(const std::vector<SweepRow> &rows,
                 const std::string           &directory,
                 std::ostream                &out,
-                const bool                   is_first,
                 const MPI_Comm               comm)
     {
       std::ostringstream csv;
@@ -132,11 +131,8 @@ namespace greville
           out << '\n';
         }
       out << "  results: " << directory << std::endl;
-      run_on_all(
-        [&]() {
-          if (is_first)
-            write_atomically(directory + "/convergence.csv", csv.str());
-        },
+      run_on_first(
+        [&]() { write_atomically(directory + "/convergence.csv", csv.str()); },
         comm);
     }
 
@@ -149,7 +145,6 @@ namespace greville
               std::ostream               &out,
               const MPI_Comm              comm)
     {
-      const bool is_first  = Utilities::MPI::this_mpi_process(comm) == 0;
       const bool has_exact = !parameters.exact.displacement.empty();
       auto       rows      = make_rows(parameters);
       for (std::size_t k = 0; k < rows.size(); ++k)
@@ -160,18 +155,14 @@ namespace greville
             directory + "/" + mass + "_" + row.parameters.scheme.quadrature +
             "_p" + std::to_string(row.parameters.grid.degree) + "_" +
             std::to_string(row.cells);
-          run_on_all(
-            [&]() {
-              if (is_first)
-                create_folder(folder, "Output/Directory");
-            },
-            comm);
+          run_on_first([&]() { create_folder(folder, "Output/Directory"); },
+                       comm);
           SimulationRun<dim> run(row.parameters, folder, out, comm);
           try
             {
               const RunSummary summary = run.run();
               if (has_exact)
-                row.errors = *summary.displacement;
+                row.errors = *summary.errors.displacement;
             }
           catch (const std::exception &error)
             {
@@ -188,7 +179,7 @@ namespace greville
           out << std::endl;
         }
       if (has_exact)
-        write_table(rows, directory, out, is_first, comm);
+        write_table(rows, directory, out, comm);
       std::string failures;
       for (const SweepRow &row : rows)
         if (!row.failure.empty())
@@ -214,10 +205,8 @@ namespace greville
     const std::string directory = parameters.output.directory.empty()
                                     ? "output/" + parameters.general.name
                                     : parameters.output.directory;
-    run_on_all(
+    run_on_first(
       [&]() {
-        if (!is_first)
-          return;
         create_folder(directory,
                       parameters.output.directory.empty() ? "Simulation/Name"
                                                           : "Output/Directory");

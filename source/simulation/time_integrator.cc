@@ -81,12 +81,8 @@ namespace greville
 
 
 
-  template void
-  add_time_integrator(const std::string &, const MakeTimeIntegrator<2> &);
-  template void
-  add_time_integrator(const std::string &, const MakeTimeIntegrator<3> &);
-  template std::unique_ptr<TimeIntegrator<2>>
-  make_time_integrator(const std::string &, const IntegratorParts<2> &);
-  template std::unique_ptr<TimeIntegrator<3>>
-  make_time_integrator(const std::string &, const IntegratorParts<3> &);
+  template decltype(add_time_integrator<2>)  add_time_integrator<2>;
+  template decltype(add_time_integrator<3>)  add_time_integrator<3>;
+  template decltype(make_time_integrator<2>) make_time_integrator<2>;
+  template decltype(make_time_integrator<3>) make_time_integrator<3>;
 } // namespace greville

@@ -16,9 +16,9 @@ main(int argc, char **argv)
           .with("Time", {"End = 1"}));
       run.run();
       check(mass + ": ends when the last point has left",
-            run->time() > 0.04 && run->time() < 0.05);
+            run->state().time > 0.04 && run->state().time < 0.05);
       check(mass + ": all points are removed",
-            run->n_removed() == run->bodies()[0].n_points &&
+            run->state().n_removed == run->bodies()[0].n_points &&
               run->statistics().n_points == 0);
       check(mass + ": it says so", run->take_warnings().size() == 1);
     }

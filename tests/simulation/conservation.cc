@@ -30,7 +30,8 @@ test(const std::string &name, const Text &text, const bool conserves_spin)
       before = after;
       if (several)
         {
-          const std::uint64_t now = run->n_sent();
+          const std::uint64_t now =
+            Utilities::MPI::sum(run->state().n_sent, MPI_COMM_WORLD);
           quiet_steps += now == sent;
           sent = now;
         }
@@ -42,7 +43,8 @@ test(const std::string &name, const Text &text, const bool conserves_spin)
   else
     check(name + ", angular momentum", spin, 1e-2);
   check(name + ", points go to other processes in most steps",
-        !several || (dim == 2 ? quiet_steps < run->n_steps() / 2 : sent > 0));
+        !several ||
+          (dim == 2 ? quiet_steps < run->state().n_steps / 2 : sent > 0));
 }
 
 

@@ -48,7 +48,7 @@ main(int argc, char **argv)
       for (unsigned int d = 0; d < 2; ++d)
         check("  momentum", std::abs(end.momentum[d]) / 18., 1e-12);
       check("  factorizations are reused",
-            run->mass().n_factorizations() < run->n_steps());
+            run->mass().n_factorizations() < run->state().n_steps);
     }
 
   {
@@ -56,7 +56,7 @@ main(int argc, char **argv)
       disks(2, "0.1").with("Smoother", {"Reuse = 0"}).with("Grid", {}));
     run.run();
     check("each step factorizes where it is asked for",
-          run->mass().n_factorizations() >= run->n_steps());
+          run->mass().n_factorizations() >= run->state().n_steps);
   }
 
   // The same by the cycle over all orders.

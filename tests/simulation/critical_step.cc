@@ -26,7 +26,7 @@ main(int argc, char **argv)
   const auto   courant = [&](const Text &text) {
     Simulated<2> run(text);
     run->step();
-    return run->critical() * 16. * c;
+    return run->state().estimates.critical * 16. * c;
   };
   const auto between = [&](const std::string &name,
                            const double       value,
@@ -133,7 +133,7 @@ main(int argc, char **argv)
     [&](const std::string &name, const Text &box, const double unstable) {
       Simulated<2> first(box);
       first->step();
-      const double limit         = first->critical();
+      const double limit         = first->state().estimates.critical;
       const auto   largest_speed = [&](const double part) {
         std::ostringstream step;
         step.precision(12);
@@ -215,7 +215,7 @@ main(int argc, char **argv)
           "Time",
           {"End = 1", "Step =", "CFL number = " + cfl, "Safety = " + safety}));
     run->step();
-    return run->last_step() * 16. * c;
+    return run->state().step * 16. * c;
   };
   between("CFL number", automatic("0.1", "1"), 0.0999, 0.1001);
   between("safety", automatic("1", "0.5"), 0.27, 0.3);
@@ -235,7 +235,7 @@ main(int argc, char **argv)
   Simulated<2> automatic_run(moving);
   automatic_run->step();
   std::ostringstream first_step;
-  first_step << automatic_run->last_step();
+  first_step << automatic_run->state().step;
   const double energy = automatic_run->statistics().kinetic;
   automatic_run.run();
   check("automatic steps: energy",
@@ -312,7 +312,8 @@ main(int argc, char **argv)
       .add("Material water",
            {"Model = newtonian-fluid", "Density = 1000", "Sound speed = 10"}));
   impact->step();
-  const double at_rest = impact->critical();
+  const double at_rest = impact->state().estimates.critical;
   impact.run();
-  check("impact: critical step", impact->critical() < 0.8 * at_rest);
+  check("impact: critical step",
+        impact->state().estimates.critical < 0.8 * at_rest);
 }

@@ -33,9 +33,9 @@ namespace
     Simulated<2> run(text, comm);
     run.run();
     const auto   s       = run->statistics();
-    const double damping = run->energy_balance().damping(comm);
+    const double damping = run->state().energy.damping(comm);
     return {damping,
-            run->energy_balance().work(comm) + damping - s.kinetic - s.strain};
+            run->state().energy.work(comm) + damping - s.kinetic - s.strain};
   }
 
 
@@ -55,7 +55,7 @@ namespace
     double                 largest = start;
     while (!run->is_finished())
       {
-        if (is_kicked && run->n_steps() % kick_every == kick_every - 1)
+        if (is_kicked && run->state().n_steps % kick_every == kick_every - 1)
           for (auto &body : run->bodies())
             body.points.for_each([&](const unsigned int, const auto p) {
               p.velocity(1) += 0.005 * p.position(1);
@@ -104,13 +104,13 @@ main(int argc, char **argv)
             double       error = 0., last = 0.1, taken = 0.;
             while (!run->is_finished())
               {
-                const double dt = run->n_steps() == 0 ? 0.001 : 0.002;
+                const double dt = run->state().n_steps == 0 ? 0.001 : 0.002;
                 run->step();
                 const double v = run->statistics().momentum[1] / m;
                 taken += 0.5 * m * dt * (last > 0. ? 0.5 : -0.5) * (last + v);
                 last  = v;
                 error = std::max(error,
-                                 std::abs(run->energy_balance().damping(world) +
+                                 std::abs(run->state().energy.damping(world) +
                                           taken));
               }
             check(mass + ", " + transfer + " " + share + ", " + order +
@@ -131,7 +131,7 @@ main(int argc, char **argv)
     const double start = run->statistics().kinetic;
     run.run();
     const double lost  = start - run->statistics().kinetic;
-    const double taken = -run->energy_balance().damping(world);
+    const double taken = -run->state().energy.damping(world);
     check("work of damping on dust", std::abs(3. * taken / lost - 1.), 1e-10);
   }
 

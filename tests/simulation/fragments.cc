@@ -40,7 +40,7 @@ main(int argc, char **argv)
             1e-10);
       check("  no stress", run->statistics().strain, 1e-12);
       check("  factorizations are reused",
-            run->mass().n_factorizations() < run->n_steps());
+            run->mass().n_factorizations() < run->state().n_steps);
     }
   // In other units the masses are those of bodies of nanometres: nothing else
   // changes.
@@ -56,7 +56,7 @@ main(int argc, char **argv)
   Simulated<2> each(text.with("Smoother", {"Reuse = 0"}));
   each.run();
   check("each step factorizes where it is asked for",
-        each->mass().n_factorizations() >= each->n_steps());
+        each->mass().n_factorizations() >= each->state().n_steps);
 
   // A strip of a fifth of a cell: the run says that it is too thin.
   for (const bool is_thin : {false, true})

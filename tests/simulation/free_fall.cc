@@ -9,7 +9,7 @@ test(const std::string &name, const Text &text, const bool half_steps = true)
 {
   Simulated<dim> run(text);
   run.run();
-  const double t = run->time(), dt = run->last_step();
+  const double t = run->state().time, dt = run->state().step;
   // Symplectic Euler adds up velocities at the ends of steps.
   const double  fall  = half_steps ? -0.5 * t * t : -0.5 * t * (t + dt);
   double        worst = 0.;

@@ -24,7 +24,7 @@ namespace
     for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
       if (multi_index<dim>(space.owned_functions()[i],
                            space.n_functions())[d] == 0)
-        worst = std::max(worst, -run->grid_velocity()[d].local_element(i));
+        worst = std::max(worst, -run->state().velocity[d].local_element(i));
     return max_all(worst);
   }
 } // namespace
@@ -62,9 +62,9 @@ main(int argc, char **argv)
             worst = std::max(worst, into_wall(run, 1));
           }
         const auto        change = momentum(run) - start;
-        const double      push   = change[1] + m * run->time();
+        const double      push   = change[1] + m * run->state().time;
         const std::string name   = mass + ", p = " + std::to_string(p);
-        check(name + ", weight is borne", push / (m * run->time()) > 0.8);
+        check(name + ", weight is borne", push / (m * run->state().time) > 0.8);
         check(name + ", Coulomb's law while it slides",
               std::abs(change[0] + 0.3 * push) / push,
               1e-7);
@@ -83,7 +83,7 @@ main(int argc, char **argv)
         check("slope below the angle: rest", std::abs(v), 0.004);
       else
         check("slope above the angle: speed",
-              std::abs(v / ((slope - 0.3) * run->time()) - 1.),
+              std::abs(v / ((slope - 0.3) * run->state().time) - 1.),
               0.05);
     }
 
@@ -126,7 +126,7 @@ main(int argc, char **argv)
       const auto change = momentum(run) - start;
       check("3D, " + method + ", nothing goes into the walls", worst, 1e-7);
       check("3D, " + method + ", friction along the walls",
-            -change[2] / (m * run->time()) > 0.2 &&
-              -change[2] / (m * run->time()) < 0.41);
+            -change[2] / (m * run->state().time) > 0.2 &&
+              -change[2] / (m * run->state().time) < 0.41);
     }
 }

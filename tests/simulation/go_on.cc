@@ -16,10 +16,10 @@ namespace
   std::vector<double>
   numbers(const Simulation<2> &simulation)
   {
-    std::vector<double> result = {simulation.time(),
-                                  simulation.last_step(),
-                                  simulation.critical(),
-                                  double(simulation.n_steps())};
+    std::vector<double> result = {simulation.state().time,
+                                  simulation.state().step,
+                                  simulation.state().estimates.critical,
+                                  double(simulation.state().n_steps)};
     for (const Body<2> &body : simulation.bodies())
       body.points.for_each([&](const unsigned int, const auto p) {
         for (unsigned int k = 0; k < body.points.layout().size; ++k)
@@ -37,7 +37,7 @@ namespace
   void
   fail(Simulation<2> &simulation, const std::string &reason)
   {
-    const unsigned int n_before = simulation.n_steps();
+    const unsigned int n_before = simulation.state().n_steps;
     simulation.bodies()[0].points.for_each(
       [&](const unsigned int, const auto p) {
         p.velocity(0) = reason == "no number" ? std::nan("") : 1e6;
@@ -53,7 +53,7 @@ namespace
       }
     check("the step fails", message.rfind("Step ", 0) == 0);
     check("back to a good state",
-          double(simulation.n_steps()),
+          double(simulation.state().n_steps),
           double(n_before));
   }
 
@@ -77,7 +77,7 @@ namespace
   {
     auto  simulated  = std::make_unique<Simulated<2>>(text);
     auto &simulation = simulated->simulation;
-    while (simulation.n_steps() < 55)
+    while (simulation.state().n_steps < 55)
       simulation.step();
     const State<2> good = simulation.state();
     if (error == Error::caught_with_copy)
@@ -86,7 +86,7 @@ namespace
       fail(simulation, "far away");
     if (error == Error::none_but_copy || error == Error::caught_with_copy)
       simulation.set_state(good);
-    while (simulation.n_steps() < n_steps)
+    while (simulation.state().n_steps < n_steps)
       simulation.step();
     return simulated;
   }
@@ -110,7 +110,7 @@ namespace
         const Statistics<2> row       = simulated->simulation.statistics();
         sums[error]                   = {row.time,
                                          row.step,
-                                         simulated->simulation.critical(),
+                                         simulated->simulation.state().estimates.critical,
                                          row.kinetic,
                                          row.strain,
                                          row.center[0]};

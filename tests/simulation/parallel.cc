@@ -38,7 +38,7 @@ test(const std::string &name, const Text &text, const double tolerance)
   check(name, max_all(worst), tolerance);
   check(name + ", points crossed borders",
         Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1 ||
-          all.n_sent() > 0);
+          Utilities::MPI::sum(all.state().n_sent, MPI_COMM_WORLD) > 0);
 }
 
 
@@ -105,7 +105,7 @@ main(int argc, char **argv)
   const auto n_steps = [&](const MPI_Comm comm) {
     Simulated<2> run(flight, comm);
     run.run();
-    return run->n_steps();
+    return run->state().n_steps;
   };
   check("steps in free flight",
         n_steps(MPI_COMM_SELF) == n_steps(MPI_COMM_WORLD));

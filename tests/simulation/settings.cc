@@ -25,7 +25,7 @@ main(int argc, char **argv)
     while (!run->is_finished())
       {
         run->step();
-        values.insert(run->critical());
+        values.insert(run->state().estimates.critical);
       }
     return values.size();
   };
@@ -93,7 +93,7 @@ main(int argc, char **argv)
   const auto iterations = [&](const std::string &tolerance) {
     Simulated<2> run(full.with("Solver", {"Tolerance = " + tolerance}));
     run->step();
-    return run->n_iterations();
+    return run->state().n_iterations;
   };
   check("Tolerance", iterations("1e-12") > iterations("1e-4"));
 
@@ -134,11 +134,12 @@ main(int argc, char **argv)
       Simulation<2> column(parameters);
       while (!column.is_finished())
         column.step();
+      const double t = column.state().time;
       check("hydrostatic, " + std::to_string(size.first) +
               " cells: relative to the published error",
             ExactSolution<2>(parameters.exact)
-                .stress(column.bodies(), column.time(), MPI_COMM_WORLD)
-                ->max /
+                .errors(column.bodies(), t, t, MPI_COMM_WORLD)
+                .stress->max /
               size.second,
             0.5);
     }

@@ -14,9 +14,9 @@ namespace
   state_of(const Simulation<dim> &simulation)
   {
     auto result = simulation.statistics().values();
-    result.push_back(simulation.time());
-    result.push_back(simulation.last_step());
-    result.push_back(simulation.n_all_iterations());
+    result.push_back(simulation.state().time);
+    result.push_back(simulation.state().step);
+    result.push_back(simulation.state().n_all_iterations);
     return result;
   }
 
@@ -25,7 +25,7 @@ namespace
   alone(const Text &text)
   {
     Simulation<dim> simulation(text.parse());
-    while (simulation.n_steps() < n_steps)
+    while (simulation.state().n_steps < n_steps)
       simulation.step();
     return state_of(simulation);
   }
@@ -106,7 +106,7 @@ main(int argc, char **argv)
     // Simulations have their own parameters.
     Simulation<2> first{SimulationParameters(a)};
     Simulation<3> second{SimulationParameters(b)};
-    while (second.n_steps() < n_steps)
+    while (second.state().n_steps < n_steps)
       {
         first.step();
         second.step();
@@ -126,7 +126,7 @@ main(int argc, char **argv)
           original.grid.cells[0] == 8);
   check("and its own bodies",
         changed.bodies()[0].n_points != unchanged.bodies()[0].n_points);
-  while (unchanged.n_steps() < n_steps)
+  while (unchanged.state().n_steps < n_steps)
     {
       changed.step();
       unchanged.step();

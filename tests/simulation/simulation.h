@@ -95,17 +95,21 @@ struct Simulated
   Errors
   displacement_error()
   {
-    return *ExactSolution<dim>(parameters.exact)
-              .displacement(simulation.bodies(),
-                            simulation.time(),
-                            MPI_COMM_WORLD);
+    return *exact_errors().displacement;
   }
 
   Errors
   stress_error()
   {
-    return *ExactSolution<dim>(parameters.exact)
-              .stress(simulation.bodies(), simulation.time(), MPI_COMM_WORLD);
+    return *exact_errors().stress;
+  }
+
+  ExactErrors
+  exact_errors()
+  {
+    const double t = simulation.state().time;
+    return ExactSolution<dim>(parameters.exact)
+      .errors(simulation.bodies(), t, t, MPI_COMM_WORLD);
   }
 
   SimulationParameters parameters;

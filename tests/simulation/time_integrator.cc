@@ -73,7 +73,7 @@ namespace
         .with("Time",
               {"End = 0.1", "Step = 0.005", "Velocities at = full steps"}));
     simulated.run();
-    check("steps to the end", simulated->n_steps() == 20);
+    check("steps to the end", simulated->state().n_steps == 20);
     const Statistics<2> row = simulated->statistics();
     return {row.kinetic, row.strain, row.center[0], row.center[1]};
   }

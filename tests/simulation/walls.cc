@@ -64,9 +64,10 @@ main(int argc, char **argv)
             multi_index<2>(space.owned_functions()[i], space.n_functions());
           if (index[1] + 1 == space.n_functions()[1] && index[0] > 0 &&
               index[0] + 1 < space.n_functions()[0])
-            worst = std::max(worst,
-                             std::abs(run->grid_velocity()[0].local_element(i) -
-                                      0.01));
+            worst =
+              std::max(worst,
+                       std::abs(run->state().velocity[0].local_element(i) -
+                                0.01));
         }
       check(mass + ", velocity at the moving wall", max_all(worst), 1e-12);
     }
@@ -124,7 +125,7 @@ main(int argc, char **argv)
       run.run();
       const double wanted = at == "half steps" ? 0.019 : 0.02;
       check("wall that speeds up, " + at,
-            std::abs(run->grid_velocity()[0].linfty_norm() - wanted),
+            std::abs(run->state().velocity[0].linfty_norm() - wanted),
             1e-12);
     }
 

@@ -3,6 +3,9 @@
 #ifndef greville_base_csv_h
 #define greville_base_csv_h
 
+#include <deal.II/base/mpi.h>
+
+#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
@@ -40,6 +43,41 @@ namespace greville
   read_csv(const std::string                          &file,
            const std::string                          &parameter,
            const std::function<void(const CsvLine &)> &visit);
+
+
+
+  /**
+   * Writes a table whose columns are separated by commas, from the first
+   * process. All functions are collective, and throw dealii::ExcMessage where
+   * the file cannot be written.
+   */
+  class CsvWriter
+  {
+  public:
+    /**
+     * Begin with the @p names of the columns. Numbers get @p precision digits.
+     */
+    void
+    open(const std::string              &file,
+         const std::vector<std::string> &names,
+         const unsigned int              precision,
+         const MPI_Comm                  comm);
+
+    /**
+     * Write a line, and all of the file to the disk.
+     */
+    void
+    write(const std::vector<double> &values);
+
+  private:
+    template <typename T>
+    void
+    write_line(const std::vector<T> &words);
+
+    std::string   file;
+    std::ofstream out;
+    MPI_Comm      comm = MPI_COMM_NULL;
+  };
 } // namespace greville
 
 #endif

@@ -40,6 +40,13 @@ namespace greville
    */
   void
   run_on_all(const std::function<void()> &action, const MPI_Comm comm);
+
+  /**
+   * Collective. Call @p action on the first process, and throw on all what it
+   * throws.
+   */
+  void
+  run_on_first(const std::function<void()> &action, const MPI_Comm comm);
 } // namespace greville
 
 #endif

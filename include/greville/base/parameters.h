@@ -55,6 +55,24 @@ namespace greville
              const std::string &allowed);
 
   /**
+   * Declare a parameter, whose default is the @p value, and which is read into
+   * it:
+   *   add_parameter(prm, "Area", area, Patterns::Double(0.))("What it is.");
+   */
+  template <typename T>
+  auto
+  add_parameter(dealii::ParameterHandler            &prm,
+                const std::string                   &name,
+                T                                   &value,
+                const dealii::Patterns::PatternBase &pattern =
+                  *dealii::Patterns::Tools::Convert<T>::to_pattern())
+  {
+    return [&](const std::string &text) {
+      prm.add_parameter(name, value, text, pattern);
+    };
+  }
+
+  /**
    * Let @p parameters declare themselves in a section of @p prm. Their members
    * are the defaults, and take what is read into @p prm from then on: they have
    * to stay where they are until @p prm is gone.

@@ -26,6 +26,16 @@ namespace greville
 
 
   /**
+   * Those of displacement, velocity and stress; empty where nothing is known.
+   */
+  struct ExactErrors
+  {
+    std::optional<Errors> displacement, velocity, stress;
+  };
+
+
+
+  /**
    * The exact solution of a parameter file.
    */
   template <int dim>
@@ -38,27 +48,17 @@ namespace greville
     ExactSolution(const ExactParameters &parameters);
 
     /**
-     * Collective. Errors of displacement at time @p t, of velocity at time
-     * @p t_velocity, and of stress at @p t. Empty where nothing is known.
+     * Collective. Errors of velocity at time @p t_velocity, of all else at @p
+     * t.
      */
-    std::optional<Errors>
-    displacement(const std::vector<Body<dim>> &bodies,
-                 const double                  t,
-                 const MPI_Comm                comm) const;
-
-    std::optional<Errors>
-    velocity(const std::vector<Body<dim>> &bodies,
-             const double                  t,
-             const MPI_Comm                comm) const;
-
-    std::optional<Errors>
-    stress(const std::vector<Body<dim>> &bodies,
+    ExactErrors
+    errors(const std::vector<Body<dim>> &bodies,
            const double                  t,
+           const double                  t_velocity,
            const MPI_Comm                comm) const;
 
   private:
-    std::vector<Expression> displacement_formulas, velocity_formulas,
-      stress_formulas;
+    std::vector<Expression> displacement, velocity, stress;
   };
 
 

@@ -3,10 +3,10 @@
 #ifndef greville_simulation_output_h
 #define greville_simulation_output_h
 
+#include <greville/base/csv.h>
 #include <greville/particles/body.h>
 #include <greville/particles/point_transfer.h>
 
-#include <fstream>
 #include <string>
 
 namespace greville
@@ -99,9 +99,8 @@ namespace greville
     };
 
     MPI_Comm           comm;
-    const std::string  file;
     std::vector<Probe> probes;
-    std::ofstream      out; // of the first process
+    CsvWriter          file;
   };
 } // namespace greville
 

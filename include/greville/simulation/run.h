@@ -3,38 +3,24 @@
 #ifndef greville_simulation_run_h
 #define greville_simulation_run_h
 
+#include <greville/base/csv.h>
 #include <greville/simulation/comparison.h>
 #include <greville/simulation/output.h>
 #include <greville/simulation/simulation.h>
 
 #include <chrono>
-#include <fstream>
 
 namespace greville
 {
   /**
-   * What a run was: the content of summary.json.
+   * What a run found.
    */
   struct RunSummary
   {
-    std::uint64_t                 n_points        = 0;
-    std::uint64_t                 n_removed       = 0;
-    std::uint64_t                 n_sent          = 0;
-    unsigned int                  n_steps         = 0;
-    double                        time            = 0.;
-    double                        wall_time       = 0.;
-    double                        critical        = 0.;
-    double                        bytes_per_point = 0.;
-    std::map<std::string, double> part_times;
-    std::optional<Errors>         displacement, velocity, stress;
-    std::optional<Distance>       surface, series;
-    double                        front = 0.;
-
-    double
-    point_steps_per_second() const
-    {
-      return wall_time > 0. ? double(n_points) * n_steps / wall_time : 0.;
-    }
+    double                  wall_time = 0.; // s
+    double                  front     = 0.; // the largest, m
+    ExactErrors             errors;
+    std::optional<Distance> surface, series;
   };
 
 
@@ -76,9 +62,6 @@ namespace greville
     print_summary(const RunSummary &summary);
 
     void
-    write_fields();
-
-    void
     write_statistics();
 
     /**
@@ -87,8 +70,17 @@ namespace greville
     void
     write_due(const bool is_last);
 
+    /**
+     * summary.json.
+     */
     void
     write_summary(const RunSummary &summary);
+
+    /**
+     * Collective. Bytes of memory per point.
+     */
+    double
+    bytes_per_point() const;
 
     const SimulationParameters parameters;
     const std::string          directory;
@@ -100,9 +92,10 @@ namespace greville
     MeasuredData<dim>          measured;
     FieldOutput<dim>           fields;
     Probes<dim>                probes;
-    std::ofstream              statistics_file;
+    CsvWriter                  statistics_file;
     double                     next_fields = 0., next_statistics = 0.;
     double                     largest_front = -1e300;
+    std::uint64_t              n_points      = 0;
 
     std::chrono::steady_clock::time_point begin, last_shown;
     double                                last_shown_time = 0.;

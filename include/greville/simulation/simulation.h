@@ -68,24 +68,6 @@ namespace greville
     Statistics<dim>
     statistics() const;
 
-    double
-    time() const
-    {
-      return current.time;
-    }
-
-    double
-    last_step() const
-    {
-      return current.step;
-    }
-
-    unsigned int
-    n_steps() const
-    {
-      return current.n_steps;
-    }
-
     const std::vector<Body<dim>> &
     bodies() const
     {
@@ -122,53 +104,6 @@ namespace greville
       return discretization.consistent_mass();
     }
 
-    const VectorField<dim> &
-    grid_velocity() const
-    {
-      return current.velocity;
-    }
-
-    /**
-     * Points that have moved to another process, and that were removed outside
-     * of the grid, so far, on all processes. Collective.
-     */
-    std::uint64_t
-    n_sent() const;
-
-    std::uint64_t
-    n_removed() const
-    {
-      return current.n_removed;
-    }
-
-    /**
-     * The critical step, s: the last estimate, with consistent mass the
-     * smallest of the last ones.
-     */
-    double
-    critical() const
-    {
-      return current.estimates.critical;
-    }
-
-    /**
-     * Most iterations of a solve of the last step.
-     */
-    unsigned int
-    n_iterations() const
-    {
-      return current.n_iterations;
-    }
-
-    /**
-     * Iterations of all solves so far.
-     */
-    std::uint64_t
-    n_all_iterations() const
-    {
-      return current.n_all_iterations;
-    }
-
     /**
      * Warnings since the last call.
      */
@@ -185,26 +120,11 @@ namespace greville
     }
 
     /**
-     * Work so far.
-     */
-    const EnergyBalance &
-    energy_balance() const
-    {
-      return current.energy;
-    }
-
-    /**
      * Bytes of the points on this process, with those of the state to go back
      * to.
      */
     std::size_t
     points_memory() const;
-
-    DistributedTriangulation<dim> &
-    triangulation()
-    {
-      return discretization.triangulation();
-    }
 
   private:
     /**
