@@ -97,44 +97,6 @@ namespace greville
 
 
     // What muParser does not have, or has under other names.
-    double
-    if_function(const double condition, const double yes, const double no)
-    {
-      return condition != 0. ? yes : no;
-    }
-
-    double
-    and_function(const double a, const double b)
-    {
-      return a != 0. && b != 0.;
-    }
-
-    double
-    or_function(const double a, const double b)
-    {
-      return a != 0. || b != 0.;
-    }
-
-    double
-    cot(const double x)
-    {
-      return 1. / std::tan(x);
-    }
-
-    double
-    sec(const double x)
-    {
-      return 1. / std::cos(x);
-    }
-
-    double
-    csc(const double x)
-    {
-      return 1. / std::sin(x);
-    }
-
-
-
     void
     define_functions(mu::Parser &parser)
     {
@@ -142,16 +104,22 @@ namespace greville
       parser.DefineConst("pi", numbers::PI);
       parser.DefineConst("_pi", numbers::PI);
       parser.DefineConst("_e", numbers::E);
-      parser.DefineFun("if", if_function);
+      parser.DefineFun(
+        "if", +[](double condition, double yes, double no) {
+          return condition != 0. ? yes : no;
+        });
       parser.DefineFun(
         "pow", +[](double x, double y) { return std::pow(x, y); });
       parser.DefineFun(
         "atan2", +[](double y, double x) { return std::atan2(y, x); });
       parser.DefineFun(
         "mod", +[](double x, double y) { return x - y * std::floor(x / y); });
-      parser.DefineFun("cot", cot);
-      parser.DefineFun("sec", sec);
-      parser.DefineFun("csc", csc);
+      parser.DefineFun(
+        "cot", +[](double x) { return 1. / std::tan(x); });
+      parser.DefineFun(
+        "sec", +[](double x) { return 1. / std::cos(x); });
+      parser.DefineFun(
+        "csc", +[](double x) { return 1. / std::sin(x); });
       parser.DefineFun(
         "floor", +[](double x) { return std::floor(x); });
       parser.DefineFun(
@@ -162,8 +130,10 @@ namespace greville
         "erf", +[](double x) { return std::erf(x); });
       parser.DefineFun(
         "erfc", +[](double x) { return std::erfc(x); });
-      parser.DefineOprt("&", and_function, 1);
-      parser.DefineOprt("|", or_function, 0);
+      parser.DefineOprt(
+        "&", +[](double a, double b) { return double(a != 0. && b != 0.); }, 1);
+      parser.DefineOprt(
+        "|", +[](double a, double b) { return double(a != 0. || b != 0.); }, 0);
     }
   } // namespace
 

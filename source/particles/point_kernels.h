@@ -3,6 +3,7 @@
 #ifndef greville_particles_point_kernels_h
 #define greville_particles_point_kernels_h
 
+#include <greville/base/with_width.h>
 #include <greville/particles/point_transfer.h>
 
 #include <experimental/simd>
@@ -52,20 +53,19 @@ namespace greville
     template <int dim, int n>
     struct CellGeometry
     {
-      CellGeometry(const SplineSpace<dim>                   &space,
-                   const std::array<SplinePolynomials, dim> &tables,
-                   const unsigned int                        cell)
+      CellGeometry(const SpacePolynomials<dim> &tables, const unsigned int cell)
       {
-        const auto &lattice = space.lattice();
-        const auto  index =
+        const SplineSpace<dim> &space   = *tables.space;
+        const auto             &lattice = space.lattice();
+        const auto              index =
           multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
         for (unsigned int d = 0; d < dim; ++d)
           {
             const double h = lattice.cell_size(d);
             center[d]      = lattice.lower(d) + (index[d] + 0.5) * h;
             inverse_h[d]   = 1. / h;
-            polynomials[d] = tables[d].coefficients(index[d]);
-            offsets[d]     = tables[d].greville_offsets(index[d]);
+            polynomials[d] = tables.directions[d].coefficients(index[d]);
+            offsets[d]     = tables.directions[d].greville_offsets(index[d]);
           }
         functions = space.cell_functions(cell).data();
       }
@@ -120,27 +120,14 @@ namespace greville
 
 
     /**
-     * Call kernel.template operator()<p>() for the order of a space.
+     * Call kernel(std::integral_constant<int, p + 1>()) for the order p of a
+     * space.
      */
     template <typename Kernel>
     void
     with_order(const unsigned int degree, const Kernel &kernel)
     {
-      switch (degree)
-        {
-          case 1:
-            return kernel(std::integral_constant<int, 2>());
-          case 2:
-            return kernel(std::integral_constant<int, 3>());
-          case 3:
-            return kernel(std::integral_constant<int, 4>());
-          case 4:
-            return kernel(std::integral_constant<int, 5>());
-          case 5:
-            return kernel(std::integral_constant<int, 6>());
-          default:
-            Assert(false, dealii::ExcInternalError());
-        }
+      with_one_of<2, 3, 4, 5, 6>(degree + 1, kernel);
     }
 
 

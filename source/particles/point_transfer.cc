@@ -55,9 +55,9 @@ namespace greville
   void
   PointTransfer<dim>::reinit(const SplineSpace<dim> &space)
   {
-    spline_space = &space;
+    tables.space = &space;
     for (unsigned int d = 0; d < dim; ++d)
-      tables[d].reinit(space.knots(d));
+      tables.directions[d].reinit(space.knots(d));
   }
 
 
@@ -71,8 +71,8 @@ namespace greville
     constexpr double largest_expansion = 1.5;
     double           cell_volume       = 1.;
     for (unsigned int d = 0; d < dim; ++d)
-      cell_volume *= spline_space->lattice().cell_size(d);
-    result.assign(spline_space->owned_cells().size(), 0.);
+      cell_volume *= tables.space->lattice().cell_size(d);
+    result.assign(tables.space->owned_cells().size(), 0.);
     for (const MaterialPoints<dim> *points : bodies)
       for (const unsigned int cell : points->cells())
         {
@@ -96,7 +96,7 @@ namespace greville
   Tensor<1, dim>
   PointTransfer<dim>::spread(const unsigned int cell, const Point<dim> &x) const
   {
-    const SplineSpace<dim> &space   = *spline_space;
+    const SplineSpace<dim> &space   = *tables.space;
     const auto             &lattice = space.lattice();
     const unsigned int      n       = space.degree() + 1;
     const auto              index =
@@ -105,8 +105,8 @@ namespace greville
     Tensor<1, dim>   result;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const double *c       = tables[d].coefficients(index[d]);
-        const double *offsets = tables[d].greville_offsets(index[d]);
+        const double *c       = tables.directions[d].coefficients(index[d]);
+        const double *offsets = tables.directions[d].greville_offsets(index[d]);
         const double  t       = (x[d] - center[d]) / lattice.cell_size(d);
         for (unsigned int a = 0; a < n; ++a)
           {

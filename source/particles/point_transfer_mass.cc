@@ -56,10 +56,9 @@ namespace greville
      */
     template <int dim, int n>
     void
-    add_cells(const MaterialPoints<dim>                &points,
-              const SplineSpace<dim>                   &space,
-              const std::array<SplinePolynomials, dim> &tables,
-              StencilMatrix<dim>                       &matrix)
+    add_cells(const MaterialPoints<dim>   &points,
+              const SpacePolynomials<dim> &tables,
+              StencilMatrix<dim>          &matrix)
     {
       using Layout           = PointLayout<dim>;
       constexpr int n_pairs  = n * (n + 1) / 2;
@@ -73,7 +72,7 @@ namespace greville
       double              pairs_x[width][stride] = {{}}; // N_x N_x of a point
       for (const unsigned int cell : points.cells())
         {
-          const CellGeometry<dim, n> geometry(space, tables, cell);
+          const CellGeometry<dim, n> geometry(tables, cell);
           std::fill(sums.begin(), sums.end(), 0.);
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
@@ -129,11 +128,8 @@ namespace greville
     StencilMatrix<dim>                             &matrix) const
   {
     for (const MaterialPoints<dim> *points : bodies)
-      with_order(spline_space->degree(), [&](const auto n) {
-        add_cells<dim, decltype(n)::value>(*points,
-                                           *spline_space,
-                                           tables,
-                                           matrix);
+      with_order(tables.space->degree(), [&](const auto n) {
+        add_cells<dim, decltype(n)::value>(*points, tables, matrix);
       });
   }
 

@@ -9,24 +9,23 @@ namespace greville
 
   namespace
   {
-    template <int dim, int n>
+    /**
+     * y += K x on this process, where values lie function by function and
+     * product(group, shape, u, sums) adds what a group of points has of K x for
+     * the values u of its cell.
+     */
+    template <int dim, int n, bool derivatives, typename Product>
     void
-    multiply_stiffness(const MaterialPoints<dim>                &points,
-                       const SplineSpace<dim>                   &space,
-                       const std::array<SplinePolynomials, dim> &tables,
-                       const Stiffness                          &stiffness,
-                       const double                             *source,
-                       double                                   *target)
+    multiply_cells(const MaterialPoints<dim>   &points,
+                   const SpacePolynomials<dim> &tables,
+                   const double                *source,
+                   double                      *target,
+                   const Product               &product)
     {
-      using Layout               = PointLayout<dim>;
-      constexpr int n_values     = power(n, dim) * dim;
-      constexpr int n_z          = dim == 3 ? n : 1;
-      const double  wave_modulus = stiffness.lambda + 2. * stiffness.shear;
-      const double  inverse =
-        wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
+      constexpr int n_values = power(n, dim) * dim;
       for (const unsigned int cell : points.cells())
         {
-          const CellGeometry<dim, n> geometry(space, tables, cell);
+          const CellGeometry<dim, n> geometry(tables, cell);
           double                     u[n_values];
           Simd                       sums[n_values];
           for (int k = 0; k < n_values; ++k)
@@ -41,90 +40,118 @@ namespace greville
             {
               const double *group = points.group(g);
               Simd          x[dim];
-              load_numbers<dim>(group, Layout::position, x);
+              load_numbers<dim>(group, PointLayout<dim>::position, x);
               Shape<dim, n> shape;
-              shape.template evaluate<true>(geometry, x);
-              const Simd volume = load(group + Layout::volume0 * simd_width) *
-                                  load(group + Layout::J * simd_width);
-              const Simd scale =
-                load(group + Layout::wave_modulus * simd_width) * inverse;
-              const Simd lambda =
-                volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
-              const Simd shear =
-                volume * (scale * stiffness.shear + stiffness.viscous_shear);
-
-              // A row of functions along x has the factors of y and z, and
-              // their derivatives, in common.
-              const auto for_each_row = [&](const auto &action) {
-                int first = 0;
-                for (int a_z = 0; a_z < n_z; ++a_z)
-                  for (int a_y = 0; a_y < n; ++a_y, first += n * dim)
-                    {
-                      Simd factors[dim];
-                      factors[0] = shape.N[1][a_y];
-                      factors[1] = shape.dN[1][a_y];
-                      if constexpr (dim == 3)
-                        {
-                          factors[2] = factors[0] * shape.dN[2][a_z];
-                          factors[0] *= shape.N[2][a_z];
-                          factors[1] *= shape.N[2][a_z];
-                        }
-                      action(first, factors);
-                    }
-              };
-
-              Simd H[dim][dim];
-              for (auto &row : H)
-                for (Simd &entry : row)
-                  entry = 0.;
-              for_each_row([&](const int first, const Simd *factors) {
-                Simd values[dim], slopes[dim];
-                for (int i = 0; i < dim; ++i)
-                  {
-                    values[i] = shape.N[0][0] * u[first + i];
-                    slopes[i] = shape.dN[0][0] * u[first + i];
-                  }
-                for (int a = 1; a < n; ++a)
-                  for (int i = 0; i < dim; ++i)
-                    {
-                      values[i] += shape.N[0][a] * u[first + a * dim + i];
-                      slopes[i] += shape.dN[0][a] * u[first + a * dim + i];
-                    }
-                for (int i = 0; i < dim; ++i)
-                  {
-                    H[i][0] += factors[0] * slopes[i];
-                    for (int j = 1; j < dim; ++j)
-                      H[i][j] += factors[j] * values[i];
-                  }
-              });
-              Simd trace = H[0][0];
-              for (int i = 1; i < dim; ++i)
-                trace += H[i][i];
-              Simd stress[dim][dim];
-              for (int i = 0; i < dim; ++i)
-                for (int j = 0; j < dim; ++j)
-                  {
-                    stress[i][j] = shear * (H[i][j] + H[j][i]);
-                    if (i == j)
-                      stress[i][j] += lambda * trace;
-                  }
-              for_each_row([&](const int first, const Simd *factors) {
-                for (int i = 0; i < dim; ++i)
-                  {
-                    const Simd along  = factors[0] * stress[i][0];
-                    Simd       across = factors[1] * stress[i][1];
-                    if constexpr (dim == 3)
-                      across += factors[2] * stress[i][2];
-                    for (int a = 0; a < n; ++a)
-                      sums[first + a * dim + i] +=
-                        shape.dN[0][a] * along + shape.N[0][a] * across;
-                  }
-              });
+              shape.template evaluate<derivatives>(geometry, x);
+              product(group, shape, u, sums);
             }
           for (int k = 0; k < n_values; ++k)
             target[std::size_t(geometry.functions[k / dim]) * dim + k % dim] +=
               reduce(sums[k]);
         }
+    }
+
+
+
+    template <int dim, int n>
+    void
+    multiply_stiffness(const MaterialPoints<dim>   &points,
+                       const SpacePolynomials<dim> &tables,
+                       const Stiffness             &stiffness,
+                       const double                *source,
+                       double                      *target)
+    {
+      using Layout               = PointLayout<dim>;
+      constexpr int n_z          = dim == 3 ? n : 1;
+      const double  wave_modulus = stiffness.lambda + 2. * stiffness.shear;
+      const double  inverse =
+        wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
+      multiply_cells<dim, n, true>(
+        points,
+        tables,
+        source,
+        target,
+        [&](const double        *group,
+            const Shape<dim, n> &shape,
+            const double        *u,
+            Simd                *sums) {
+          const Simd volume = load(group + Layout::volume0 * simd_width) *
+                              load(group + Layout::J * simd_width);
+          const Simd scale =
+            load(group + Layout::wave_modulus * simd_width) * inverse;
+          const Simd lambda =
+            volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
+          const Simd shear =
+            volume * (scale * stiffness.shear + stiffness.viscous_shear);
+
+          // A row of functions along x has the factors of y and z, and
+          // their derivatives, in common.
+          const auto for_each_row = [&](const auto &action) {
+            int first = 0;
+            for (int a_z = 0; a_z < n_z; ++a_z)
+              for (int a_y = 0; a_y < n; ++a_y, first += n * dim)
+                {
+                  Simd factors[dim];
+                  factors[0] = shape.N[1][a_y];
+                  factors[1] = shape.dN[1][a_y];
+                  if constexpr (dim == 3)
+                    {
+                      factors[2] = factors[0] * shape.dN[2][a_z];
+                      factors[0] *= shape.N[2][a_z];
+                      factors[1] *= shape.N[2][a_z];
+                    }
+                  action(first, factors);
+                }
+          };
+
+          Simd H[dim][dim];
+          for (auto &row : H)
+            for (Simd &entry : row)
+              entry = 0.;
+          for_each_row([&](const int first, const Simd *factors) {
+            Simd values[dim], slopes[dim];
+            for (int i = 0; i < dim; ++i)
+              {
+                values[i] = shape.N[0][0] * u[first + i];
+                slopes[i] = shape.dN[0][0] * u[first + i];
+              }
+            for (int a = 1; a < n; ++a)
+              for (int i = 0; i < dim; ++i)
+                {
+                  values[i] += shape.N[0][a] * u[first + a * dim + i];
+                  slopes[i] += shape.dN[0][a] * u[first + a * dim + i];
+                }
+            for (int i = 0; i < dim; ++i)
+              {
+                H[i][0] += factors[0] * slopes[i];
+                for (int j = 1; j < dim; ++j)
+                  H[i][j] += factors[j] * values[i];
+              }
+          });
+          Simd trace = H[0][0];
+          for (int i = 1; i < dim; ++i)
+            trace += H[i][i];
+          Simd stress[dim][dim];
+          for (int i = 0; i < dim; ++i)
+            for (int j = 0; j < dim; ++j)
+              {
+                stress[i][j] = shear * (H[i][j] + H[j][i]);
+                if (i == j)
+                  stress[i][j] += lambda * trace;
+              }
+          for_each_row([&](const int first, const Simd *factors) {
+            for (int i = 0; i < dim; ++i)
+              {
+                const Simd along  = factors[0] * stress[i][0];
+                Simd       across = factors[1] * stress[i][1];
+                if constexpr (dim == 3)
+                  across += factors[2] * stress[i][2];
+                for (int a = 0; a < n; ++a)
+                  sums[first + a * dim + i] +=
+                    shape.dN[0][a] * along + shape.N[0][a] * across;
+              }
+          });
+        });
     }
 
 
@@ -174,16 +201,17 @@ namespace greville
                                     VectorField<dim>          &k,
                                     const bool                 overwrite)
   {
-    multiply_fields<dim>(
-      *spline_space,
-      buffer,
-      u,
-      k,
-      overwrite,
-      [&](const auto size, const double *source, double *target) {
-        multiply_stiffness<dim, decltype(size)::value>(
-          points, *spline_space, tables, stiffness, source, target);
-      });
+    multiply_fields<dim>(*tables.space,
+                         buffer,
+                         u,
+                         k,
+                         overwrite,
+                         [&](const auto    size,
+                             const double *source,
+                             double       *target) {
+                           multiply_stiffness<dim, decltype(size)::value>(
+                             points, tables, stiffness, source, target);
+                         });
   }
 
 
@@ -192,65 +220,48 @@ namespace greville
   {
     template <int dim, int n>
     void
-    multiply_mass_matrix(const MaterialPoints<dim>                &points,
-                         const SplineSpace<dim>                   &space,
-                         const std::array<SplinePolynomials, dim> &tables,
-                         const double                             *source,
-                         double                                   *target)
+    multiply_mass_matrix(const MaterialPoints<dim>   &points,
+                         const SpacePolynomials<dim> &tables,
+                         const double                *source,
+                         double                      *target)
     {
-      using Layout           = PointLayout<dim>;
-      constexpr int n_values = power(n, dim) * dim;
-      constexpr int n_rows   = power(n, dim - 1);
-      for (const unsigned int cell : points.cells())
-        {
-          const CellGeometry<dim, n> geometry(space, tables, cell);
-          double                     u[n_values];
-          Simd                       sums[n_values];
-          for (int k = 0; k < n_values; ++k)
+      constexpr int n_rows = power(n, dim - 1);
+      multiply_cells<dim, n, false>(
+        points,
+        tables,
+        source,
+        target,
+        [&](const double        *group,
+            const Shape<dim, n> &shape,
+            const double        *u,
+            Simd                *sums) {
+          Simd       momentum[dim], factors[n_rows];
+          const Simd mass = load(group + PointLayout<dim>::mass * simd_width);
+          for (int row = 0; row < n_rows; ++row)
             {
-              u[k]    = source[std::size_t(geometry.functions[k / dim]) * dim +
-                            k % dim];
-              sums[k] = 0.;
+              factors[row] = shape.N[1][row % n];
+              if constexpr (dim == 3)
+                factors[row] *= shape.N[2][row / n];
             }
-          for (unsigned int g = points.first_group(cell);
-               g != MaterialPoints<dim>::none;
-               g = points.next_group(g))
+          for (int i = 0; i < dim; ++i)
             {
-              const double *group = points.group(g);
-              Simd          x[dim], momentum[dim], factors[n_rows];
-              load_numbers<dim>(group, Layout::position, x);
-              Shape<dim, n> shape;
-              shape.template evaluate<false>(geometry, x);
-              const Simd mass = load(group + Layout::mass * simd_width);
+              momentum[i] = 0.;
               for (int row = 0; row < n_rows; ++row)
                 {
-                  factors[row] = shape.N[1][row % n];
-                  if constexpr (dim == 3)
-                    factors[row] *= shape.N[2][row / n];
+                  Simd value = shape.N[0][0] * u[row * n * dim + i];
+                  for (int a = 1; a < n; ++a)
+                    value += shape.N[0][a] * u[(row * n + a) * dim + i];
+                  momentum[i] += factors[row] * value;
                 }
-              for (int i = 0; i < dim; ++i)
+              momentum[i] *= mass;
+              for (int row = 0; row < n_rows; ++row)
                 {
-                  momentum[i] = 0.;
-                  for (int row = 0; row < n_rows; ++row)
-                    {
-                      Simd value = shape.N[0][0] * u[row * n * dim + i];
-                      for (int a = 1; a < n; ++a)
-                        value += shape.N[0][a] * u[(row * n + a) * dim + i];
-                      momentum[i] += factors[row] * value;
-                    }
-                  momentum[i] *= mass;
-                  for (int row = 0; row < n_rows; ++row)
-                    {
-                      const Simd share = factors[row] * momentum[i];
-                      for (int a = 0; a < n; ++a)
-                        sums[(row * n + a) * dim + i] += shape.N[0][a] * share;
-                    }
+                  const Simd share = factors[row] * momentum[i];
+                  for (int a = 0; a < n; ++a)
+                    sums[(row * n + a) * dim + i] += shape.N[0][a] * share;
                 }
             }
-          for (int k = 0; k < n_values; ++k)
-            target[std::size_t(geometry.functions[k / dim]) * dim + k % dim] +=
-              reduce(sums[k]);
-        }
+        });
     }
   } // namespace
 
@@ -263,7 +274,7 @@ namespace greville
     const VectorField<dim>                         &x,
     VectorField<dim>                               &y)
   {
-    multiply_fields<dim>(*spline_space,
+    multiply_fields<dim>(*tables.space,
                          buffer,
                          x,
                          y,
@@ -273,7 +284,7 @@ namespace greville
                              double       *target) {
                            for (const MaterialPoints<dim> *points : bodies)
                              multiply_mass_matrix<dim, decltype(size)::value>(
-                               *points, *spline_space, tables, source, target);
+                               *points, tables, source, target);
                          });
   }
 

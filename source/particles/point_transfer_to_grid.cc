@@ -44,10 +44,9 @@ namespace greville
      */
     template <int dim, int n, bool with_momentum, bool with_force, bool affine>
     void
-    add_points(const MaterialPoints<dim>                &points,
-               const SplineSpace<dim>                   &space,
-               const std::array<SplinePolynomials, dim> &tables,
-               double                                   *buffer)
+    add_points(const MaterialPoints<dim>   &points,
+               const SpacePolynomials<dim> &tables,
+               double                      *buffer)
     {
       using Layout                     = PointLayout<dim>;
       const PointField  *field_of_load = points.layout().find("load");
@@ -59,7 +58,7 @@ namespace greville
 
       for (const unsigned int cell : points.cells())
         {
-          const CellGeometry<dim, n>        geometry(space, tables, cell);
+          const CellGeometry<dim, n>        geometry(tables, cell);
           CellSums<power(n, dim), n_fields> cell_sums;
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
@@ -187,7 +186,7 @@ namespace greville
   {
     Assert((mass == nullptr) == (momentum == nullptr),
            ExcMessage("Mass and momentum go together."));
-    const SplineSpace<dim> &space = *spline_space;
+    const SplineSpace<dim> &space = *tables.space;
     const unsigned int      n_functions =
       space.owned_functions().size() + space.ghost_functions().size();
     const unsigned int first_force = mass ? 1 + dim : 0;
@@ -198,31 +197,19 @@ namespace greville
       with_order(space.degree(), [&](const auto size) {
         constexpr int n      = decltype(size)::value;
         const bool    affine = points->layout().find("affine");
-        if (mass && force && affine)
-          add_points<dim, n, true, true, true>(*points,
-                                               space,
-                                               tables,
-                                               buffer.data());
-        else if (mass && force)
-          add_points<dim, n, true, true, false>(*points,
-                                                space,
-                                                tables,
-                                                buffer.data());
-        else if (mass && affine)
-          add_points<dim, n, true, false, true>(*points,
-                                                space,
-                                                tables,
-                                                buffer.data());
+        const auto    run    = [&](auto with_mass, auto with_force, auto apic) {
+          add_points<dim, n, with_mass, with_force, apic>(*points,
+                                                          tables,
+                                                          buffer.data());
+        };
+        constexpr std::true_type  yes;
+        constexpr std::false_type no;
+        if (mass && force)
+          affine ? run(yes, yes, yes) : run(yes, yes, no);
         else if (mass)
-          add_points<dim, n, true, false, false>(*points,
-                                                 space,
-                                                 tables,
-                                                 buffer.data());
+          affine ? run(yes, no, yes) : run(yes, no, no);
         else
-          add_points<dim, n, false, true, false>(*points,
-                                                 space,
-                                                 tables,
-                                                 buffer.data());
+          run(no, yes, no);
       });
 
     if (mass)
@@ -276,16 +263,15 @@ namespace greville
 
     template <int dim, int n>
     void
-    add_moments(const MaterialPoints<dim>                &points,
-                const SplineSpace<dim>                   &space,
-                const std::array<SplinePolynomials, dim> &tables,
-                DensityWeights<dim>                      &weights)
+    add_moments(const MaterialPoints<dim>   &points,
+                const SpacePolynomials<dim> &tables,
+                DensityWeights<dim>         &weights)
     {
       const auto    lagrange = lagrange_polynomials<n>();
       constexpr int n_z      = dim == 3 ? n : 1;
       for (const unsigned int cell : points.cells())
         {
-          CellGeometry<dim, n> geometry(space, tables, cell);
+          CellGeometry<dim, n> geometry(tables, cell);
           for (unsigned int d = 0; d < dim; ++d)
             geometry.polynomials[d] = lagrange.data();
           CellSums<power(n, dim), 1> cell_sums;
@@ -330,7 +316,6 @@ namespace greville
     for (const MaterialPoints<dim> *points : bodies)
       with_order((weights.n_points_1d() - 1) / 2, [&](const auto size) {
         add_moments<dim, 2 * decltype(size)::value - 1>(*points,
-                                                        *spline_space,
                                                         tables,
                                                         weights);
       });

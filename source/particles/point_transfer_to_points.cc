@@ -106,12 +106,11 @@ namespace greville
 
     template <int dim, int n, typename Kind>
     void
-    update_points(MaterialPoints<dim>                      &points,
-                  const SplineSpace<dim>                   &space,
-                  const std::array<SplinePolynomials, dim> &tables,
-                  const PointUpdate<dim>                   &update,
-                  const double                             *buffer,
-                  PointReport                              &report)
+    update_points(MaterialPoints<dim>         &points,
+                  const SpacePolynomials<dim> &tables,
+                  const PointUpdate<dim>      &update,
+                  const double                *buffer,
+                  PointReport                 &report)
     {
       using Layout = PointLayout<dim>;
       const unsigned int first_affine =
@@ -127,7 +126,7 @@ namespace greville
 
       for (const unsigned int cell : points.cells())
         {
-          const CellGeometry<dim, n> geometry(space, tables, cell);
+          const CellGeometry<dim, n> geometry(tables, cell);
           double                     coefficients[n_functions * n_fields];
           for (int a = 0; a < n_functions; ++a)
             for (int k = 0; k < n_fields; ++k)
@@ -350,7 +349,7 @@ namespace greville
     if (kick && !update.apic)
       fields.push_back(update.acceleration);
 
-    const SplineSpace<dim> &space = *spline_space;
+    const SplineSpace<dim> &space = *tables.space;
     const unsigned int      n_functions =
       space.owned_functions().size() + space.ghost_functions().size();
     const unsigned int n_fields = dim * fields.size();
@@ -364,7 +363,7 @@ namespace greville
       constexpr int n   = decltype(size)::value;
       const auto    run = [&](const auto kind) {
         update_points<dim, n, std::decay_t<decltype(kind)>>(
-          points, space, tables, update, buffer.data(), report);
+          points, tables, update, buffer.data(), report);
       };
       if (kick && update.move && deform && same)
         update.apic ? run(Pass<true, true, true, true, true>())

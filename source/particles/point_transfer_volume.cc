@@ -15,15 +15,14 @@ namespace greville
      */
     template <int dim, int n, typename Points, typename Action, typename Finish>
     void
-    for_each_group(Points                                   &points,
-                   const SplineSpace<dim>                   &space,
-                   const std::array<SplinePolynomials, dim> &tables,
-                   const Action                             &action,
-                   const Finish                             &finish)
+    for_each_group(Points                      &points,
+                   const SpacePolynomials<dim> &tables,
+                   const Action                &action,
+                   const Finish                &finish)
     {
       for (const unsigned int cell : points.cells())
         {
-          const CellGeometry<dim, n> geometry(space, tables, cell);
+          const CellGeometry<dim, n> geometry(tables, cell);
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points.next_group(g))
@@ -56,10 +55,9 @@ namespace greville
      */
     template <int dim, int n>
     void
-    add_volumes(const MaterialPoints<dim>                &points,
-                const SplineSpace<dim>                   &space,
-                const std::array<SplinePolynomials, dim> &tables,
-                std::array<VectorType, 3>                &sums)
+    add_volumes(const MaterialPoints<dim>   &points,
+                const SpacePolynomials<dim> &tables,
+                std::array<VectorType, 3>   &sums)
     {
       constexpr int n_functions = power(n, dim);
       Simd          cell_sums[n_functions][3];
@@ -68,7 +66,6 @@ namespace greville
           sum = 0.;
       for_each_group<dim, n>(
         points,
-        space,
         tables,
         [&](const double *group, const Simd *N, const unsigned int *) {
           const Simd V = load(group + PointLayout<dim>::volume0 * simd_width);
@@ -99,16 +96,14 @@ namespace greville
      */
     template <int dim, int n>
     void
-    mix(MaterialPoints<dim>                      &points,
-        const SplineSpace<dim>                   &space,
-        const std::array<SplinePolynomials, dim> &tables,
-        const VectorType                         &changes,
-        const VectorType                         &weights,
-        const double                              part)
+    mix(MaterialPoints<dim>         &points,
+        const SpacePolynomials<dim> &tables,
+        const VectorType            &changes,
+        const VectorType            &weights,
+        const double                 part)
     {
       for_each_group<dim, n>(
         points,
-        space,
         tables,
         [&](double *group, const Simd *N, const unsigned int *functions) {
           Simd change = 0., weight = 0.;
@@ -135,12 +130,12 @@ namespace greville
   PointTransfer<dim>::share_volume(MaterialPoints<dim> &points,
                                    const double         part)
   {
-    const SplineSpace<dim>   &space = *spline_space;
+    const SplineSpace<dim>   &space = *tables.space;
     std::array<VectorType, 3> sums;
     for (VectorType &sum : sums)
       space.initialize_vector(sum);
     with_order(space.degree(), [&](const auto size) {
-      add_volumes<dim, decltype(size)::value>(points, space, tables, sums);
+      add_volumes<dim, decltype(size)::value>(points, tables, sums);
     });
     for (VectorType &sum : sums)
       sum.compress(VectorOperation::add);
@@ -157,8 +152,7 @@ namespace greville
     changes.update_ghost_values();
     sizes.update_ghost_values();
     with_order(space.degree(), [&](const auto size) {
-      mix<dim, decltype(size)::value>(
-        points, space, tables, changes, sizes, part);
+      mix<dim, decltype(size)::value>(points, tables, changes, sizes, part);
     });
   }
 

@@ -73,9 +73,10 @@ namespace greville
   {
     if (!parameters.kinetic || !acts(state.time))
       return;
-    const double kinetic = kinetic_energy<dim>(state.bodies,
-                                               discretization.transfer(),
-                                               discretization.communicator());
+    const double kinetic = free_energy<dim>(state.bodies,
+                                            discretization.transfer(),
+                                            discretization.communicator(),
+                                            true);
     if (!(kinetic < state.last_kinetic))
       {
         state.last_kinetic = kinetic;

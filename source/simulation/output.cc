@@ -21,25 +21,64 @@ namespace greville
   namespace
   {
     /**
-     * Points as DataOutBase writes them: patches without extension.
+     * Patches with their data, as DataOutBase writes them.
+     */
+    template <int patch_dim, int dim>
+    class PatchesOut : public DataOutInterface<patch_dim, dim>
+    {
+    protected:
+      using Interpretation =
+        DataComponentInterpretation::DataComponentInterpretation;
+      using Ranges = std::vector<
+        std::tuple<unsigned int, unsigned int, std::string, Interpretation>>;
+
+      void
+      add_vector(const std::string &name)
+      {
+        ranges.emplace_back(names.size(),
+                            names.size() + dim - 1,
+                            name,
+                            Interpretation::component_is_part_of_vector);
+        names.insert(names.end(), dim, name);
+      }
+
+      const std::vector<DataOutBase::Patch<patch_dim, dim>> &
+      get_patches() const override
+      {
+        return patches;
+      }
+
+      std::vector<std::string>
+      get_dataset_names() const override
+      {
+        return names;
+      }
+
+      Ranges
+      get_nonscalar_data_ranges() const override
+      {
+        return ranges;
+      }
+
+      std::vector<DataOutBase::Patch<patch_dim, dim>> patches;
+      std::vector<std::string>                        names;
+      Ranges                                          ranges;
+    };
+
+
+
+    /**
+     * Points: patches without extension.
      */
     template <int dim>
-    class PointsOut : public DataOutInterface<0, dim>
+    class PointsOut : public PatchesOut<0, dim>
     {
     public:
       PointsOut(const std::vector<Body<dim>> &bodies)
       {
-        using Interpretation =
-          DataComponentInterpretation::DataComponentInterpretation;
-        const auto vector_valued = [&](const std::string &name) {
-          ranges.emplace_back(names.size(),
-                              names.size() + dim - 1,
-                              name,
-                              Interpretation::component_is_part_of_vector);
-          names.insert(names.end(), dim, name);
-        };
-        vector_valued("velocity");
-        vector_valued("displacement");
+        auto &names = this->names;
+        this->add_vector("velocity");
+        this->add_vector("displacement");
         for (const char *name : {"stress_xx",
                                  "stress_yy",
                                  "stress_zz",
@@ -76,7 +115,7 @@ namespace greville
           fields.push_back(body.points.layout().find(name));
         body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
           DataOutBase::Patch<0, dim> patch;
-          patch.data.reinit(names.size(), 1);
+          patch.data.reinit(this->names.size(), 1);
           unsigned int k = 0;
           for (unsigned int d = 0; d < dim; ++d)
             {
@@ -102,58 +141,29 @@ namespace greville
           patch.data(k++, 0) = p.id();
           for (const PointField *field : fields)
             patch.data(k++, 0) = field ? p[field->first] : 0.;
-          patch.patch_index = patches.size();
-          patches.push_back(patch);
+          patch.patch_index = this->patches.size();
+          this->patches.push_back(patch);
         });
       }
-
-      const std::vector<DataOutBase::Patch<0, dim>> &
-      get_patches() const override
-      {
-        return patches;
-      }
-
-      std::vector<std::string>
-      get_dataset_names() const override
-      {
-        return names;
-      }
-
-      std::vector<
-        std::tuple<unsigned int,
-                   unsigned int,
-                   std::string,
-                   DataComponentInterpretation::DataComponentInterpretation>>
-      get_nonscalar_data_ranges() const override
-      {
-        return ranges;
-      }
-
-      std::vector<DataOutBase::Patch<0, dim>> patches;
-      std::vector<std::string>                names;
-      std::vector<
-        std::tuple<unsigned int,
-                   unsigned int,
-                   std::string,
-                   DataComponentInterpretation::DataComponentInterpretation>>
-        ranges;
     };
 
 
 
     /**
-     * Velocity and mass of the grid as DataOutBase writes them: a patch of
+     * Velocity and mass of the grid: a patch of
      * order p for each cell that a function with mass reaches, and nothing for
      * all others.
      */
     template <int dim>
-    class GridOut : public DataOutInterface<dim>
+    class GridOut : public PatchesOut<dim, dim>
     {
     public:
       GridOut(const SplineSpace<dim> &space,
               const VectorField<dim> &velocity,
               const VectorType       &mass)
       {
+        this->add_vector("velocity");
+        this->names.push_back("mass");
         std::vector<VectorType> fields(velocity.begin(), velocity.end());
         fields.push_back(mass);
         for (const VectorType &field : fields)
@@ -190,7 +200,7 @@ namespace greville
 
             DataOutBase::Patch<dim> patch;
             patch.n_subdivisions = n - 1;
-            patch.patch_index    = patches.size();
+            patch.patch_index    = this->patches.size();
             patch.reference_cell = ReferenceCells::get_hypercube<dim>();
             for (unsigned int v = 0; v < (1u << dim); ++v)
               for (unsigned int d = 0; d < dim; ++d)
@@ -209,40 +219,9 @@ namespace greville
                     patch.data(k, node) +=
                       value * fields[k].local_element(functions[a]);
                 }
-            patches.push_back(patch);
+            this->patches.push_back(patch);
           }
       }
-
-    private:
-      const std::vector<DataOutBase::Patch<dim>> &
-      get_patches() const override
-      {
-        return patches;
-      }
-
-      std::vector<std::string>
-      get_dataset_names() const override
-      {
-        std::vector<std::string> names(dim, "velocity");
-        names.push_back("mass");
-        return names;
-      }
-
-      std::vector<
-        std::tuple<unsigned int,
-                   unsigned int,
-                   std::string,
-                   DataComponentInterpretation::DataComponentInterpretation>>
-      get_nonscalar_data_ranges() const override
-      {
-        return {std::make_tuple(
-          0u,
-          dim - 1u,
-          std::string("velocity"),
-          DataComponentInterpretation::component_is_part_of_vector)};
-      }
-
-      std::vector<DataOutBase::Patch<dim>> patches;
     };
 
 

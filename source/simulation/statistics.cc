@@ -9,33 +9,46 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
+  std::vector<std::pair<std::string, double>>
+  Statistics<dim>::columns() const
+  {
+    std::vector<std::pair<std::string, double>> result = {{"time", time},
+                                                          {"dt", step},
+                                                          {"mass", mass}};
+    const auto add = [&](const std::string &name, const auto &vector) {
+      for (unsigned int d = 0; d < vector.dimension; ++d)
+        result.emplace_back(name + "_" + "xyz"[d], vector[d]);
+    };
+    add("momentum", momentum);
+    if (dim == 2)
+      result.emplace_back("angular_momentum", angular_momentum[0]);
+    else
+      add("angular_momentum", angular_momentum);
+    result.emplace_back("kinetic", kinetic);
+    result.emplace_back("strain", strain);
+    result.emplace_back("dissipation", dissipation);
+    result.emplace_back("gravitational", gravitational);
+    result.emplace_back("total", kinetic + strain + gravitational);
+    add("center", center);
+    result.emplace_back("front", front);
+    result.emplace_back("height", height);
+    result.emplace_back("iterations", iterations);
+    result.emplace_back("largest_speed", largest_speed);
+    result.emplace_back("active", active);
+    result.emplace_back("points", n_points);
+    result.emplace_back("fragments", fragments);
+    return result;
+  }
+
+
+
+  template <int dim>
   std::vector<std::string>
   Statistics<dim>::names()
   {
-    const std::vector<std::string> axes =
-      dim == 2 ? std::vector<std::string>{"x", "y"}
-               : std::vector<std::string>{"x", "y", "z"};
-    std::vector<std::string> result = {"time", "dt", "mass"};
-    for (const std::string &axis : axes)
-      result.push_back("momentum_" + axis);
-    if (dim == 2)
-      result.push_back("angular_momentum");
-    else
-      for (const std::string &axis : axes)
-        result.push_back("angular_momentum_" + axis);
-    for (const char *name :
-         {"kinetic", "strain", "dissipation", "gravitational", "total"})
-      result.push_back(name);
-    for (const std::string &axis : axes)
-      result.push_back("center_" + axis);
-    for (const char *name : {"front",
-                             "height",
-                             "iterations",
-                             "largest_speed",
-                             "active",
-                             "points",
-                             "fragments"})
-      result.push_back(name);
+    std::vector<std::string> result;
+    for (const auto &column : Statistics().columns())
+      result.push_back(column.first);
     return result;
   }
 
@@ -45,27 +58,9 @@ namespace greville
   std::vector<double>
   Statistics<dim>::values() const
   {
-    std::vector<double> result = {time, step, mass};
-    for (unsigned int d = 0; d < dim; ++d)
-      result.push_back(momentum[d]);
-    for (unsigned int d = 0; d < (dim == 2 ? 1 : 3); ++d)
-      result.push_back(angular_momentum[d]);
-    for (const double energy : {kinetic,
-                                strain,
-                                dissipation,
-                                gravitational,
-                                kinetic + strain + gravitational})
-      result.push_back(energy);
-    for (unsigned int d = 0; d < dim; ++d)
-      result.push_back(center[d]);
-    for (const double value : {front,
-                               height,
-                               double(iterations),
-                               largest_speed,
-                               double(active),
-                               double(n_points),
-                               double(fragments)})
-      result.push_back(value);
+    std::vector<double> result;
+    for (const auto &column : columns())
+      result.push_back(column.second);
     return result;
   }
 
@@ -165,14 +160,15 @@ namespace greville
         result.angular_momentum[1] = result.angular_momentum[2] = 0.;
       }
 
-    result.mass     = Utilities::MPI::sum(result.mass, comm);
+    for (double *sum : {&result.mass,
+                        &result.kinetic,
+                        &result.strain,
+                        &result.dissipation,
+                        &result.gravitational})
+      *sum = Utilities::MPI::sum(*sum, comm);
     result.momentum = Utilities::MPI::sum(result.momentum, comm);
     result.angular_momentum =
       Utilities::MPI::sum(result.angular_momentum, comm);
-    result.kinetic       = Utilities::MPI::sum(result.kinetic, comm);
-    result.strain        = Utilities::MPI::sum(result.strain, comm);
-    result.dissipation   = Utilities::MPI::sum(result.dissipation, comm);
-    result.gravitational = Utilities::MPI::sum(result.gravitational, comm);
     result.largest_speed = Utilities::MPI::max(result.largest_speed, comm);
     result.front         = Utilities::MPI::max(largest[0], comm);
     result.height        = Utilities::MPI::max(largest[1], comm);
@@ -188,29 +184,10 @@ namespace greville
 
   template <int dim>
   double
-  kinetic_energy(const std::vector<Body<dim>> &bodies,
-                 const PointTransfer<dim>     &transfer,
-                 const MPI_Comm                comm)
-  {
-    double sum = 0.;
-    for (const Body<dim> *body : deformable_bodies(bodies))
-      {
-        const PointField *affine = body->points.layout().find("affine");
-        body->points.for_each(
-          [&](const unsigned int cell, ConstPointRef<dim> p) {
-            sum += kinetic_energy_of<dim>(p, cell, affine, transfer);
-          });
-      }
-    return Utilities::MPI::sum(sum, comm);
-  }
-
-
-
-  template <int dim>
-  double
   free_energy(const std::vector<Body<dim>> &bodies,
               const PointTransfer<dim>     &transfer,
-              const MPI_Comm                comm)
+              const MPI_Comm                comm,
+              const bool                    only_kinetic)
   {
     double sum = 0.;
     for (const Body<dim> *body : deformable_bodies(bodies))
@@ -219,10 +196,12 @@ namespace greville
         const PointField       *affine = layout.find("affine");
         body->points.for_each(
           [&](const unsigned int cell, ConstPointRef<dim> p) {
+            sum += kinetic_energy_of<dim>(p, cell, affine, transfer);
+            if (only_kinetic)
+              return;
             MaterialPoint point;
             load_material_point<dim>(p, layout, point);
-            sum += kinetic_energy_of<dim>(p, cell, affine, transfer) +
-                   p.volume0() * (body->material->strain_energy(point) +
+            sum += p.volume0() * (body->material->strain_energy(point) +
                                   body->material->dissipation(point));
           });
       }
@@ -237,6 +216,4 @@ namespace greville
   template decltype(compute_statistics<3>) compute_statistics<3>;
   template decltype(free_energy<2>)        free_energy<2>;
   template decltype(free_energy<3>)        free_energy<3>;
-  template decltype(kinetic_energy<2>)     kinetic_energy<2>;
-  template decltype(kinetic_energy<3>)     kinetic_energy<3>;
 } // namespace greville

@@ -46,6 +46,16 @@ namespace greville
     std::vector<double> polynomials, offsets;
   };
 
+  /**
+   * Those of all directions of a space.
+   */
+  template <int dim>
+  struct SpacePolynomials
+  {
+    const SplineSpace<dim>            *space = nullptr;
+    std::array<SplinePolynomials, dim> directions;
+  };
+
 
 
   /**
@@ -230,9 +240,8 @@ namespace greville
     spread(const unsigned int cell, const dealii::Point<dim> &x) const;
 
   private:
-    const SplineSpace<dim>            *spline_space = nullptr;
-    std::array<SplinePolynomials, dim> tables;
-    std::vector<double>                buffer;
+    SpacePolynomials<dim> tables;
+    std::vector<double>   buffer;
   };
 } // namespace greville
 

@@ -42,14 +42,14 @@ namespace greville
     std::uint64_t n_points  = 0;
 
     /**
-     * The names of the columns of statistics.csv.
+     * The columns of statistics.csv with their names.
      */
+    std::vector<std::pair<std::string, double>>
+    columns() const;
+
     static std::vector<std::string>
     names();
 
-    /**
-     * In the order of the names.
-     */
     std::vector<double>
     values() const;
   };
@@ -66,23 +66,16 @@ namespace greville
                      const MPI_Comm                comm);
 
   /**
-   * Collective. Kinetic energy of the bodies whose velocity is not imposed.
-   */
-  template <int dim>
-  double
-  kinetic_energy(const std::vector<Body<dim>> &bodies,
-                 const PointTransfer<dim>     &transfer,
-                 const MPI_Comm                comm);
-
-  /**
-   * Collective. Kinetic and strain energy and dissipation of the same bodies:
-   * what EnergyBalance watches.
+   * Collective. Kinetic energy of the bodies whose velocity is not imposed, and
+   * unless @p only_kinetic their strain energy and dissipation: what
+   * EnergyBalance watches.
    */
   template <int dim>
   double
   free_energy(const std::vector<Body<dim>> &bodies,
               const PointTransfer<dim>     &transfer,
-              const MPI_Comm                comm);
+              const MPI_Comm                comm,
+              const bool                    only_kinetic = false);
 } // namespace greville
 
 #endif
