@@ -113,10 +113,7 @@ namespace greville
     {
     public:
       FunctionOfExpression(const std::string &text, const std::string &name)
-        : expression(text,
-                     name,
-                     dim == 2 ? std::vector<std::string>{"x", "y"}
-                              : std::vector<std::string>{"x", "y", "z"})
+        : expression(text, name, coordinate_names<dim>())
       {}
 
       double

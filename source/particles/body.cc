@@ -19,15 +19,6 @@ namespace greville
 
   namespace
   {
-    template <int dim>
-    ArrayView<const double>
-    view(const Point<dim> &x)
-    {
-      return {&x[0], dim};
-    }
-
-
-
     std::string
     to_text(const double value)
     {
@@ -224,10 +215,9 @@ namespace greville
                         ExcMessage("'" + section +
                                    "' has both 'Stress' and 'K0': it can be "
                                    "given by one only."));
-            components = make_expressions(parameters.stress,
-                                          section + "/Stress",
-                                          coordinate_names<dim>(),
-                                          PointLayout<dim>::n_stress);
+            components = {parameters.stress,
+                          section + "/Stress",
+                          coordinate_names<dim>()};
           }
         if (K0 >= 0.)
           {
@@ -242,9 +232,9 @@ namespace greville
                                    " m / s^2 at t = 0."));
             cell_size = lattice.cell_size(axis);
             upwards   = gravity[axis] < 0. ? 1. : -1.;
-            components.emplace_back(parameters.surface,
-                                    section + "/Surface",
-                                    coordinate_names<dim>());
+            surface   = {parameters.surface,
+                         section + "/Surface",
+                         coordinate_names<dim>()};
           }
       }
 
@@ -254,35 +244,35 @@ namespace greville
         SymmetricTensor<2, 3> result;
         if (K0 >= 0.)
           {
-            const double surface = components[0](view(x));
-            const double depth   = upwards * (surface - x[axis]);
+            const double height = surface(x)[0];
+            const double depth  = upwards * (height - x[axis]);
             AssertThrow(depth > -0.5 * cell_size,
                         ExcMessage(
                           "this point lies " + to_text(-depth) +
                           " m beyond the parameter 'Surface', which is " +
-                          to_text(surface) +
+                          to_text(height) +
                           " m there; nothing of a body with K0 does."));
             for (unsigned int d = 0; d < 3; ++d)
               result[d][d] =
                 -weight * std::max(0., depth) * (d == axis ? 1. : K0);
           }
-        else if (!components.empty())
+        else
           {
-            static constexpr unsigned int ij[6][2] = {
-              {0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-            for (unsigned int k = 0; k < components.size(); ++k)
-              result[ij[k][0]][ij[k][1]] = components[k](view(x));
+            const auto sigma = components(x); // in the order of the entries
+            for (unsigned int k = 0; k < PointLayout<dim>::n_stress; ++k)
+              result.access_raw_entry(k) = sigma[k];
           }
         return result;
       }
 
     private:
-      double                  K0;
-      double                  weight;
-      unsigned int            axis      = dim;
-      double                  upwards   = 1.;
-      double                  cell_size = 0.;
-      std::vector<Expression> components;
+      double                                       K0;
+      double                                       weight;
+      unsigned int                                 axis      = dim;
+      double                                       upwards   = 1.;
+      double                                       cell_size = 0.;
+      VectorExpression<1>                          surface;
+      VectorExpression<PointLayout<dim>::n_stress> components;
     };
 
 
@@ -292,22 +282,22 @@ namespace greville
      */
     template <int dim>
     Tensor<2, 3>
-    gradient_of(const std::vector<Expression> &formulas,
+    gradient_of(const VectorExpression<dim>   &formulas,
                 const Point<dim>              &x,
                 const std::array<double, dim> &steps)
     {
       static constexpr double weights[3] = {3. / 4., -3. / 20., 1. / 60.};
       Tensor<2, 3>            gradient;
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          for (int k = 1; k <= 3; ++k)
-            for (const int side : {-1, 1})
-              {
-                Point<dim> shifted = x;
-                shifted[j] += side * k * steps[j];
-                gradient[i][j] +=
-                  side * weights[k - 1] / steps[j] * formulas[i](view(shifted));
-              }
+      for (unsigned int j = 0; j < dim; ++j)
+        for (int k = 1; k <= 3; ++k)
+          for (const int side : {-1, 1})
+            {
+              Point<dim> shifted = x;
+              shifted[j] += side * k * steps[j];
+              const Tensor<1, dim> value = formulas(shifted);
+              for (unsigned int i = 0; i < dim; ++i)
+                gradient[i][j] += side * weights[k - 1] / steps[j] * value[i];
+            }
       return gradient;
     }
 
@@ -318,46 +308,25 @@ namespace greville
      * material find the stress.
      */
     template <int dim>
-    class InitialDisplacement
+    void
+    displace(Point<dim>                    &x,
+             MaterialPoint                 &state,
+             const Material                &material,
+             const VectorExpression<dim>   &displacement,
+             const std::array<double, dim> &steps)
     {
-    public:
-      InitialDisplacement(const BodyParameters &parameters,
-                          const std::string    &section,
-                          const Lattice<dim>   &lattice)
-      {
-        if (!parameters.displacement.empty())
-          formulas = make_expressions(parameters.displacement,
-                                      section + "/Displacement",
-                                      coordinate_names<dim>(),
-                                      dim);
-        for (unsigned int d = 0; d < dim; ++d)
-          steps[d] = 2e-3 * lattice.cell_size(d);
-      }
-
-      void
-      apply(Point<dim> &x, MaterialPoint &state, const Material &material) const
-      {
-        if (formulas.empty())
-          return;
-        const Tensor<2, 3> increment =
-          unit_symmetric_tensor<3>() + gradient_of<dim>(formulas, x, steps);
-        Point<dim> moved = x;
-        for (unsigned int d = 0; d < dim; ++d)
-          moved[d] += formulas[d](view(x));
-        x               = moved;
-        state.increment = increment;
-        state.F         = increment * state.F;
-        state.J *= determinant(increment);
-        state.dt = 0.; // it has no rate
-        AssertThrow(state.J > 0.,
-                    ExcMessage("the displacement turns the body inside out."));
-        material.update(ArrayView<MaterialPoint>(&state, 1));
-      }
-
-    private:
-      std::vector<Expression> formulas;
-      std::array<double, dim> steps;
-    };
+      if (displacement.is_zero())
+        return;
+      state.increment =
+        unit_symmetric_tensor<3>() + gradient_of<dim>(displacement, x, steps);
+      x += displacement(x);
+      state.F = state.increment * state.F;
+      state.J *= determinant(state.increment);
+      state.dt = 0.; // it has no rate
+      AssertThrow(state.J > 0.,
+                  ExcMessage("the displacement turns the body inside out."));
+      material.update(ArrayView<MaterialPoint>(&state, 1));
+    }
 
 
 
@@ -368,28 +337,30 @@ namespace greville
                   const std::string                   &section,
                   const Tensor<1, dim>                &gravity)
     {
-      const BodyParameters          &parameters = *body.parameters;
-      const Material                &material   = *body.material;
-      const PointLayout<dim>        &layout     = body.points.layout();
-      const PointField              *affine     = layout.find("affine");
-      const InitialStress<dim>       stress(parameters,
-                                      section,
-                                      gravity,
-                                      body.points.space().lattice(),
-                                      material.density);
-      const InitialDisplacement<dim> displacement(
-        parameters, section, body.points.space().lattice());
-      std::vector<Expression> velocity;
-      if (!parameters.velocity.empty())
-        velocity = make_expressions(parameters.velocity,
-                                    section + "/Velocity",
-                                    coordinate_names<dim>(),
-                                    dim);
+      const BodyParameters    &parameters = *body.parameters;
+      const Material          &material   = *body.material;
+      const PointLayout<dim>  &layout     = body.points.layout();
+      const PointField        *affine     = layout.find("affine");
+      const Lattice<dim>      &lattice    = body.points.space().lattice();
+      const InitialStress<dim> stress(
+        parameters, section, gravity, lattice, material.density);
+      const auto formulas = [&](const std::string &text, const char *name) {
+        return text.empty() ? VectorExpression<dim>()
+                            : VectorExpression<dim>(text,
+                                                    section + name,
+                                                    coordinate_names<dim>());
+      };
+      const auto displacement =
+        formulas(parameters.displacement, "/Displacement");
+      const auto velocity = formulas(parameters.velocity, "/Velocity");
 
       // A velocity that jumps shall not get a steep gradient.
-      std::array<double, dim> steps;
+      std::array<double, dim> steps, small_steps;
       for (unsigned int d = 0; d < dim; ++d)
-        steps[d] = 0.1 * body.points.space().lattice().cell_size(d);
+        {
+          steps[d]       = 0.1 * lattice.cell_size(d);
+          small_steps[d] = 2e-3 * lattice.cell_size(d);
+        }
 
       const double        strength_reduction = material.strength_reduction(0.);
       std::vector<double> values(layout.size);
@@ -407,7 +378,7 @@ namespace greville
             {
               material.initialize(state, stress(point.x));
               J_of_shape = state.J;
-              displacement.apply(x, state, material);
+              displace<dim>(x, state, material, displacement, small_steps);
             }
           catch (const std::exception &error)
             {
@@ -420,16 +391,16 @@ namespace greville
                             " at " + text_of(point.x) +
                             " m: " + message_of(error)));
             }
+          const Tensor<1, dim> v = velocity(point.x);
           for (unsigned int d = 0; d < dim; ++d)
             {
               p.position(d)  = x[d];
               p.reference(d) = point.x[d];
-              if (!velocity.empty())
-                p.velocity(d) = velocity[d](view(point.x));
+              p.velocity(d)  = v[d];
             }
           // APIC's matrix is the gradient of the velocity at the place to
           // which the displacement has moved the point.
-          if (affine && !velocity.empty() &&
+          if (affine && !velocity.is_zero() &&
               parameters.imposed_velocity.empty())
             {
               const Tensor<2, 3> C =
@@ -449,26 +420,6 @@ namespace greville
         }
     }
   } // namespace
-
-
-
-  template <int dim>
-  RigidMotion<dim>::RigidMotion(const std::string &velocity,
-                                const std::string &parameter)
-    : formulas(make_expressions(velocity, parameter, {"t"}, dim))
-  {}
-
-
-
-  template <int dim>
-  Tensor<1, dim>
-  RigidMotion<dim>::velocity(const double t) const
-  {
-    Tensor<1, dim> v;
-    for (unsigned int d = 0; d < dim; ++d)
-      v[d] = formulas[d](ArrayView<const double>(&t, 1));
-    return v;
-  }
 
 
 
@@ -494,7 +445,8 @@ namespace greville
         insert_points(body, new_points, section, gravity);
         if (!parameters.imposed_velocity.empty())
           body.rigid_motion.emplace(parameters.imposed_velocity,
-                                    section + "/Imposed velocity");
+                                    section + "/Imposed velocity",
+                                    std::vector<std::string>{"t"});
       },
       space.communicator());
 
@@ -514,8 +466,6 @@ namespace greville
 
 
 
-  template class RigidMotion<2>;
-  template class RigidMotion<3>;
   template decltype(place_points<2>) place_points<2>;
   template decltype(place_points<3>) place_points<3>;
   template decltype(make_points<2>)  make_points<2>;

@@ -13,20 +13,17 @@ namespace greville
 
   namespace
   {
-    template <int dim>
-    std::vector<Expression>
-    formulas_of(const std::string &text,
-                const std::string &name,
-                const unsigned int n)
+    template <int dim, int n>
+    void
+    read(VectorExpression<n> &formulas,
+         const std::string   &text,
+         const std::string   &name)
     {
-      if (text.empty())
-        return {};
-      return make_expressions(text,
-                              "Exact solution/" + name,
-                              dim == 2
-                                ? std::vector<std::string>{"X", "Y", "t"}
-                                : std::vector<std::string>{"X", "Y", "Z", "t"},
-                              n);
+      if (!text.empty())
+        formulas = {text,
+                    "Exact solution/" + name,
+                    dim == 2 ? std::vector<std::string>{"X", "Y", "t"}
+                             : std::vector<std::string>{"X", "Y", "Z", "t"}};
     }
 
 
@@ -34,15 +31,15 @@ namespace greville
     /**
      * Errors of @p n numbers per point, which @p value gives.
      */
-    template <int dim, typename Value>
+    template <int dim, int n, typename Value>
     std::optional<Errors>
-    errors_of(const std::vector<Expression> &formulas,
-              const std::vector<Body<dim>>  &bodies,
-              const double                   t,
-              const MPI_Comm                 comm,
-              const Value                   &value)
+    errors_of(const VectorExpression<n>    &formulas,
+              const std::vector<Body<dim>> &bodies,
+              const double                  t,
+              const MPI_Comm                comm,
+              const Value                  &value)
     {
-      if (formulas.empty())
+      if (formulas.is_zero())
         return {};
       double error = 0., norm = 0., volume = 0., max_error = 0., max_norm = 0.;
       const auto add = [&](const Body<dim> &body) {
@@ -52,14 +49,12 @@ namespace greville
             arguments[d] = p.reference(d);
           arguments[dim]  = t;
           const double V0 = p.volume0();
-          double       e2 = 0., u2 = 0.;
-          for (unsigned int k = 0; k < formulas.size(); ++k)
-            {
-              const double exact =
-                formulas[k](ArrayView<const double>(arguments, dim + 1));
-              e2 += std::pow(value(p, k) - exact, 2);
-              u2 += exact * exact;
-            }
+          Tensor<1, n> exact =
+            formulas(ArrayView<const double>(arguments, dim + 1));
+          const double u2 = exact.norm_square();
+          for (unsigned int k = 0; k < n; ++k)
+            exact[k] -= value(p, k);
+          const double e2 = exact.norm_square();
           error += V0 * e2;
           norm += V0 * u2;
           volume += V0;
@@ -89,13 +84,11 @@ namespace greville
 
   template <int dim>
   ExactSolution<dim>::ExactSolution(const ExactParameters &parameters)
-    : displacement(
-        formulas_of<dim>(parameters.displacement, "Displacement", dim))
-    , velocity(formulas_of<dim>(parameters.velocity, "Velocity", dim))
-    , stress(formulas_of<dim>(parameters.stress,
-                              "Stress",
-                              PointLayout<dim>::n_stress))
-  {}
+  {
+    read<dim>(displacement, parameters.displacement, "Displacement");
+    read<dim>(velocity, parameters.velocity, "Velocity");
+    read<dim>(stress, parameters.stress, "Stress");
+  }
 
 
 

@@ -42,8 +42,7 @@ namespace greville
   Loads<dim>::Loads(const SimulationParameters &parameters)
   {
     if (!parameters.loads.gravity.empty())
-      gravity_formulas =
-        make_expressions(parameters.loads.gravity, "Loads/Gravity", {"t"}, dim);
+      gravity_formulas = {parameters.loads.gravity, "Loads/Gravity", {"t"}};
     for (const auto &make : kinds_of_point_loads<dim>())
       for (auto &load : make(parameters))
         point_loads.push_back(std::move(load));
@@ -79,7 +78,7 @@ namespace greville
   Loads<dim>::names(const bool with_gravity) const
   {
     std::string result =
-      with_gravity && !gravity_formulas.empty() ? "'Loads/Gravity'" : "";
+      with_gravity && !gravity_formulas.is_zero() ? "'Loads/Gravity'" : "";
     for (const auto &load : point_loads)
       result += (result.empty() ? "" : ", ") + load->parameter_names();
     return result;
@@ -102,18 +101,6 @@ namespace greville
             << " m / s^2, which moves them by " << most * dt * dt / h
             << " cells in a step: " << names(true) << ". ";
     return message.str();
-  }
-
-
-
-  template <int dim>
-  Tensor<1, dim>
-  Loads<dim>::gravity(const double at_time) const
-  {
-    Tensor<1, dim> result;
-    for (unsigned int d = 0; d < gravity_formulas.size(); ++d)
-      result[d] = gravity_formulas[d](ArrayView<const double>(&at_time, 1));
-    return result;
   }
 
 

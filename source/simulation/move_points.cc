@@ -63,7 +63,7 @@ namespace greville
   {
     for (Body<dim> *body : rigid_bodies(bodies))
       {
-        const Tensor<1, dim> v = body->rigid_motion->velocity(t);
+        const Tensor<1, dim> v = (*body->rigid_motion)(t);
         body->points.for_each([&](const unsigned int, PointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
             p.velocity(d) = v[d];

@@ -81,8 +81,8 @@ namespace greville
         });
         transfer.points_to_grid({&points}, &volume, &momentum, &gradient);
 
-        const Tensor<1, dim> v[2] = {body->rigid_motion->velocity(begin),
-                                     body->rigid_motion->velocity(end)};
+        const Tensor<1, dim> v[2] = {(*body->rigid_motion)(begin),
+                                     (*body->rigid_motion)(end)};
         for (unsigned int i = 0; i < n; ++i)
           {
             const double part = volume.local_element(i) / integrals[i];

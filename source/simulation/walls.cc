@@ -17,11 +17,9 @@ namespace greville
         type[w]     = parameters.type[w];
         friction[w] = parameters.friction[w];
         if (type[w] == "moving")
-          velocity[w] =
-            make_expressions(parameters.velocity[w],
-                             "Walls/" + WallParameters::names[w] + " velocity",
-                             {"t"},
-                             dim);
+          velocity[w] = {parameters.velocity[w],
+                         "Walls/" + WallParameters::names[w] + " velocity",
+                         {"t"}};
       }
   }
 
@@ -73,7 +71,7 @@ namespace greville
           for (unsigned int k = 0; k <= n; ++k)
             {
               const double t = end * k / n;
-              const double v = velocity[w][d](ArrayView<const double>(&t, 1));
+              const double v = velocity[w](t)[d];
               if (k > 0)
                 path += 0.5 * end / n * (last + v);
               last = v;
@@ -137,10 +135,7 @@ namespace greville
   bool
   Walls<dim>::have_moving() const
   {
-    for (const std::string &name : type)
-      if (name == "moving")
-        return true;
-    return false;
+    return std::find(type.begin(), type.end(), "moving") != type.end();
   }
 
 
@@ -155,20 +150,27 @@ namespace greville
 
 
   template <int dim>
+  template <typename Value>
+  void
+  Walls<dim>::hold(VectorField<dim> &field, const Value &value_at) const
+  {
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      {
+        const Tensor<1, dim> value = value_at(w);
+        for (unsigned int c = 0; c < dim; ++c)
+          if (holds(w, c))
+            for (const unsigned int i : coefficients[w])
+              field[c].local_element(i) = value[c];
+      }
+  }
+
+
+
+  template <int dim>
   void
   Walls<dim>::hold_velocity(VectorField<dim> &field, const double t) const
   {
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      for (unsigned int c = 0; c < dim; ++c)
-        if (holds(w, c))
-          {
-            const double value =
-              type[w] == "moving"
-                ? velocity[w][c](ArrayView<const double>(&t, 1))
-                : 0.;
-            for (const unsigned int i : coefficients[w])
-              field[c].local_element(i) = value;
-          }
+    hold(field, [&](const unsigned int w) { return velocity[w](t); });
   }
 
 
@@ -179,21 +181,10 @@ namespace greville
                                 const double      t,
                                 const double      dt) const
   {
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      for (unsigned int c = 0; c < dim; ++c)
-        if (holds(w, c))
-          {
-            double value = 0.;
-            if (type[w] == "moving" && dt > 0.)
-              {
-                const double next = t + dt;
-                value = (velocity[w][c](ArrayView<const double>(&next, 1)) -
-                         velocity[w][c](ArrayView<const double>(&t, 1))) /
-                        dt;
-              }
-            for (const unsigned int i : coefficients[w])
-              field[c].local_element(i) = value;
-          }
+    hold(field, [&](const unsigned int w) {
+      return dt > 0. ? (velocity[w](t + dt) - velocity[w](t)) / dt
+                     : Tensor<1, dim>();
+    });
   }
 
 

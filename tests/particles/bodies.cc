@@ -260,7 +260,7 @@ test_placement()
         }),
         1e-13);
   check("  imposed velocity",
-        on_all(even.body.rigid_motion->velocity(3.) == Tensor<1, 2>({6., 9.})));
+        on_all((*even.body.rigid_motion)(3.) == Tensor<1, 2>({6., 9.})));
   // Ids are different.
   std::vector<double> counts(even.body.n_points, 0.);
   bool                ids = true;

@@ -4,6 +4,7 @@
 #define greville_base_expression_h
 
 #include <deal.II/base/array_view.h>
+#include <deal.II/base/point.h>
 
 #include <memory>
 #include <string>
@@ -59,6 +60,70 @@ namespace greville
                    const std::string              &parameter,
                    const std::vector<std::string> &variables,
                    const unsigned int              n);
+
+  /**
+   * x, y (and z): the variables of formulas of the position.
+   */
+  template <int dim>
+  std::vector<std::string>
+  coordinate_names()
+  {
+    return dim == 2 ? std::vector<std::string>{"x", "y"}
+                    : std::vector<std::string>{"x", "y", "z"};
+  }
+
+
+
+  /**
+   * A vector whose components are formulas, separated by semicolons in one
+   * parameter. Throws as make_expressions(); zero if made without arguments.
+   */
+  template <int n>
+  class VectorExpression
+  {
+  public:
+    VectorExpression() = default;
+
+    VectorExpression(const std::string              &text,
+                     const std::string              &parameter,
+                     const std::vector<std::string> &variables)
+      : components(make_expressions(text, parameter, variables, n))
+    {}
+
+    bool
+    is_zero() const
+    {
+      return components.empty();
+    }
+
+    dealii::Tensor<1, n>
+    operator()(const dealii::ArrayView<const double> &values) const
+    {
+      dealii::Tensor<1, n> result;
+      for (unsigned int k = 0; k < components.size(); ++k)
+        result[k] = components[k](values);
+      return result;
+    }
+
+    /**
+     * For formulas of one variable, and of the coordinates.
+     */
+    dealii::Tensor<1, n>
+    operator()(const double t) const
+    {
+      return (*this)(dealii::ArrayView<const double>(&t, 1));
+    }
+
+    template <int dim>
+    dealii::Tensor<1, n>
+    operator()(const dealii::Point<dim> &x) const
+    {
+      return (*this)(dealii::ArrayView<const double>(&x[0], dim));
+    }
+
+  private:
+    std::vector<Expression> components;
+  };
 } // namespace greville
 
 #endif

@@ -79,31 +79,6 @@ namespace greville
 
 
   /**
-   * How a rigid body moves: all of its points have the velocity v(t), whatever
-   * acts on them. Others meet it by Obstacles.
-   */
-  template <int dim>
-  class RigidMotion
-  {
-  public:
-    /**
-     * Throws dealii::ExcMessage for wrong formulas of t.
-     */
-    RigidMotion(const std::string &velocity, const std::string &parameter);
-
-    /**
-     * At time @p t (s), m / s.
-     */
-    dealii::Tensor<1, dim>
-    velocity(const double t) const;
-
-  private:
-    std::vector<Expression> formulas;
-  };
-
-
-
-  /**
    * A body: its material and its points on this process.
    */
   template <int dim>
@@ -115,8 +90,9 @@ namespace greville
     MaterialPoints<dim>   points;
     /// Number of points of all processes.
     std::uint64_t n_points = 0;
-    /// Of a body with an imposed velocity: no forces and no stresses.
-    std::optional<RigidMotion<dim>> rigid_motion;
+    /// The imposed velocity of a rigid body (m / s, of t): all of its points
+    /// have it, whatever acts on them. Others meet it by Obstacles.
+    std::optional<VectorExpression<dim>> rigid_motion;
   };
 
 

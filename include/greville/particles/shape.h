@@ -8,23 +8,9 @@
 #include <greville/base/expression.h>
 
 #include <string>
-#include <vector>
 
 namespace greville
 {
-  /**
-   * x, y (and z): the variables of formulas of the position.
-   */
-  template <int dim>
-  std::vector<std::string>
-  coordinate_names()
-  {
-    return dim == 2 ? std::vector<std::string>{"x", "y"}
-                    : std::vector<std::string>{"x", "y", "z"};
-  }
-
-
-
   /**
    * The inside of a body, from a formula of x, y (and z) that is true (not 0)
    * inside. Besides the formulas of Expression it knows the shapes

@@ -58,7 +58,8 @@ namespace greville
            const MPI_Comm                comm) const;
 
   private:
-    std::vector<Expression> displacement, velocity, stress;
+    VectorExpression<dim>                        displacement, velocity;
+    VectorExpression<PointLayout<dim>::n_stress> stress;
   };
 
 

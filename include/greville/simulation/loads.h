@@ -64,7 +64,10 @@ namespace greville
      * m / s^2.
      */
     dealii::Tensor<1, dim>
-    gravity(const double t) const;
+    gravity(const double t) const
+    {
+      return gravity_formulas(t);
+    }
 
   private:
     /**
@@ -73,8 +76,8 @@ namespace greville
     std::string
     names(const bool with_gravity) const;
 
-    std::vector<Expression> gravity_formulas;
-    PointLoads<dim>         point_loads;
+    VectorExpression<dim> gravity_formulas;
+    PointLoads<dim>       point_loads;
     /// Of the points of a process, m / s^2.
     double largest = 0.;
   };

@@ -85,13 +85,11 @@ namespace greville
   {
   public:
     LoadFormulas(const std::string &text, const std::string &parameter)
-      : formulas(make_expressions(
-          text,
-          parameter,
-          dim == 2
-            ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
-            : std::vector<std::string>{"x", "y", "z", "X", "Y", "Z", "t"},
-          dim))
+      : formulas(text,
+                 parameter,
+                 dim == 2 ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
+                          : std::vector<std::string>{
+                              "x", "y", "z", "X", "Y", "Z", "t"})
     {}
 
     dealii::Tensor<1, dim>
@@ -104,15 +102,11 @@ namespace greville
           arguments[dim + d] = p.reference(d);
         }
       arguments[2 * dim] = t;
-      dealii::Tensor<1, dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] =
-          formulas[d](dealii::ArrayView<const double>(arguments, 2 * dim + 1));
-      return result;
+      return formulas(dealii::ArrayView<const double>(arguments, 2 * dim + 1));
     }
 
   private:
-    std::vector<Expression> formulas;
+    VectorExpression<dim> formulas;
   };
 } // namespace greville
 

@@ -132,9 +132,16 @@ namespace greville
     bool
     holds(const unsigned int wall, const unsigned int component) const;
 
-    std::array<std::string, 2 * dim>             type;
-    std::array<double, 2 * dim>                  friction;
-    std::array<std::vector<Expression>, 2 * dim> velocity;
+    /**
+     * Set the held coefficients at each wall to the values of @p value(wall).
+     */
+    template <typename Value>
+    void
+    hold(VectorField<dim> &field, const Value &value) const;
+
+    std::array<std::string, 2 * dim>           type;
+    std::array<double, 2 * dim>                friction;
+    std::array<VectorExpression<dim>, 2 * dim> velocity;
 
     // Local numbers of the owned coefficients at each wall.
     std::array<std::vector<unsigned int>, 2 * dim> coefficients;
