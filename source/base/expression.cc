@@ -7,6 +7,7 @@
 #include <greville/base/expression.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cctype>
 #include <cmath>
 #include <muParser.h>
@@ -40,17 +41,6 @@ namespace greville
   {
     // Larger values overflow where they are squared.
     constexpr double largest_value = 1e100;
-
-
-
-    std::string
-    list_of(const std::vector<std::string> &names)
-    {
-      std::string result;
-      for (const std::string &name : names)
-        result += (result.empty() ? "" : ", ") + name;
-      return result;
-    }
 
 
 
@@ -169,8 +159,9 @@ namespace greville
         std::string message = error.GetMsg();
         while (!message.empty() && message.back() == '.')
           message.pop_back();
-        parser->fail("is no function of " + list_of(variables) + ": " +
-                     message + " (doc/formulas.md has all functions).");
+        parser->fail("is no function of " +
+                     boost::algorithm::join(variables, ", ") + ": " + message +
+                     " (doc/formulas.md has all functions).");
       }
     catch (const ExceptionBase &error)
       {

@@ -17,30 +17,6 @@ namespace greville
 {
   using namespace dealii;
 
-  namespace
-  {
-    std::string
-    to_text(const double value)
-    {
-      std::ostringstream text;
-      text << value;
-      return text.str();
-    }
-
-
-
-    template <int dim>
-    std::string
-    text_of(const Point<dim> &x)
-    {
-      std::ostringstream text;
-      text << "(" << x << ")";
-      return text.str();
-    }
-  } // namespace
-
-
-
   template <int dim>
   std::vector<PlacedPoint<dim>>
   place_points(const PointPlacement   &parameters,
@@ -115,9 +91,9 @@ namespace greville
                       !shape.contains(outside),
                       ExcMessage(
                         "The body of '" + section +
-                        "' sticks out of the grid, for instance at " +
+                        "' sticks out of the grid, for instance at (" +
                         text_of(outside) +
-                        " m. Make the grid larger ('Grid/Lower corner', "
+                        ") m. Make the grid larger ('Grid/Lower corner', "
                         "'Grid/Upper corner'), the shape smaller, or set "
                         "'Clip at the grid' to true."));
                   }
@@ -175,9 +151,9 @@ namespace greville
           for (unsigned int d = 0; d < dim; ++d)
             AssertThrow(point.x[d] >= lattice.lower(d) &&
                           point.x[d] <= lattice.upper(d),
-                        ExcMessage(line.where + "the point " +
+                        ExcMessage(line.where + "the point (" +
                                    text_of(point.x) +
-                                   " m lies outside of the grid."));
+                                   ") m lies outside of the grid."));
           const auto position =
             lexicographic<dim>(lattice.find_cell(point.x), lattice.n_cells());
           const auto &cells = space.owned_cells();
@@ -227,9 +203,8 @@ namespace greville
             AssertThrow(axis < dim && weight > 0.,
                         ExcMessage("The parameter '" + section +
                                    "/K0' needs a gravity along an axis, but "
-                                   "'Loads/Gravity' is " +
-                                   text_of(Point<dim>(gravity)) +
-                                   " m / s^2 at t = 0."));
+                                   "'Loads/Gravity' is (" +
+                                   text_of(gravity) + ") m / s^2 at t = 0."));
             cell_size = lattice.cell_size(axis);
             upwards   = gravity[axis] < 0. ? 1. : -1.;
             surface   = {parameters.surface,
@@ -248,9 +223,9 @@ namespace greville
             const double depth  = upwards * (height - x[axis]);
             AssertThrow(depth > -0.5 * cell_size,
                         ExcMessage(
-                          "this point lies " + to_text(-depth) +
+                          "this point lies " + text_of(-depth) +
                           " m beyond the parameter 'Surface', which is " +
-                          to_text(height) +
+                          text_of(height) +
                           " m there; nothing of a body with K0 does."));
             for (unsigned int d = 0; d < 3; ++d)
               result[d][d] =
@@ -388,8 +363,8 @@ namespace greville
                             (parameters.material.empty()
                                ? ""
                                : " of 'Material " + parameters.material + "'") +
-                            " at " + text_of(point.x) +
-                            " m: " + message_of(error)));
+                            " at (" + text_of(point.x) +
+                            ") m: " + message_of(error)));
             }
           const Tensor<1, dim> v = velocity(point.x);
           for (unsigned int d = 0; d < dim; ++d)

@@ -5,6 +5,7 @@
 #include <greville/simulation/comparison.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cmath>
 
 namespace greville
@@ -148,15 +149,12 @@ namespace greville
         const auto names = Statistics<dim>::names();
         const auto found =
           std::find(names.begin(), names.end(), parameters.series_quantity);
-        std::string list;
-        for (const std::string &name : names)
-          list += (list.empty() ? "" : ", ") + name;
         AssertThrow(found != names.end(),
                     ExcMessage(
                       "The parameter 'Reference/Series quantity' is <" +
-                      parameters.series_quantity + ">, none of " + list + "." +
-                      did_you_mean(parameters.series_quantity,
-                                   {names.begin(), names.end()})));
+                      parameters.series_quantity + ">, none of " +
+                      boost::algorithm::join(names, ", ") + "." +
+                      did_you_mean(parameters.series_quantity, names)));
         quantity = found - names.begin();
       }
   }

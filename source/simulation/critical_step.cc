@@ -179,37 +179,6 @@ namespace greville
 
 
   template <int dim>
-  void
-  CriticalStep<dim>::multiply_by_stiffness(
-    std::vector<double>                  &y,
-    const std::vector<double>            &x,
-    PointTransfer<dim>                   &transfer,
-    const std::vector<const Body<dim> *> &bodies,
-    const double                          elastic,
-    const double                          viscous)
-  {
-    write_field(source, x);
-    bool overwrite = true;
-    for (const Body<dim> *body : bodies)
-      {
-        const Moduli m = body->material->moduli();
-        Stiffness    stiffness;
-        stiffness.lambda         = m.bulk - 2. / 3. * m.shear;
-        stiffness.shear          = m.shear;
-        stiffness.elastic_factor = elastic;
-        stiffness.viscous_lambda =
-          viscous * (m.bulk_viscosity - 2. / 3. * m.viscosity);
-        stiffness.viscous_shear = viscous * m.viscosity;
-        transfer.add_stiffness(
-          body->points, stiffness, source, target, overwrite);
-        overwrite = false;
-      }
-    read_field(y, target);
-  }
-
-
-
-  template <int dim>
   double
   CriticalStep<dim>::estimate(
     GridMass<dim>                                  &mass,
@@ -243,12 +212,26 @@ namespace greville
                                const std::vector<double> &b) {
       multiply_by_B(x, b, mass, transfer, mass_points, scheme);
     };
+    // y = (elastic K + viscous C) x.
     const auto multiply = [&](std::vector<double>       &y,
                               const std::vector<double> &x,
                               const double               elastic,
                               const double               viscous) {
-      multiply_by_stiffness(
-        y, x, transfer, bodies, factor * elastic, factor * viscous);
+      write_field(source, x);
+      for (const Body<dim> *body : bodies)
+        {
+          const Moduli m = body->material->moduli();
+          Stiffness    stiffness;
+          stiffness.lambda         = m.bulk - 2. / 3. * m.shear;
+          stiffness.shear          = m.shear;
+          stiffness.elastic_factor = factor * elastic;
+          stiffness.viscous_shear  = factor * viscous * m.viscosity;
+          stiffness.viscous_lambda =
+            factor * viscous * (m.bulk_viscosity - 2. / 3. * m.viscosity);
+          transfer.add_stiffness(
+            body->points, stiffness, source, target, body == bodies[0]);
+        }
+      read_field(y, target);
     };
 
     // The dt with dt^2 a + dt b = 1.

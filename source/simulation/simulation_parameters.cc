@@ -6,6 +6,7 @@
 #include <greville/simulation/parameters.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <filesystem>
 #include <sstream>
 
@@ -32,6 +33,20 @@ namespace greville
 
 
 
+    template <typename T>
+    void
+    check_different(const std::vector<T> &entries,
+                    const std::string    &parameter,
+                    const std::string    &what = "entry")
+    {
+      for (auto entry = entries.begin(); entry != entries.end(); ++entry)
+        AssertThrow(std::count(entries.begin(), entry, *entry) == 0,
+                    ExcMessage("The parameter '" + parameter + "' has the " +
+                               what + " <" + text_of(*entry) + "> twice."));
+    }
+
+
+
     /**
      * The names of an entry of the section "Simulation".
      */
@@ -40,11 +55,7 @@ namespace greville
     {
       const auto result =
         Utilities::split_string_list(value_of(lines, "Simulation", entry), ',');
-      for (std::size_t i = 0; i < result.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j)
-          AssertThrow(result[i] != result[j],
-                      ExcMessage("The parameter 'Simulation/" + entry +
-                                 "' has the name <" + result[i] + "> twice."));
+      check_different(result, "Simulation/" + entry, "name");
       return result;
     }
 
@@ -281,34 +292,6 @@ namespace greville
 
 
 
-  namespace
-  {
-    template <typename T>
-    std::string
-    text_of(const T &value)
-    {
-      std::ostringstream text;
-      text << value;
-      return text.str();
-    }
-
-
-
-    template <typename T>
-    void
-    check_different(const std::vector<T> &entries, const std::string &parameter)
-    {
-      for (std::size_t i = 0; i < entries.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j)
-          AssertThrow(entries[i] != entries[j],
-                      ExcMessage("The parameter '" + parameter +
-                                 "' has the entry <" + text_of(entries[i]) +
-                                 "> twice."));
-    }
-  } // namespace
-
-
-
   void
   SimulationParameters::check() const
   {
@@ -391,16 +374,13 @@ namespace greville
                              "' needs both of 'K0' and 'Surface', or none."));
     for (const auto &body : bodies)
       {
-        std::string known;
-        for (const std::string &name : general.materials)
-          known += (known.empty() ? "" : ", ") + name;
         AssertThrow(materials.count(body.second.material) == 1,
                     ExcMessage(
                       "The parameter 'Body " + body.first + "/Material' is <" +
                       body.second.material +
                       ">; it has to be one of the materials of "
                       "'Simulation/Materials': " +
-                      known + "." +
+                      boost::algorithm::join(general.materials, ", ") + "." +
                       did_you_mean(body.second.material, general.materials)));
       }
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/simulation/step_size.h>
 
 #include <algorithm>
@@ -35,15 +36,6 @@ namespace greville
     // step are noise.
     constexpr double noise_of_acceleration = 1e-8;
 
-
-
-    std::string
-    text_of(const double value)
-    {
-      std::ostringstream text;
-      text << value;
-      return text.str();
-    }
   } // namespace
 
 

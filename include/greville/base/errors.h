@@ -7,6 +7,7 @@
 
 #include <exception>
 #include <functional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,18 @@ namespace greville
    */
   std::string
   message_of(const std::exception &exception);
+
+  /**
+   * A value as a stream writes it.
+   */
+  template <typename T>
+  std::string
+  text_of(const T &value)
+  {
+    std::ostringstream text;
+    text << value;
+    return text.str();
+  }
 
   /**
    * " Did you mean <lumped>?" where a word of @p known is close to @p word,

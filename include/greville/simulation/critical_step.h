@@ -131,17 +131,6 @@ namespace greville
                   const std::vector<const MaterialPoints<dim> *> &mass_points,
                   const StepScheme                               &scheme);
 
-    /**
-     * y = (elastic K + viscous C) x.
-     */
-    void
-    multiply_by_stiffness(std::vector<double>                  &y,
-                          const std::vector<double>            &x,
-                          PointTransfer<dim>                   &transfer,
-                          const std::vector<const Body<dim> *> &bodies,
-                          const double                          elastic,
-                          const double                          viscous);
-
     // By component: owned functions that are unknowns. Fields and arrays of
     // their values, component by component.
     std::array<std::vector<unsigned int>, dim> unknowns;
