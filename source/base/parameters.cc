@@ -106,29 +106,6 @@ namespace greville
 
 
 
-  namespace
-  {
-    template <int dim>
-    class FunctionOfExpression : public Function<dim>
-    {
-    public:
-      FunctionOfExpression(const std::string &text, const std::string &name)
-        : expression(text, name, coordinate_names<dim>())
-      {}
-
-      double
-      value(const Point<dim> &x, const unsigned int) const override
-      {
-        return expression(ArrayView<const double>(&x[0], dim));
-      }
-
-    private:
-      const Expression expression;
-    };
-  } // namespace
-
-
-
   template <int dim>
   std::unique_ptr<Function<dim>>
   make_function(const std::string &expression, const std::string &name)
@@ -143,7 +120,11 @@ namespace greville
       }
     catch (const std::exception &)
       {}
-    return std::make_unique<FunctionOfExpression<dim>>(expression, name);
+    return std::make_unique<ScalarFunctionFromFunctionObject<dim>>(
+      [formula = Expression(expression, name, coordinate_names<dim>())](
+        const Point<dim> &x) {
+        return formula(ArrayView<const double>(&x[0], dim));
+      });
   }
 
 

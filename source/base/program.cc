@@ -42,7 +42,7 @@ namespace greville
 
 
     /**
-     * Its message has lines of its own.
+     * How to call the program follows its message.
      */
     class CommandLineError : public std::runtime_error
     {
@@ -93,12 +93,10 @@ namespace greville
       std::ostream  nowhere(nullptr);
       std::ostream &out = is_first ? std::cout : nowhere;
       if (arguments.empty())
-        throw CommandLineError("there is no parameter file to run.\n" +
-                               usage_of(program));
+        throw CommandLineError("there is no parameter file to run.");
       if (arguments.size() > 1)
         throw CommandLineError("takes one argument, not " +
-                               std::to_string(arguments.size()) + ".\n" +
-                               usage_of(program));
+                               std::to_string(arguments.size()) + ".");
       const std::string &argument = arguments[0];
       if (argument == "--help" || argument == "-h")
         out << program.name << ": " << program.purpose << "\n\n"
@@ -113,8 +111,7 @@ namespace greville
       else
         {
           if (!argument.empty() && argument[0] == '-')
-            throw CommandLineError("there is no option <" + argument + ">.\n" +
-                                   usage_of(program));
+            throw CommandLineError("there is no option <" + argument + ">.");
           program.run(argument);
         }
       out.flush();
@@ -140,7 +137,7 @@ namespace greville
       }
     catch (const CommandLineError &error)
       {
-        message = error.what();
+        message = std::string(error.what()) + "\n" + usage_of(program);
       }
     catch (const std::bad_alloc &)
       {

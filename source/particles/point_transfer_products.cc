@@ -66,92 +66,88 @@ namespace greville
       const double  wave_modulus = stiffness.lambda + 2. * stiffness.shear;
       const double  inverse =
         wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
-      multiply_cells<dim, n, true>(
-        points,
-        tables,
-        source,
-        target,
-        [&](const double        *group,
-            const Shape<dim, n> &shape,
-            const double        *u,
-            Simd                *sums) {
-          const Simd volume = load(group + Layout::volume0 * simd_width) *
-                              load(group + Layout::J * simd_width);
-          const Simd scale =
-            load(group + Layout::wave_modulus * simd_width) * inverse;
-          const Simd lambda =
-            volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
-          const Simd shear =
-            volume * (scale * stiffness.shear + stiffness.viscous_shear);
+      const auto product = [&](const double        *group,
+                               const Shape<dim, n> &shape,
+                               const double        *u,
+                               Simd                *sums) {
+        const Simd volume = load(group + Layout::volume0 * simd_width) *
+                            load(group + Layout::J * simd_width);
+        const Simd scale =
+          load(group + Layout::wave_modulus * simd_width) * inverse;
+        const Simd lambda =
+          volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
+        const Simd shear =
+          volume * (scale * stiffness.shear + stiffness.viscous_shear);
 
-          // A row of functions along x has the factors of y and z, and
-          // their derivatives, in common.
-          const auto for_each_row = [&](const auto &action) {
-            int first = 0;
-            for (int a_z = 0; a_z < n_z; ++a_z)
-              for (int a_y = 0; a_y < n; ++a_y, first += n * dim)
-                {
-                  Simd factors[dim];
-                  factors[0] = shape.N[1][a_y];
-                  factors[1] = shape.dN[1][a_y];
-                  if constexpr (dim == 3)
-                    {
-                      factors[2] = factors[0] * shape.dN[2][a_z];
-                      factors[0] *= shape.N[2][a_z];
-                      factors[1] *= shape.N[2][a_z];
-                    }
-                  action(first, factors);
-                }
-          };
-
-          Simd H[dim][dim];
-          for (auto &row : H)
-            for (Simd &entry : row)
-              entry = 0.;
-          for_each_row([&](const int first, const Simd *factors) {
-            Simd values[dim], slopes[dim];
-            for (int i = 0; i < dim; ++i)
+        // A row of functions along x has the factors of y and z, and
+        // their derivatives, in common.
+        const auto for_each_row = [&](const auto &action) {
+          int first = 0;
+          for (int a_z = 0; a_z < n_z; ++a_z)
+            for (int a_y = 0; a_y < n; ++a_y, first += n * dim)
               {
-                values[i] = shape.N[0][0] * u[first + i];
-                slopes[i] = shape.dN[0][0] * u[first + i];
-              }
-            for (int a = 1; a < n; ++a)
-              for (int i = 0; i < dim; ++i)
-                {
-                  values[i] += shape.N[0][a] * u[first + a * dim + i];
-                  slopes[i] += shape.dN[0][a] * u[first + a * dim + i];
-                }
-            for (int i = 0; i < dim; ++i)
-              {
-                H[i][0] += factors[0] * slopes[i];
-                for (int j = 1; j < dim; ++j)
-                  H[i][j] += factors[j] * values[i];
-              }
-          });
-          Simd trace = H[0][0];
-          for (int i = 1; i < dim; ++i)
-            trace += H[i][i];
-          Simd stress[dim][dim];
-          for (int i = 0; i < dim; ++i)
-            for (int j = 0; j < dim; ++j)
-              {
-                stress[i][j] = shear * (H[i][j] + H[j][i]);
-                if (i == j)
-                  stress[i][j] += lambda * trace;
-              }
-          for_each_row([&](const int first, const Simd *factors) {
-            for (int i = 0; i < dim; ++i)
-              {
-                const Simd along  = factors[0] * stress[i][0];
-                Simd       across = factors[1] * stress[i][1];
+                Simd factors[dim];
+                factors[0] = shape.N[1][a_y];
+                factors[1] = shape.dN[1][a_y];
                 if constexpr (dim == 3)
-                  across += factors[2] * stress[i][2];
-                for (int a = 0; a < n; ++a)
-                  sums[first + a * dim + i] +=
-                    shape.dN[0][a] * along + shape.N[0][a] * across;
+                  {
+                    factors[2] = factors[0] * shape.dN[2][a_z];
+                    factors[0] *= shape.N[2][a_z];
+                    factors[1] *= shape.N[2][a_z];
+                  }
+                action(first, factors);
               }
-          });
+        };
+
+        Simd H[dim][dim];
+        for (auto &row : H)
+          for (Simd &entry : row)
+            entry = 0.;
+        for_each_row([&](const int first, const Simd *factors) {
+          Simd values[dim], slopes[dim];
+          for (int i = 0; i < dim; ++i)
+            {
+              values[i] = shape.N[0][0] * u[first + i];
+              slopes[i] = shape.dN[0][0] * u[first + i];
+            }
+          for (int a = 1; a < n; ++a)
+            for (int i = 0; i < dim; ++i)
+              {
+                values[i] += shape.N[0][a] * u[first + a * dim + i];
+                slopes[i] += shape.dN[0][a] * u[first + a * dim + i];
+              }
+          for (int i = 0; i < dim; ++i)
+            {
+              H[i][0] += factors[0] * slopes[i];
+              for (int j = 1; j < dim; ++j)
+                H[i][j] += factors[j] * values[i];
+            }
         });
+        Simd trace = H[0][0];
+        for (int i = 1; i < dim; ++i)
+          trace += H[i][i];
+        Simd stress[dim][dim];
+        for (int i = 0; i < dim; ++i)
+          for (int j = 0; j < dim; ++j)
+            {
+              stress[i][j] = shear * (H[i][j] + H[j][i]);
+              if (i == j)
+                stress[i][j] += lambda * trace;
+            }
+        for_each_row([&](const int first, const Simd *factors) {
+          for (int i = 0; i < dim; ++i)
+            {
+              const Simd along  = factors[0] * stress[i][0];
+              Simd       across = factors[1] * stress[i][1];
+              if constexpr (dim == 3)
+                across += factors[2] * stress[i][2];
+              for (int a = 0; a < n; ++a)
+                sums[first + a * dim + i] +=
+                  shape.dN[0][a] * along + shape.N[0][a] * across;
+            }
+        });
+      };
+      multiply_cells<dim, n, true>(points, tables, source, target, product);
     }
 
 
@@ -225,43 +221,39 @@ namespace greville
                          const double                *source,
                          double                      *target)
     {
-      constexpr int n_rows = power(n, dim - 1);
-      multiply_cells<dim, n, false>(
-        points,
-        tables,
-        source,
-        target,
-        [&](const double        *group,
-            const Shape<dim, n> &shape,
-            const double        *u,
-            Simd                *sums) {
-          Simd       momentum[dim], factors[n_rows];
-          const Simd mass = load(group + PointLayout<dim>::mass * simd_width);
-          for (int row = 0; row < n_rows; ++row)
-            {
-              factors[row] = shape.N[1][row % n];
-              if constexpr (dim == 3)
-                factors[row] *= shape.N[2][row / n];
-            }
-          for (int i = 0; i < dim; ++i)
-            {
-              momentum[i] = 0.;
-              for (int row = 0; row < n_rows; ++row)
-                {
-                  Simd value = shape.N[0][0] * u[row * n * dim + i];
-                  for (int a = 1; a < n; ++a)
-                    value += shape.N[0][a] * u[(row * n + a) * dim + i];
-                  momentum[i] += factors[row] * value;
-                }
-              momentum[i] *= mass;
-              for (int row = 0; row < n_rows; ++row)
-                {
-                  const Simd share = factors[row] * momentum[i];
-                  for (int a = 0; a < n; ++a)
-                    sums[(row * n + a) * dim + i] += shape.N[0][a] * share;
-                }
-            }
-        });
+      constexpr int n_rows  = power(n, dim - 1);
+      const auto    product = [&](const double        *group,
+                               const Shape<dim, n> &shape,
+                               const double        *u,
+                               Simd                *sums) {
+        Simd       momentum[dim], factors[n_rows];
+        const Simd mass = load(group + PointLayout<dim>::mass * simd_width);
+        for (int row = 0; row < n_rows; ++row)
+          {
+            factors[row] = shape.N[1][row % n];
+            if constexpr (dim == 3)
+              factors[row] *= shape.N[2][row / n];
+          }
+        for (int i = 0; i < dim; ++i)
+          {
+            momentum[i] = 0.;
+            for (int row = 0; row < n_rows; ++row)
+              {
+                Simd value = shape.N[0][0] * u[row * n * dim + i];
+                for (int a = 1; a < n; ++a)
+                  value += shape.N[0][a] * u[(row * n + a) * dim + i];
+                momentum[i] += factors[row] * value;
+              }
+            momentum[i] *= mass;
+            for (int row = 0; row < n_rows; ++row)
+              {
+                const Simd share = factors[row] * momentum[i];
+                for (int a = 0; a < n; ++a)
+                  sums[(row * n + a) * dim + i] += shape.N[0][a] * share;
+              }
+          }
+      };
+      multiply_cells<dim, n, false>(points, tables, source, target, product);
     }
   } // namespace
 

@@ -151,17 +151,10 @@ namespace greville
                         state.velocity_time + trial.velocity_step);
     {
       const PartTimer timer(log, "loads");
-      std::string     message;
-      try
-        {
-          loads.set(state.bodies, state.time);
-        }
-      catch (const std::exception &exception)
-        {
-          message = message_of(exception);
-        }
+      const auto      set = [&]() { loads.set(state.bodies, state.time); };
       if (loads.act_on_points())
-        fail_on_all(message, discretization.communicator(), false);
+        fail_with([&]() { run_on_all(set, discretization.communicator()); },
+                  false);
     }
 
     // Velocity and acceleration come from one solve, unless the stress depends
@@ -244,18 +237,12 @@ namespace greville
         return;
       }
     const PartTimer timer(log, "contact");
-    try
-      {
-        contact->add(trial.new_velocity,
-                     trial.acceleration,
-                     trial.velocity_step,
-                     state.slid);
-      }
-    catch (const std::exception &exception)
-      {
-        // All processes know it.
-        throw StepFailed(message_of(exception));
-      }
+    fail_with([&]() {
+      contact->add(trial.new_velocity,
+                   trial.acceleration,
+                   trial.velocity_step,
+                   state.slid);
+    });
     trial.n_iterations =
       std::max(trial.n_iterations, contact->most_iterations());
     trial.n_all_iterations += contact->n_iterations();
@@ -397,10 +384,10 @@ namespace greville
   Signals
   CentralDifferences<dim>::signals() const
   {
-    const SplineSpace<dim> &space    = discretization.space();
-    double                  rates[3] = {trial.motion.fastest_signal,
-                                        trial.motion.fastest_wave,
-                                        0.};
+    const SplineSpace<dim> &space = discretization.space();
+    std::vector<double>     rates = {trial.motion.fastest_signal,
+                                     trial.motion.fastest_wave,
+                                     0.};
     for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
       if (!consistent || consistent->extension()[i] == Extension<dim>::stable)
         {
@@ -410,14 +397,8 @@ namespace greville
                     space.lattice().cell_size(d);
           rates[2] = std::max(rates[2], rate);
         }
-    Utilities::MPI::max(ArrayView<const double>(rates, 3),
-                        discretization.communicator(),
-                        ArrayView<double>(rates, 3));
-    Signals result;
-    result.fastest       = rates[0];
-    result.wave          = rates[1];
-    result.crossing_rate = rates[2];
-    return result;
+    Utilities::MPI::max(rates, discretization.communicator(), rates);
+    return {rates[0], rates[1], rates[2]};
   }
 
 

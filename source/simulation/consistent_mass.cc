@@ -148,7 +148,7 @@ namespace greville
                                   const std::vector<unsigned char> &more)
   {
     Assert(solver_of_held, ExcMessage("There are no friction walls."));
-    std::vector<unsigned char> all_held = this->for_local_functions(more);
+    std::vector<unsigned char> all_held = with_ghosts(this->space(), more);
     for (unsigned int f = 0; f < all_held.size(); ++f)
       all_held[f] |= this->held[f];
 

@@ -52,7 +52,6 @@ namespace greville
   template <int dim>
   void
   CriticalStep<dim>::choose_unknowns(const GridMass<dim>    &mass,
-                                     const Walls<dim>       &walls,
                                      const HighestMode<dim> &mode)
   {
     const SplineSpace<dim> &space  = mass.space();
@@ -62,25 +61,19 @@ namespace greville
         space.initialize_vector(component);
 
     // Held coefficients stay zero.
-    const double smallest_mass = !mass.is_exact() && space.degree() == 1
-                                   ? 0.01 * lumped.linfty_norm()
-                                   : 0.;
-    VectorType   held;
-    space.initialize_vector(held);
+    const double        smallest_mass = !mass.is_exact() && space.degree() == 1
+                                          ? 0.01 * lumped.linfty_norm()
+                                          : 0.;
     std::vector<double> random;
     start.clear();
-    double squares[2] = {0., 0.}; // of noise and of the last vector
+    std::vector<double> squares(2, 0.); // of noise and of the last vector
     for (unsigned int d = 0; d < dim; ++d)
       {
-        held                      = 0.;
-        const Constraints at_wall = walls.constraints(space, d);
-        for (const auto &line : at_wall.get_lines())
-          held(line.index) = 1.;
         unknowns[d].clear();
         for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
           {
             const double m = lumped.local_element(i);
-            if (!(m > smallest_mass) || held.local_element(i) != 0.)
+            if (!(m > smallest_mass) || ((mass.held_by_walls(i) >> d) & 1))
               continue;
             unknowns[d].push_back(i);
             const double r = noise(space.owned_functions()[i], d);
@@ -92,9 +85,7 @@ namespace greville
             squares[1] += b * b / m;
           }
       }
-    Utilities::MPI::sum(ArrayView<const double>(squares, 2),
-                        space.communicator(),
-                        ArrayView<double>(squares, 2));
+    Utilities::MPI::sum(squares, space.communicator(), squares);
     const double weight = squares[1] > 0. ? noise_part * squares[1] : 1.;
     if (squares[0] > 0.)
       for (std::size_t u = 0; u < start.size(); ++u)
@@ -185,7 +176,6 @@ namespace greville
     PointTransfer<dim>                             &transfer,
     const std::vector<const Body<dim> *>           &all_bodies,
     const std::vector<const MaterialPoints<dim> *> &mass_points,
-    const Walls<dim>                               &walls,
     const StepScheme                               &scheme,
     HighestMode<dim>                               &mode)
   {
@@ -204,7 +194,7 @@ namespace greville
       return std::numeric_limits<double>::infinity();
 
     const MPI_Comm comm = mass.space().communicator();
-    choose_unknowns(mass, walls, mode);
+    choose_unknowns(mass, mode);
     const std::size_t  n      = start.size();
     const double       factor = mass.is_diagonal() ? 1. + scheme.damping
                                                    : std::pow(1. + scheme.damping, 2);

@@ -214,15 +214,7 @@ namespace greville
                              const std::vector<double> &shares)
   {
     const PartTimer timer(log, "solve");
-    try
-      {
-        grid_mass->solve(x, sums, shares);
-      }
-    catch (const std::exception &exception)
-      {
-        // All processes know it.
-        throw StepFailed(message_of(exception));
-      }
+    fail_with([&]() { grid_mass->solve(x, sums, shares); });
     return grid_mass->n_iterations();
   }
 
@@ -233,10 +225,10 @@ namespace greville
   Discretization<dim>::transport_points(
     State<dim> &state, const std::vector<std::vector<unsigned int>> &left_cells)
   {
-    const PartTimer timer(log, "transport");
-    std::string     problem;
-    std::uint64_t   n_points  = 0;
-    std::uint64_t   counts[3] = {0, 0, 0}; // all, free, removed
+    const PartTimer            timer(log, "transport");
+    std::string                problem;
+    std::uint64_t              n_points = 0;
+    std::vector<std::uint64_t> counts(3); // all, free, removed
     for (unsigned int b = 0; b < state.bodies.size(); ++b)
       {
         Body<dim> &body   = state.bodies[b];
@@ -261,9 +253,7 @@ namespace greville
           body.points.defragment();
       }
     state.points_have_changed();
-    Utilities::MPI::sum(ArrayView<const std::uint64_t>(counts, 3),
-                        comm,
-                        ArrayView<std::uint64_t>(counts, 3));
+    Utilities::MPI::sum(counts, comm, counts);
     state.n_free = counts[1];
     state.n_removed += counts[2];
     AssertThrow(counts[0] + state.n_removed == n_points,

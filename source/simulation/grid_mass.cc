@@ -11,28 +11,22 @@ namespace greville
 {
   using namespace dealii;
 
-  namespace
+  template <int dim>
+  std::vector<unsigned char>
+  with_ghosts(const SplineSpace<dim>           &space,
+              const std::vector<unsigned char> &owned)
   {
-    /**
-     * Values of owned functions, for all local ones.
-     */
-    template <int dim>
-    std::vector<unsigned char>
-    with_ghosts(const SplineSpace<dim>           &space,
-                const std::vector<unsigned char> &owned)
-    {
-      VectorType values;
-      space.initialize_vector(values);
-      for (unsigned int i = 0; i < owned.size(); ++i)
-        values.local_element(i) = owned[i];
-      values.update_ghost_values();
-      std::vector<unsigned char> result(space.owned_functions().size() +
-                                        space.ghost_functions().size());
-      for (unsigned int f = 0; f < result.size(); ++f)
-        result[f] = static_cast<unsigned char>(values.local_element(f));
-      return result;
-    }
-  } // namespace
+    VectorType values;
+    space.initialize_vector(values);
+    for (unsigned int i = 0; i < owned.size(); ++i)
+      values.local_element(i) = owned[i];
+    values.update_ghost_values();
+    std::vector<unsigned char> result(space.owned_functions().size() +
+                                      space.ghost_functions().size());
+    for (unsigned int f = 0; f < result.size(); ++f)
+      result[f] = static_cast<unsigned char>(values.local_element(f));
+    return result;
+  }
 
 
 
@@ -43,9 +37,8 @@ namespace greville
                 const unsigned int      component)
   {
     std::vector<unsigned char> held(space.owned_functions().size(), 0);
-    const Constraints          at_walls = walls.constraints(space, component);
-    for (const auto &line : at_walls.get_lines())
-      held[space.partitioner()->global_to_local(line.index)] = 1;
+    for (const unsigned int i : walls.held_functions(space, component))
+      held[i] = 1;
     return with_ghosts(space, held);
   }
 
@@ -74,20 +67,10 @@ namespace greville
 
 
   template <int dim>
-  std::vector<unsigned char>
-  GridMass<dim>::for_local_functions(
-    const std::vector<unsigned char> &owned) const
-  {
-    return with_ghosts(space(), owned);
-  }
-
-
-
-  template <int dim>
   void
   GridMass<dim>::hold(const std::vector<unsigned char> &more)
   {
-    std::vector<unsigned char> now = for_local_functions(more);
+    std::vector<unsigned char> now = with_ghosts(space(), more);
     for (unsigned int f = 0; f < now.size(); ++f)
       now[f] |= wall_held[f];
     const bool has_changed =
@@ -104,14 +87,12 @@ namespace greville
   std::array<bool, dim>
   GridMass<dim>::held_meet_mass() const
   {
-    unsigned int found[dim] = {};
+    std::vector<unsigned int> found(dim, 0);
     for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
       if (held[i] != 0 && lumped_mass.local_element(i) > 0.)
         for (unsigned int c = 0; c < dim; ++c)
           found[c] |= (held[i] >> c) & 1;
-    Utilities::MPI::max(ArrayView<const unsigned int>(found, dim),
-                        space().communicator(),
-                        ArrayView<unsigned int>(found, dim));
+    Utilities::MPI::max(found, space().communicator(), found);
     std::array<bool, dim> result;
     for (unsigned int c = 0; c < dim; ++c)
       result[c] = found[c] != 0;
@@ -203,6 +184,8 @@ namespace greville
 
 
 
+  template decltype(with_ghosts<2>)   with_ghosts<2>;
+  template decltype(with_ghosts<3>)   with_ghosts<3>;
   template decltype(held_at_walls<2>) held_at_walls<2>;
   template decltype(held_at_walls<3>) held_at_walls<3>;
   template class GridMass<2>;

@@ -30,23 +30,6 @@ namespace greville
 
 
     /**
-     * The first of some bodies that has points in a cell.
-     */
-    template <int dim>
-    unsigned int
-    body_at(const unsigned int            cell,
-            const std::vector<Body<dim>> &bodies,
-            const unsigned int            n_bodies)
-    {
-      for (unsigned int b = 0; b < n_bodies; ++b)
-        if (bodies[b].points.n_points(cell) > 0)
-          return b;
-      return 0;
-    }
-
-
-
-    /**
      * Throw where two bodies fill the same cells.
      */
     template <int dim>
@@ -72,17 +55,21 @@ namespace greville
           std::ostringstream message;
           for (unsigned int cell = 0; cell < n_cells; ++cell)
             {
+              const auto is_there = [&](const Body<dim> &body) {
+                return body.points.n_points(cell) > 0;
+              };
               own[cell] = std::min(own[cell], 1.);
               if (own[cell] + before[cell] > 1.5 && message.str().empty())
-                message << "'Body " << bodies[b].name
-                        << "' is in the same place as 'Body "
-                        << bodies[body_at(cell, bodies, b)].name
-                        << "', for instance at ("
-                        << space.lattice().cell_center(
-                             multi_index<dim>(space.owned_cells()[cell],
-                                              space.lattice().n_cells()))
-                        << ") m: the mass would be counted twice. In shapes, "
-                           "difference(a, b) cuts one body out of another.";
+                message
+                  << "'Body " << bodies[b].name
+                  << "' is in the same place as 'Body "
+                  << std::find_if(bodies.begin(), bodies.end(), is_there)->name
+                  << "', for instance at ("
+                  << space.lattice().cell_center(
+                       multi_index<dim>(space.owned_cells()[cell],
+                                        space.lattice().n_cells()))
+                  << ") m: the mass would be counted twice. In shapes, "
+                     "difference(a, b) cuts one body out of another.";
               before[cell] = std::min(own[cell] + before[cell], 1.);
             }
           throw_on_all(message.str(), space.communicator());

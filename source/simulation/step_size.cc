@@ -106,13 +106,8 @@ namespace greville
       mass.hold(std::vector<unsigned char>(
         discretization.space().owned_functions().size(), 0));
     const double last     = estimates.last.empty() ? 0. : estimates.last.back();
-    const double estimate = critical_step.estimate(mass,
-                                                   discretization.transfer(),
-                                                   bodies,
-                                                   summed,
-                                                   discretization.walls(),
-                                                   scheme,
-                                                   estimates.mode);
+    const double estimate = critical_step.estimate(
+      mass, discretization.transfer(), bodies, summed, scheme, estimates.mode);
 
     estimates.last.push_back(estimate);
     const unsigned int n_kept =
@@ -256,8 +251,8 @@ namespace greville
     const AccelerationHistory<dim> &history = state.history;
     if (history.n < 2)
       return false;
-    const VectorType &mass    = discretization.lumped_mass();
-    double            sums[4] = {0., 0., 0., 0.};
+    const VectorType   &mass = discretization.lumped_mass();
+    std::vector<double> sums(4, 0.);
     for (unsigned int d = 0; d < dim; ++d)
       for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
         {
@@ -273,9 +268,7 @@ namespace greville
           sums[2] += m * a2 * a2;
           sums[3] += m / dim;
         }
-    Utilities::MPI::sum(ArrayView<const double>(sums, 4),
-                        discretization.communicator(),
-                        ArrayView<double>(sums, 4));
+    Utilities::MPI::sum(sums, discretization.communicator(), sums);
     const double noise = noise_of_acceleration * state.signals.fastest / dt;
     if (!(sums[2] > noise * noise * sums[3]))
       return false;

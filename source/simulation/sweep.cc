@@ -46,22 +46,17 @@ namespace greville
     std::vector<SweepRow>
     make_rows(const SimulationParameters &parameters)
     {
-      const SweepParameters &sweep   = parameters.sweep;
-      const auto             degrees = sweep.degrees.empty()
-                                         ? std::vector<unsigned int>{parameters.grid.degree}
-                                         : sweep.degrees;
-      const auto             masses  = sweep.masses.empty()
-                                         ? std::vector<std::string>{parameters.scheme.mass}
-                                         : sweep.masses;
-      const auto             quadratures =
-        sweep.quadratures.empty()
-                      ? std::vector<std::string>{parameters.scheme.quadrature}
-                      : sweep.quadratures;
-      const auto        &base = parameters.grid.cells;
-      const unsigned int most = *std::max_element(base.begin(), base.end());
-
-      const auto cells =
-        sweep.cells.empty() ? std::vector<unsigned int>{most} : sweep.cells;
+      const SweepParameters &sweep  = parameters.sweep;
+      const auto             or_one = [](const auto &list, const auto &one) {
+        return list.empty() ? std::decay_t<decltype(list)>{one} : list;
+      };
+      const auto &scheme      = parameters.scheme;
+      const auto  degrees     = or_one(sweep.degrees, parameters.grid.degree);
+      const auto  masses      = or_one(sweep.masses, scheme.mass);
+      const auto  quadratures = or_one(sweep.quadratures, scheme.quadrature);
+      const auto &base        = parameters.grid.cells;
+      const unsigned int    most  = *std::max_element(base.begin(), base.end());
+      const auto            cells = or_one(sweep.cells, most);
       std::vector<SweepRow> rows;
       for (const std::string &mass : masses)
         for (const std::string &quadrature : quadratures)

@@ -102,31 +102,16 @@ namespace greville
 
 
   template <int dim>
-  Constraints
-  Walls<dim>::constraints(const SplineSpace<dim> &space,
-                          const unsigned int      component) const
+  std::vector<unsigned int>
+  Walls<dim>::held_functions(const SplineSpace<dim> &space,
+                             const unsigned int      component) const
   {
-    Constraints result;
-    result.reinit(space.locally_owned_dofs());
-    const auto first = space.partitioner()->local_range().first;
+    std::vector<unsigned int> result;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       if (holds(w, component))
         for (const unsigned int i : coefficients_at(space, w))
-          result.add_line(first + i);
-    result.close();
+          result.push_back(i);
     return result;
-  }
-
-
-
-  template <int dim>
-  bool
-  Walls<dim>::hold_the_same(const unsigned int a, const unsigned int b) const
-  {
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      if (holds(w, a) != holds(w, b))
-        return false;
-    return true;
   }
 
 

@@ -102,12 +102,6 @@ namespace greville
     unsigned int
     first(const std::string &name) const;
 
-    const std::vector<PointField> &
-    fields() const
-    {
-      return all_fields;
-    }
-
     unsigned int n_state = 0;
     /// Number of doubles of a point.
     unsigned int size = n_fixed;

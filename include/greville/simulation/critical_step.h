@@ -99,7 +99,6 @@ namespace greville
              PointTransfer<dim>                             &transfer,
              const std::vector<const Body<dim> *>           &bodies,
              const std::vector<const MaterialPoints<dim> *> &mass_points,
-             const Walls<dim>                               &walls,
              const StepScheme                               &scheme,
              HighestMode<dim>                               &mode);
 
@@ -108,9 +107,7 @@ namespace greville
      * The functions that take part, and the force to begin with.
      */
     void
-    choose_unknowns(const GridMass<dim>    &mass,
-                    const Walls<dim>       &walls,
-                    const HighestMode<dim> &mode);
+    choose_unknowns(const GridMass<dim> &mass, const HighestMode<dim> &mode);
 
     void
     read_field(std::vector<double>    &values,

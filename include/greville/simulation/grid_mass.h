@@ -165,12 +165,6 @@ namespace greville
              const Walls<dim>              &walls);
 
     /**
-     * Collective. Bits of owned functions, for all local ones.
-     */
-    std::vector<unsigned char>
-    for_local_functions(const std::vector<unsigned char> &owned) const;
-
-    /**
      * What held_components() are has changed. Collective.
      */
     virtual void
@@ -200,6 +194,14 @@ namespace greville
   };
 
 
+
+  /**
+   * Collective. Values of owned functions, for all local ones.
+   */
+  template <int dim>
+  std::vector<unsigned char>
+  with_ghosts(const SplineSpace<dim>           &space,
+              const std::vector<unsigned char> &owned);
 
   /**
    * Collective. The local functions of a space that walls hold in a component:

@@ -3,7 +3,7 @@
 #ifndef greville_simulation_step_errors_h
 #define greville_simulation_step_errors_h
 
-#include <deal.II/base/mpi.h>
+#include <greville/base/errors.h>
 
 #include <stdexcept>
 #include <string>
@@ -41,13 +41,32 @@ namespace greville
   };
 
   /**
+   * Collective. Call an action, which throws on all processes or on none, and
+   * throw StepFailed with its message.
+   */
+  template <typename Action>
+  void
+  fail_with(const Action &action, const bool by_materials = true)
+  {
+    try
+      {
+        action();
+      }
+    catch (const std::exception &exception)
+      {
+        throw StepFailed(message_of(exception), by_materials);
+      }
+  }
+
+  /**
    * Collective. Throw StepFailed on all processes, with the message of the
    * first process whose @p message is not empty, if there is one.
    */
-  void
-  fail_on_all(const std::string &message,
-              const MPI_Comm     comm,
-              const bool         by_materials = true);
+  inline void
+  fail_on_all(const std::string &message, const MPI_Comm comm)
+  {
+    fail_with([&]() { throw_on_all(message, comm); });
+  }
 } // namespace greville
 
 #endif

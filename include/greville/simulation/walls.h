@@ -3,16 +3,12 @@
 #ifndef greville_simulation_walls_h
 #define greville_simulation_walls_h
 
-#include <deal.II/lac/affine_constraints.h>
-
 #include <greville/base/expression.h>
 #include <greville/particles/point_transfer.h>
 #include <greville/simulation/parameters.h>
 
 namespace greville
 {
-  using Constraints = dealii::AffineConstraints<double>;
-
   /**
    * The walls of the grid. On open knot vectors only the functions of the first
    * or last index of a direction do not vanish at a wall, and the value there
@@ -53,18 +49,12 @@ namespace greville
     check_paths(const SplineSpace<dim> &space, const double end) const;
 
     /**
-     * The owned coefficients of component @p component that are held, for any
-     * space.
+     * Local numbers of the owned coefficients of a component that are held, for
+     * any space. May have some twice.
      */
-    Constraints
-    constraints(const SplineSpace<dim> &space,
-                const unsigned int      component) const;
-
-    /**
-     * Whether two components have the same constraints().
-     */
-    bool
-    hold_the_same(const unsigned int a, const unsigned int b) const;
+    std::vector<unsigned int>
+    held_functions(const SplineSpace<dim> &space,
+                   const unsigned int      component) const;
 
     /**
      * Whether there are moving walls.
