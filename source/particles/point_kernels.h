@@ -120,19 +120,6 @@ namespace greville
 
 
     /**
-     * Call kernel(std::integral_constant<int, p + 1>()) for the order p of a
-     * space.
-     */
-    template <typename Kernel>
-    void
-    with_order(const unsigned int degree, const Kernel &kernel)
-    {
-      with_one_of<2, 3, 4, 5, 6>(degree + 1, kernel);
-    }
-
-
-
-    /**
      * Copy a vector with its ghost entries into a buffer of @p n_fields numbers
      * per function.
      */
