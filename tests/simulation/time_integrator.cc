@@ -39,14 +39,16 @@ namespace
         velocity[d].add(dt, acceleration[d]);
 
       PointUpdate<dim> update;
-      update.acceleration  = &acceleration;
-      update.velocity      = &velocity;
-      update.deformation   = &velocity;
-      update.move          = true;
-      update.step          = dt;
-      update.velocity_step = dt;
-      const PointMotion motion =
-        update_points(state.bodies, discretization.transfer(), update);
+      update.acceleration      = &acceleration;
+      update.velocity          = &velocity;
+      update.deformation       = &velocity;
+      update.move              = true;
+      update.step              = dt;
+      update.velocity_step     = dt;
+      const PointMotion motion = update_points(state.bodies,
+                                               discretization.transfer(),
+                                               update,
+                                               state.time + dt);
       const std::string problem =
         discretization.transport_points(state, motion.left_cells);
       fail_on_all(motion.problem + problem, discretization.communicator());
