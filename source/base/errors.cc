@@ -86,13 +86,23 @@ namespace greville
 
 
 
+  std::string
+  first_of_all(const std::string &message, const MPI_Comm comm)
+  {
+    if (Utilities::MPI::max(int(!message.empty()), comm) > 0)
+      for (const std::string &m : Utilities::MPI::all_gather(comm, message))
+        if (!m.empty())
+          return m;
+    return "";
+  }
+
+
+
   void
   throw_on_all(const std::string &message, const MPI_Comm comm)
   {
-    if (Utilities::MPI::max(int(!message.empty()), comm) == 0)
-      return;
-    for (const std::string &m : Utilities::MPI::all_gather(comm, message))
-      AssertThrow(m.empty(), ExcMessage(m));
+    const std::string first = first_of_all(message, comm);
+    AssertThrow(first.empty(), ExcMessage(first));
   }
 
 

@@ -63,15 +63,9 @@ namespace greville
                            VectorType        &x,
                            const unsigned int width) const
   {
-    x.update_ghost_values();
-    this->expand(x.begin(), width);
-    this->zero_held(this->place_x.data(), width);
-    points_mass.vmult(this->place_y.data(), this->place_x.data(), width);
-    this->zero_held(this->place_y.data(), width);
-    this->collect(y.begin(), width);
-    y.compress(VectorOperation::add);
-    this->zero_held_unknowns(y, width);
-    x.zero_out_ghost_values();
+    this->multiply(y, x, width, [&](double *to, const double *from) {
+      points_mass.vmult(to, from, width);
+    });
   }
 
 
@@ -137,7 +131,8 @@ namespace greville
   template <int dim>
   void
   ExtendedMass<dim>::multiply_field(VectorField<dim>       &rows,
-                                    const VectorField<dim> &field) const
+                                    const VectorField<dim> &field,
+                                    const bool              without_held) const
   {
     VectorType y;
     this->initialize_vector(y, 1);
@@ -145,6 +140,10 @@ namespace greville
       {
         this->to_places(field[c]);
         points_mass.vmult(this->place_y.data(), this->place_x.data(), 1);
+        if (without_held)
+          for (const auto &[place, components] : this->held_places)
+            if ((components >> c) & 1)
+              this->place_y[place] = 0.;
         this->collect(y.begin(), 1);
         y.compress(VectorOperation::add);
         rows[c] = 0.;

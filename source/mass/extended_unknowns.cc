@@ -375,23 +375,48 @@ namespace greville
 
   template <int dim>
   void
+  ExtendedUnknowns<dim>::multiply(
+    VectorType                                          &y,
+    VectorType                                          &x,
+    const unsigned int                                   width,
+    const std::function<void(double *, const double *)> &product) const
+  {
+    x.update_ghost_values();
+    expand(x.begin(), width);
+    zero_held(place_x.data(), width);
+    product(place_y.data(), place_x.data());
+    zero_held(place_y.data(), width);
+    collect(y.begin(), width);
+    y.compress(VectorOperation::add);
+    zero_held_unknowns(y, width);
+    x.zero_out_ghost_values();
+  }
+
+
+
+  template <int dim>
+  void
   ExtendedUnknowns<dim>::restrict_columns(
     VectorType                            &rows,
     const std::vector<const VectorType *> &columns,
-    const unsigned int                     width) const
+    const unsigned int                     width,
+    const unsigned int                     component) const
   {
     for_each_active(held_functions.size(),
                     [&](const unsigned int f, const std::size_t place) {
                       for (unsigned int c = 0; c < columns.size(); ++c)
                         place_y[place * width + c] =
-                          f < n_owned_functions() && !is_held(f, c)
+                          f < n_owned_functions() && !is_held(f, component + c)
                             ? columns[c]->local_element(f)
                             : 0.;
                     });
     rows = 0.;
     collect(rows.begin(), width);
     rows.compress(VectorOperation::add);
-    zero_held_unknowns(rows, width);
+    for (unsigned int u = 0; u < n_owned; ++u)
+      for (unsigned int c = 0; c < columns.size(); ++c)
+        if (is_held(owned_unknown_functions[u], component + c))
+          rows.local_element(u * width + c) = 0.;
   }
 
 
@@ -400,14 +425,15 @@ namespace greville
   void
   ExtendedUnknowns<dim>::write_columns(const std::vector<VectorType *> &columns,
                                        VectorType                      &x,
-                                       const unsigned int width) const
+                                       const unsigned int               width,
+                                       const unsigned int component) const
   {
     x.update_ghost_values();
     expand(x.begin(), width);
     x.zero_out_ghost_values();
     for (unsigned int f = 0; f < n_owned_functions(); ++f)
       for (unsigned int c = 0; c < columns.size(); ++c)
-        if (!is_held(f, c))
+        if (!is_held(f, component + c))
           columns[c]->local_element(f) =
             (*extension)[f] == Extension<dim>::inactive
               ? 0.

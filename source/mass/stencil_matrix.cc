@@ -226,6 +226,15 @@ namespace greville
 
   template <int dim>
   void
+  StencilMatrix<dim>::lump()
+  {
+    for_each_row([&](const unsigned int i) { decouple(i); });
+  }
+
+
+
+  template <int dim>
+  void
   StencilMatrix<dim>::vmult(double            *y,
                             const double      *x,
                             const unsigned int width) const

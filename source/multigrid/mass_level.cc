@@ -153,7 +153,7 @@ namespace greville
 
   template <int dim>
   void
-  MassLevel<dim>::distribute(VectorType &x) const
+  MassLevel<dim>::distribute(VectorType &x, const unsigned int) const
   {
     // Coefficients without mass take part in transfers with unit weights, which
     // keep constants so.
@@ -168,7 +168,7 @@ namespace greville
 
   template <int dim>
   void
-  MassLevel<dim>::condense(VectorType &x) const
+  MassLevel<dim>::condense(VectorType &x, const unsigned int) const
   {
     if (!is_extended())
       return;

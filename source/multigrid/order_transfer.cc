@@ -101,16 +101,19 @@ namespace greville
   void
   OrderTransfer<dim>::prolongate_component(const unsigned int to_level,
                                            VectorType        &dst,
-                                           const VectorType  &src) const
+                                           const VectorType  &src,
+                                           const unsigned int component) const
   {
     const Step &step = steps[to_level - 1];
     step.coarse      = src;
-    step.coarse_level->distribute(step.coarse);
+    step.coarse_level->distribute(step.coarse, component);
     step.cross.vmult(dst, step.coarse);
     if (prolongation == "exact-l2")
       inverses[to_level]->vmult(dst, dst);
-    else
+    else if (prolongation == "lumped-l2")
       dst.scale(step.inverse_row_sums);
+    else
+      step.fine_level->condense(dst, component);
   }
 
 
@@ -119,7 +122,8 @@ namespace greville
   void
   OrderTransfer<dim>::restrict_component(const unsigned int from_level,
                                          VectorType        &dst,
-                                         const VectorType  &src) const
+                                         const VectorType  &src,
+                                         const unsigned int component) const
   {
     const Step &step = steps[from_level - 1];
     step.fine        = src;
@@ -127,13 +131,15 @@ namespace greville
       {
         if (prolongation == "exact-l2")
           inverses[from_level]->vmult(step.fine, step.fine);
-        else
+        else if (prolongation == "lumped-l2")
           step.fine.scale(step.inverse_row_sums);
+        else
+          step.fine_level->distribute(step.fine, component);
         step.cross.Tvmult(dst, step.fine);
-        step.coarse_level->condense(dst);
+        step.coarse_level->condense(dst, component);
         return;
       }
-    step.fine_level->distribute(step.fine);
+    step.fine_level->distribute(step.fine, component);
     step.cross.Tvmult(dst, step.fine);
     if (restriction == "exact-l2")
       inverses[from_level - 1]->vmult(dst, dst);
@@ -155,9 +161,13 @@ namespace greville
                         src,
                         step.fine,
                         step.from_coarse,
-                        [&](VectorType &to, const VectorType &from) {
-                          prolongate_component(to_level, to, from);
+                        [&](VectorType        &to,
+                            const VectorType  &from,
+                            const unsigned int component) {
+                          prolongate_component(to_level, to, from, component);
                         });
+    if (prolongation == "ic0-l2")
+      step.fine_level->apply_inverse_mass(dst);
   }
 
 
@@ -168,14 +178,23 @@ namespace greville
                                        VectorType        &dst,
                                        const VectorType  &src) const
   {
-    const Step &step = steps[from_level - 1];
+    const Step       &step = steps[from_level - 1];
+    const VectorType *from = &src;
+    if (prolongation == "ic0-l2" && restriction == "transpose")
+      {
+        step.fine_sum = src;
+        step.fine_level->apply_inverse_mass(step.fine_sum);
+        from = &step.fine_sum;
+      }
     apply_by_components(step.fine_level->n_components(),
                         step.coarse_sum,
-                        src,
+                        *from,
                         step.coarse,
                         step.from_fine,
-                        [&](VectorType &to, const VectorType &from) {
-                          restrict_component(from_level, to, from);
+                        [&](VectorType        &to,
+                            const VectorType  &x,
+                            const unsigned int component) {
+                          restrict_component(from_level, to, x, component);
                         });
     dst += step.coarse_sum;
   }

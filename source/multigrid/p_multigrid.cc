@@ -5,9 +5,32 @@
 
 #include <greville/multigrid/p_multigrid.h>
 
+#include <map>
+
 namespace greville
 {
   using namespace dealii;
+
+  namespace
+  {
+    /**
+     * Coarse preconditioners on the entries of all components, as options of
+     * PETSc.
+     */
+    const std::map<std::string, std::string> &
+    algebraic_options()
+    {
+      static const std::map<std::string, std::string> options = {
+        {"gamg", "-pc_type gamg -pc_gamg_square_graph 0"},
+        {"boomeramg",
+         "-pc_type hypre -pc_hypre_type boomeramg "
+         "-pc_hypre_boomeramg_strong_threshold 0.5"},
+        {"direct", "-pc_type lu -pc_factor_mat_solver_type mumps"}};
+      return options;
+    }
+  } // namespace
+
+
 
   void
   PMultigridParameters::declare(ParameterHandler &prm)
@@ -26,7 +49,8 @@ namespace greville
       "Prolongation",
       prolongation,
       "From an order to the next higher one: L2 projection with the lumped "
-      "mass matrix, or with the exact one (1D banded solves).",
+      "mass matrix, with the exact one (1D banded solves), or with one "
+      "solve by IC(0) of the mass matrix.",
       Patterns::Selection(OrderTransfer<2>::prolongations()));
     prm.add_parameter("Restriction",
                       restriction,
@@ -57,7 +81,8 @@ namespace greville
       "Coarse tolerance",
       coarse_tolerance,
       "Relative residual of the conjugate gradients at p = 1. Where p = 1 is "
-      "the only level, the solver's tolerance applies. Unit: none.",
+      "the only level, the solver's tolerance applies. 1: the coarse "
+      "preconditioner is applied once. Unit: none.",
       Patterns::Double(0., 1.));
     prm.add_parameter("Coarse maximum iterations",
                       coarse_max_iterations,
@@ -67,7 +92,8 @@ namespace greville
     prm.add_parameter("Coarse preconditioner",
                       coarse_preconditioner,
                       "Preconditioner of the conjugate gradients at p = 1.",
-                      Patterns::Selection("none|jacobi|tensor-product"));
+                      Patterns::Selection(
+                        "none|jacobi|tensor-product|gamg|boomeramg|direct"));
   }
 
 
@@ -104,7 +130,20 @@ namespace greville
                                             *levels[l],
                                             is_symmetric);
       }
-    if (has_coarse && parameters.coarse_preconditioner != "none")
+    const auto algebraic =
+      algebraic_options().find(parameters.coarse_preconditioner);
+    if (has_coarse && algebraic != algebraic_options().end())
+      {
+        coarse_preconditioner =
+          levels[0]->petsc_preconditioner(algebraic->second);
+        AssertThrow(coarse_preconditioner,
+                    ExcMessage("The parameter 'Coarse preconditioner' is <" +
+                               algebraic->first +
+                               ">, which is for operators of implicit "
+                               "steps; a mass matrix takes none, jacobi or "
+                               "tensor-product."));
+      }
+    else if (has_coarse && parameters.coarse_preconditioner != "none")
       coarse_preconditioner =
         make_smoother<dim>(parameters.coarse_preconditioner,
                            smoother_parameters,
@@ -191,6 +230,11 @@ namespace greville
     const double start = b[0].l2_norm();
     if (start == 0. || !std::isfinite(start))
       return;
+    if (coarse_tolerance >= 1. && coarse_preconditioner)
+      {
+        coarse_preconditioner->vmult(x[0], b[0]);
+        return;
+      }
     // Too few iterations make a worse correction, not an error.
     IterationNumberControl control(parameters.coarse_max_iterations,
                                    coarse_tolerance * start);

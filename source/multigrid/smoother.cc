@@ -67,15 +67,18 @@ namespace greville
       "jacobi: the factor omega in units of 1 / lambda_max(D^-1 M), which is "
       "estimated; below 2 for convergence. Unit: none.",
       Patterns::Double(0.));
-    prm.add_parameter("Chebyshev degree",
-                      chebyshev_degree,
-                      "chebyshev: degree of the polynomial. Unit: none.",
-                      Patterns::Integer(1, 100));
-    prm.add_parameter("Chebyshev range",
-                      chebyshev_range,
-                      "chebyshev: eigenvalues of D^-1 M between lambda_max / "
-                      "range and lambda_max are smoothed. Unit: none.",
-                      Patterns::Double(1.));
+    prm.add_parameter(
+      "Chebyshev degree",
+      chebyshev_degree,
+      "chebyshev, chebyshev-ic0: degree of the polynomial. Unit: none.",
+      Patterns::Integer(1, 100));
+    prm.add_parameter(
+      "Chebyshev range",
+      chebyshev_range,
+      "chebyshev, chebyshev-ic0: eigenvalues of D^-1 M (of the IC(0) in place "
+      "of D) between lambda_max / range and lambda_max are smoothed. Unit: "
+      "none.",
+      Patterns::Double(1.));
     prm.add_parameter(
       "PETSc options",
       petsc_options,
@@ -146,20 +149,44 @@ namespace greville
 
 
 
+    /**
+     * The inverse of the diagonal.
+     */
+    template <int dim>
+    std::shared_ptr<Preconditioner>
+    make_diagonal(const LevelOperator<dim> &level)
+    {
+      return std::make_shared<DiagonalPreconditioner>(level.diagonal());
+    }
+
+
+
+    /**
+     * A factorization of one component for all of them: that of the level, or
+     * IC(0) of its matrix.
+     */
+    template <int dim>
+    std::unique_ptr<Preconditioner>
+    make_factorization(const SmootherParameters &p,
+                       const LevelOperator<dim> &level,
+                       const bool                symmetric);
+
+
+
     template <int dim>
     class ChebyshevSmoother : public Preconditioner
     {
     public:
-      ChebyshevSmoother(const LevelOperator<dim> &level,
-                        const SmootherParameters &parameters)
+      ChebyshevSmoother(const LevelOperator<dim>              &level,
+                        const SmootherParameters              &parameters,
+                        const std::shared_ptr<Preconditioner> &inner)
         : matrix(level)
       {
         typename Chebyshev::AdditionalData data;
         data.degree              = parameters.chebyshev_degree;
         data.smoothing_range     = parameters.chebyshev_range;
         data.eig_cg_n_iterations = 15;
-        data.preconditioner =
-          std::make_shared<DiagonalPreconditioner>(level.diagonal());
+        data.preconditioner      = inner;
         chebyshev.initialize(matrix, data);
         VectorType vector;
         initialize_vector(vector, level);
@@ -192,7 +219,7 @@ namespace greville
       };
 
       using Chebyshev =
-        PreconditionChebyshev<Matrix, VectorType, DiagonalPreconditioner>;
+        PreconditionChebyshev<Matrix, VectorType, Preconditioner>;
       Matrix    matrix;
       Chebyshev chebyshev;
     };
@@ -268,7 +295,9 @@ namespace greville
                             src,
                             to,
                             from,
-                            [&](VectorType &y, const VectorType &x) {
+                            [&](VectorType       &y,
+                                const VectorType &x,
+                                const unsigned int) {
                               (*smoother.*action)(y, x);
                             });
       }
@@ -304,6 +333,25 @@ namespace greville
 
 
     template <int dim>
+    std::unique_ptr<Preconditioner>
+    make_factorization(const SmootherParameters &p,
+                       const LevelOperator<dim> &level,
+                       const bool                symmetric)
+    {
+      if (auto factorization = level.factorization(p.shift))
+        return factorization;
+      auto one =
+        schwarz_with<dim>([](const Mat m, const SmootherParameters &q) {
+          return make_ic0(m, q.shift);
+        })(p, level, symmetric);
+      if (level.n_components() == 1)
+        return one;
+      return std::make_unique<SmootherByComponents<dim>>(std::move(one), level);
+    }
+
+
+
+    template <int dim>
     struct Entry
     {
       std::string       name;
@@ -327,7 +375,7 @@ namespace greville
         return make_ilut(m, p.drop_tolerance, p.fill_factor);
       };
       const auto ilu0 = [](const Mat m, P p) { return make_ilu0(m, p.shift); };
-      const auto ic0  = [](const Mat m, P p) { return make_ic0(m, p.shift); };
+      const auto ic0  = make_factorization<dim>;
       const auto jacobi = [](P p, L level, const bool) {
         return std::make_unique<JacobiSmoother<dim>>(level, p.damping);
       };
@@ -339,26 +387,35 @@ namespace greville
           level.matrix(), "-pc_type sor -pc_sor_local_symmetric");
       };
       const auto chebyshev = [](P p, L level, const bool) {
-        return std::make_unique<ChebyshevSmoother<dim>>(level, p);
+        return std::make_unique<ChebyshevSmoother<dim>>(
+          level, p, make_diagonal<dim>(level));
+      };
+      const auto chebyshev_ic0 = [](P p, L level, const bool symmetric) {
+        return std::make_unique<ChebyshevSmoother<dim>>(
+          level, p, make_factorization<dim>(p, level, symmetric));
       };
       const auto tensor_product = [](P, L level, const bool) {
         return std::make_unique<TensorProductPreconditioner<dim>>(
           level.space(), level.diagonal(), level.inactive());
       };
-      const auto petsc = [](P p, L level, const bool) {
+      const auto petsc =
+        [](P p, L level, const bool) -> std::unique_ptr<Preconditioner> {
+        if (auto whole = level.petsc_preconditioner(p.petsc_options))
+          return whole;
         return std::make_unique<PetscPreconditioner>(level.matrix(),
                                                      p.petsc_options);
       };
       static std::vector<Entry<dim>> list = {
         {"ilut", true, true, schwarz_with<dim>(ilut)},
         {"ilu0", true, true, schwarz_with<dim>(ilu0)},
-        {"ic0", true, true, schwarz_with<dim>(ic0)},
+        {"ic0", true, false, ic0},
         {"jacobi", false, false, jacobi},
         {"gauss-seidel", true, true, gauss_seidel},
         {"symmetric-gauss-seidel", true, true, symmetric_gauss_seidel},
         {"chebyshev", false, false, chebyshev},
+        {"chebyshev-ic0", true, false, chebyshev_ic0},
         {"tensor-product", false, true, tensor_product},
-        {"petsc", true, true, petsc}};
+        {"petsc", true, false, petsc}};
       return list;
     }
 

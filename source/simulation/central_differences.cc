@@ -63,15 +63,10 @@ namespace greville
   CentralDifferences<dim>::flip_share(const State<dim> &state,
                                       const double      velocity_step) const
   {
-    const SchemeParameters &scheme = parameters.scheme;
-    if (scheme.transfer == "PIC" || scheme.flip == 0.)
-      return 0.;
-    if (scheme.flip == 1.)
-      return 1.;
-    const double time = scheme.flip_time > 0.
-                          ? scheme.flip_time
-                          : discretization.cell_size() / state.first_signal;
-    return std::pow(scheme.flip, velocity_step / time);
+    return greville::flip_share(parameters.scheme,
+                                discretization.cell_size(),
+                                state.first_signal,
+                                velocity_step);
   }
 
 

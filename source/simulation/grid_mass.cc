@@ -45,6 +45,25 @@ namespace greville
 
 
   template <int dim>
+  std::vector<unsigned char>
+  held_components_at_walls(const SplineSpace<dim> &space,
+                           const Walls<dim>       &walls)
+  {
+    std::vector<unsigned char> bits(space.owned_functions().size() +
+                                      space.ghost_functions().size(),
+                                    0);
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        const auto held = held_at_walls(space, walls, c);
+        for (unsigned int f = 0; f < bits.size(); ++f)
+          bits[f] |= held[f] << c;
+      }
+    return bits;
+  }
+
+
+
+  template <int dim>
   GridMass<dim>::GridMass(const unsigned int             degree,
                           DistributedTriangulation<dim> &triangulation,
                           const std::string             &coarsening,
@@ -52,15 +71,7 @@ namespace greville
     : orders(triangulation, degree, coarsening)
   {
     space().initialize_vector(lumped_mass);
-    held.assign(space().owned_functions().size() +
-                  space().ghost_functions().size(),
-                0);
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        const auto at_walls = held_at_walls(space(), walls, c);
-        for (unsigned int f = 0; f < held.size(); ++f)
-          held[f] |= at_walls[f] << c;
-      }
+    held      = held_components_at_walls(space(), walls);
     wall_held = held;
   }
 
@@ -184,10 +195,12 @@ namespace greville
 
 
 
-  template decltype(with_ghosts<2>)   with_ghosts<2>;
-  template decltype(with_ghosts<3>)   with_ghosts<3>;
-  template decltype(held_at_walls<2>) held_at_walls<2>;
-  template decltype(held_at_walls<3>) held_at_walls<3>;
+  template decltype(with_ghosts<2>)              with_ghosts<2>;
+  template decltype(with_ghosts<3>)              with_ghosts<3>;
+  template decltype(held_at_walls<2>)            held_at_walls<2>;
+  template decltype(held_components_at_walls<2>) held_components_at_walls<2>;
+  template decltype(held_components_at_walls<3>) held_components_at_walls<3>;
+  template decltype(held_at_walls<3>)            held_at_walls<3>;
   template class GridMass<2>;
   template class GridMass<3>;
   template decltype(make_grid_mass<2>) make_grid_mass<2>;

@@ -107,9 +107,8 @@ namespace greville
 
   template <int dim>
   void
-  Loads<dim>::set(std::vector<Body<dim>> &bodies, const double t)
+  Loads<dim>::clear(std::vector<Body<dim>> &bodies) const
   {
-    largest = 0.;
     if (!act_on_points())
       return;
     for (Body<dim> &body : bodies)
@@ -119,6 +118,22 @@ namespace greville
           for (unsigned int d = 0; d < dim; ++d)
             p[first + d] = 0.;
         });
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Loads<dim>::set(std::vector<Body<dim>> &bodies, const double t)
+  {
+    largest = 0.;
+    if (!act_on_points())
+      return;
+    clear(bodies);
+    for (Body<dim> &body : bodies)
+      {
+        const unsigned int first = body.points.layout().first("load");
         for (const auto &load : point_loads)
           load->add_acceleration(body.points, first, t);
         body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {

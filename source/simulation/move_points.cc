@@ -57,6 +57,22 @@ namespace greville
 
 
 
+  double
+  flip_share(const SchemeParameters &scheme,
+             const double            h,
+             const double            signal,
+             const double            dt)
+  {
+    if (scheme.transfer == "PIC" || scheme.flip == 0.)
+      return 0.;
+    if (scheme.flip == 1.)
+      return 1.;
+    const double time = scheme.flip_time > 0. ? scheme.flip_time : h / signal;
+    return std::pow(scheme.flip, dt / time);
+  }
+
+
+
   template <int dim>
   void
   impose_velocities(std::vector<Body<dim>> &bodies, const double t)

@@ -250,6 +250,11 @@ namespace greville
     declare_section(prm, "Solver", solver);
     declare_section(prm, "p-multigrid", multigrid);
     declare_section(prm, "Smoother", smoother);
+    declare_section(prm, "Implicit", implicit);
+    declare_section(prm, "Newton", newton);
+    declare_section(prm, "Implicit solver", implicit_solver);
+    declare_section(prm, "Implicit p-multigrid", implicit_solver.multigrid);
+    declare_section(prm, "Implicit smoother", implicit_solver.smoother);
     for (auto &body : bodies)
       declare_section(prm, "Body " + body.first, body.second);
     for (auto &traction : tractions)

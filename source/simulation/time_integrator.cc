@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/simulation/central_differences.h>
+#include <greville/simulation/implicit_steps.h>
 #include <greville/simulation/time_integrator.h>
 
 #include <utility>
@@ -23,6 +24,15 @@ namespace greville
               }};
     }
 
+    template <int dim>
+    Entry<dim>
+    implicit_steps(const std::string &name)
+    {
+      return {name, [name](const IntegratorParts<dim> &parts) {
+                return std::make_unique<ImplicitSteps<dim>>(name, parts);
+              }};
+    }
+
     // All integrators, one line each.
     template <int dim>
     std::vector<Entry<dim>> &
@@ -31,7 +41,12 @@ namespace greville
       static std::vector<Entry<dim>> list = {
         central_differences<dim>("USL", StressUpdate::USL),
         central_differences<dim>("USF", StressUpdate::USF),
-        central_differences<dim>("MUSL", StressUpdate::MUSL)};
+        central_differences<dim>("MUSL", StressUpdate::MUSL),
+        implicit_steps<dim>("quasi-static"),
+        implicit_steps<dim>("backward-euler"),
+        implicit_steps<dim>("newmark"),
+        implicit_steps<dim>("generalized-alpha"),
+        implicit_steps<dim>("implicit-midpoint")};
       return list;
     }
   } // namespace

@@ -63,14 +63,20 @@ namespace
     void
     vmult(VectorType &dst, const VectorType &src) const override
     {
-      apply_by_components(
-        n_fields, dst, src, to, from, [&](VectorType &y, const VectorType &x) {
-          view_src.with(x.begin(), [&](Vec in) {
-            view_dst.with(y.begin(), [&](Vec out) {
-              check_petsc(MatMult(entries.get(), in, out));
-            });
-          });
-        });
+      apply_by_components(n_fields,
+                          dst,
+                          src,
+                          to,
+                          from,
+                          [&](VectorType       &y,
+                              const VectorType &x,
+                              const unsigned int) {
+                            view_src.with(x.begin(), [&](Vec in) {
+                              view_dst.with(y.begin(), [&](Vec out) {
+                                check_petsc(MatMult(entries.get(), in, out));
+                              });
+                            });
+                          });
     }
 
     const VectorType &

@@ -40,6 +40,13 @@ namespace greville
   did_you_mean(const std::string &word, const std::vector<std::string> &known);
 
   /**
+   * Collective. The message of the first process whose @p message is not empty,
+   * or an empty one.
+   */
+  std::string
+  first_of_all(const std::string &message, const MPI_Comm comm);
+
+  /**
    * Collective. Throw dealii::ExcMessage on all processes with the message of
    * the first process whose @p message is not empty, if there is one. Without
    * it an error of a single process leaves the others waiting.

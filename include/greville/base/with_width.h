@@ -30,7 +30,7 @@ namespace greville
   void
   with_width(const unsigned int width, const Action &action)
   {
-    const bool is_known = with_one_of<1, 2, 4, 8>(width, action);
+    const bool is_known = with_one_of<1, 2, 3, 4, 8>(width, action);
     Assert(is_known, dealii::ExcInternalError());
     (void)is_known;
   }

@@ -86,10 +86,13 @@ namespace greville
 
     /**
      * rows = E^T M~ field, component by component, at the functions of the
-     * owned unknowns and whatever is held; zero elsewhere.
+     * owned unknowns; zero elsewhere. Whatever is held, too, gives to them
+     * unless they are to be @p without_held, as the rows of A are.
      */
     void
-    multiply_field(VectorField<dim> &rows, const VectorField<dim> &field) const;
+    multiply_field(VectorField<dim>       &rows,
+                   const VectorField<dim> &field,
+                   const bool              without_held = false) const;
 
     /**
      * rows = M~ field at the functions that are held, extended ones too; zero

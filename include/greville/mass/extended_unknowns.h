@@ -9,6 +9,7 @@
 #include <greville/spline/extension.h>
 
 #include <array>
+#include <functional>
 
 namespace greville
 {
@@ -140,13 +141,44 @@ namespace greville
     }
 
     /**
-     * Collective. rows = E^T b for @p columns b of the space, of component 0,
-     * 1, ..., dim - 1, 0, ...
+     * y = E^T B E x, of @p width columns, for a matrix B between the places:
+     * @p product(y, x) gives y = B x. Held entries give and get zero. Ghost
+     * entries of x are updated.
+     */
+    void
+    multiply(
+      VectorType                                          &y,
+      VectorType                                          &x,
+      const unsigned int                                   width,
+      const std::function<void(double *, const double *)> &product) const;
+
+    /**
+     * Call visit(u, E_iu) for the unknowns u of the row of E of the function at
+     * place @p i.
+     */
+    template <typename Visit>
+    void
+    for_each_unknown(const unsigned int i, const Visit &visit) const
+    {
+      const int role = roles[i];
+      if (role > 0)
+        visit(unsigned(role - 1), 1.);
+      else if (role < 0)
+        for (std::size_t e = extended_begin[-role - 1];
+             e < extended_begin[-role];
+             ++e)
+          visit(extended_entries[e].unknown, extended_entries[e].weight);
+    }
+
+    /**
+     * Collective. rows = E^T b for @p columns b of the space, of the
+     * @p component and those that follow it: ..., dim - 1, 0, ...
      */
     void
     restrict_columns(VectorType                            &rows,
                      const std::vector<const VectorType *> &columns,
-                     const unsigned int                     width) const;
+                     const unsigned int                     width,
+                     const unsigned int component = 0) const;
 
     /**
      * Collective. @p columns = E x for the owned functions of the space, where
@@ -155,7 +187,8 @@ namespace greville
     void
     write_columns(const std::vector<VectorType *> &columns,
                   VectorType                      &x,
-                  const unsigned int               width) const;
+                  const unsigned int               width,
+                  const unsigned int               component = 0) const;
 
     /**
      * rows = E^T b for fields b of the space, one behind the other: component c

@@ -91,6 +91,12 @@ namespace greville
     decouple(const unsigned int place);
 
     /**
+     * Add all entries of the rows to the diagonal, and set the others to zero.
+     */
+    void
+    lump();
+
+    /**
      * Make the diagonal entry at @p place @p smallest at least.
      */
     void
@@ -121,8 +127,63 @@ namespace greville
     for_each_lower_entry(const unsigned int i, const Visit &visit) const;
 
     /**
-     * y = M x for @p width (1, 2, 4 or 8) interleaved vectors, which have to be
-     * zero at all places without a row.
+     * Call visit(j, e) for all places j of the full stencil of row @p i, where
+     * e is the number of the stored entry M_ij.
+     */
+    template <typename Visit>
+    void
+    for_each_place(const unsigned int i, const Visit &visit) const;
+
+    /**
+     * Call visit(i) for all places with a row, ascending.
+     */
+    template <typename Visit>
+    void
+    for_each_row(const Visit &visit) const
+    {
+      for (const Segment &segment : segments)
+        for (unsigned int i = segment.begin; i < segment.end; ++i)
+          visit(i);
+    }
+
+    /**
+     * Call visit(begin, end, distance) for all ranges of rows at places that
+     * follow each other in a line; distance(k) is that to the place with the
+     * same x in line number k of the neighbours.
+     */
+    template <typename Visit>
+    void
+    for_each_segment(const Visit &visit) const
+    {
+      for (const Segment &segment : segments)
+        visit(segment.begin, segment.end, [&](const unsigned int k) {
+          return distance(segment.line, k);
+        });
+    }
+
+    /**
+     * The full stencil of a row, and the way back, which takes the half with
+     * j >= i.
+     */
+    void
+    get_row(const unsigned int i, double *stencil) const
+    {
+      for_each_place(i, [&](const unsigned int, const std::size_t entry) {
+        *stencil++ = values[entry];
+      });
+    }
+
+    void
+    set_row(const unsigned int i, const double *stencil)
+    {
+      std::copy_n(stencil + half - 1,
+                  half,
+                  values.data() + std::size_t(i) * half);
+    }
+
+    /**
+     * y = M x for @p width (1, 2, 3, 4 or 8) interleaved vectors, which have to
+     * be zero at all places without a row.
      */
     void
     vmult(double *y, const double *x, const unsigned int width) const;
@@ -136,14 +197,6 @@ namespace greville
       unsigned int begin, end; // places
       unsigned int line;
     };
-
-    /**
-     * Call visit(j, e) for all places j around @p i, ascending: values[e] is
-     * M_ij.
-     */
-    template <typename Visit>
-    void
-    for_each_place(const unsigned int i, const Visit &visit) const;
 
     template <int n>
     void

@@ -4,7 +4,11 @@
 #define greville_multigrid_level_operator_h
 
 #include <greville/base/petsc.h>
+#include <greville/linear_algebra/preconditioner.h>
 #include <greville/mass/density_weights.h>
+
+#include <memory>
+#include <string>
 
 namespace greville
 {
@@ -70,18 +74,22 @@ namespace greville
     matrix() const
     {
       AssertThrow(false,
-                  dealii::ExcMessage("The smoother needs the entries of an "
-                                     "operator that does not give them."));
+                  dealii::ExcMessage("The parameter 'Smoother' asks for the "
+                                     "entries of one component, which the "
+                                     "operator of implicit steps does not "
+                                     "give: take "
+                                     "chebyshev-ic0, chebyshev, ic0, jacobi or "
+                                     "petsc."));
       return nullptr;
     }
 
     /**
-     * x <- E x, all coefficients of a spline of one component from the active
+     * x <- E x, all coefficients of a spline, one @p component, from the active
      * ones: zero where functions are inactive, unless they depend on others.
      * Collective.
      */
     virtual void
-    distribute(VectorType &x) const
+    distribute(VectorType &x, const unsigned int /*component*/ = 0) const
     {
       for (const unsigned int i : inactive())
         x.local_element(i) = 0.;
@@ -91,10 +99,46 @@ namespace greville
      * x <- E^T x, zero where functions are inactive. Collective.
      */
     virtual void
-    condense(VectorType &x) const
+    condense(VectorType &x, const unsigned int /*component*/ = 0) const
     {
       for (const unsigned int i : inactive())
         x.local_element(i) = 0.;
+    }
+
+    /**
+     * A factorization of one component that stands for all of them, for
+     * smoothers: a symmetric positive definite B with dst = B src for all
+     * components. Null where there is none.
+     */
+    virtual std::unique_ptr<Preconditioner>
+    factorization(const double /*shift*/) const
+    {
+      return nullptr;
+    }
+
+    /**
+     * x <- an approximation of M^-1 x with the mass matrix M of the points of
+     * the transfer, symmetric, all components. Collective.
+     */
+    virtual void
+    apply_inverse_mass(VectorType & /*x*/) const
+    {
+      AssertThrow(false,
+                  dealii::ExcMessage(
+                    "The parameter 'Prolongation' is <ic0-l2>, which is for "
+                    "implicit steps: mass matrices take lumped-l2 or "
+                    "exact-l2."));
+    }
+
+    /**
+     * Collective. A preconditioner of PETSc that works on the entries of all
+     * components, in PETSc's options; null where the operator does not give
+     * them.
+     */
+    virtual std::unique_ptr<Preconditioner>
+    petsc_preconditioner(const std::string & /*options*/) const
+    {
+      return nullptr;
     }
 
     /**
@@ -131,7 +175,7 @@ namespace greville
   }
 
   /**
-   * Apply @p action(to, from), which works on one component, to all of the
+   * Apply @p action(to, from, c), which works on one component c, to all of the
    * @p n components of interleaved vectors. The vectors @p to and @p from have
    * the layouts of one component; they are not used for n = 1.
    */
@@ -146,14 +190,14 @@ namespace greville
   {
     if (n == 1)
       {
-        action(dst, src);
+        action(dst, src, 0u);
         return;
       }
     for (unsigned int c = 0; c < n; ++c)
       {
         for (unsigned int i = 0; i < from.locally_owned_size(); ++i)
           from.local_element(i) = src.local_element(i * n + c);
-        action(to, from);
+        action(to, from, c);
         for (unsigned int i = 0; i < to.locally_owned_size(); ++i)
           dst.local_element(i * n + c) = to.local_element(i);
       }

@@ -141,10 +141,10 @@ namespace greville
     }
 
     void
-    distribute(VectorType &x) const override;
+    distribute(VectorType &x, const unsigned int component = 0) const override;
 
     void
-    condense(VectorType &x) const override;
+    condense(VectorType &x, const unsigned int component = 0) const override;
 
     const DensityWeights<dim> *
     transfer_weights() const override

@@ -21,6 +21,8 @@ namespace greville
    *   (R. Tielen, M. Moeller, C. Vuik, 2019);
    *   "exact-l2": M_k^-1 P with the tensor-product inverse, exact for a
    *   constant weight (see TensorProductPreconditioner for others).
+   *   "ic0-l2": M_k^-1 E_k^T P with IC(0) in place of the inverse
+   *   (LevelOperator::apply_inverse_mass()).
    * - restriction "lumped-l2": D_l^-1 P^T with D_l = diag(P^T 1), the paper's;
    *   "exact-l2": M_l^-1 P^T; "transpose": the transpose of the prolongation,
    *   which makes a cycle with a symmetric smoother symmetric.
@@ -41,7 +43,7 @@ namespace greville
     static std::string
     prolongations()
     {
-      return "lumped-l2|exact-l2";
+      return "lumped-l2|exact-l2|ic0-l2";
     }
 
     static std::string
@@ -88,12 +90,14 @@ namespace greville
     void
     prolongate_component(const unsigned int to_level,
                          VectorType        &dst,
-                         const VectorType  &src) const;
+                         const VectorType  &src,
+                         const unsigned int component) const;
 
     void
     restrict_component(const unsigned int from_level,
                        VectorType        &dst,
-                       const VectorType  &src) const;
+                       const VectorType  &src,
+                       const unsigned int component) const;
 
     /**
      * Between a level and the next coarser one.

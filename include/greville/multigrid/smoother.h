@@ -56,6 +56,8 @@ namespace greville
    *   of a symmetric cycle, "symmetric-gauss-seidel": forward and backward;
    *   both process by process (PETSc's SOR),
    * - "chebyshev": deal.II's polynomial smoother on D^-1 A,
+   * - "chebyshev-ic0": the same on B^-1 A with one IC(0) factorization B for
+   * all components (LevelOperator::factorization(), or "ic0"),
    * - "tensor-product": TensorProductPreconditioner,
    * - "petsc": the PETSc preconditioner that the options describe.
    * Those that work on LevelOperator::matrix() or on the space do so component

@@ -138,6 +138,19 @@ namespace greville
     }
 
     /**
+     * Call @p action(point) for all points of a cell.
+     */
+    template <typename Action>
+    void
+    for_each_in_cell(const unsigned int cell, const Action &action) const
+    {
+      unsigned int n = n_in_first_group(cell);
+      for (unsigned int g = heads[cell]; g != none; g = links[g], n = width)
+        for (unsigned int lane = 0; lane < n; ++lane)
+          action(ConstPointRef<dim>(group(g) + lane, width));
+    }
+
+    /**
      * The point in a lane of a group.
      */
     PointRef<dim>

@@ -216,6 +216,17 @@ namespace greville
 
 
   /**
+   * Collective. The components (bits) in which walls hold the local functions
+   * of a space.
+   */
+  template <int dim>
+  std::vector<unsigned char>
+  held_components_at_walls(const SplineSpace<dim> &space,
+                           const Walls<dim>       &walls);
+
+
+
+  /**
    * Collective. Make the mass of the name @p mass, one of
    * SchemeParameters::mass. Parameters, triangulation and walls are kept by
    * reference.

@@ -49,6 +49,12 @@ namespace greville
     set(std::vector<Body<dim>> &bodies, const double t);
 
     /**
+     * Set them to zero.
+     */
+    void
+    clear(std::vector<Body<dim>> &bodies) const;
+
+    /**
      * Collective. Where the loads that were last @ref set, and gravity, alone
      * move a point by more than a tenth of @p h, the smallest edge of a cell,
      * in a step @p dt: a sentence that says so and names their parameters.

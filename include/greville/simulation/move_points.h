@@ -3,6 +3,7 @@
 #ifndef greville_simulation_move_points_h
 #define greville_simulation_move_points_h
 
+#include <greville/simulation/parameters.h>
 #include <greville/simulation/state.h>
 
 #include <string>
@@ -27,6 +28,16 @@ namespace greville
     void
     merge(const PointMotion &before);
   };
+
+  /**
+   * The share of FLIP in a step @p dt (s), see SchemeParameters: @p h is the
+   * smallest edge of a cell, @p signal the fastest initial speed (m / s).
+   */
+  double
+  flip_share(const SchemeParameters &scheme,
+             const double            h,
+             const double            signal,
+             const double            dt);
 
   /**
    * Give bodies that are moved their velocity at time @p t, s.

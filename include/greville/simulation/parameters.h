@@ -9,6 +9,9 @@
 #include <greville/materials/material.h>
 #include <greville/multigrid/mass_solver.h>
 #include <greville/particles/body.h>
+#include <greville/simulation/implicit_scheme.h>
+#include <greville/simulation/newton.h>
+#include <greville/stiffness/tangent_system.h>
 
 #include <map>
 #include <memory>
@@ -257,6 +260,10 @@ namespace greville
     ConsistentSolverParameters solver;
     PMultigridParameters       multigrid;
     SmootherParameters         smoother;
+
+    ImplicitParameters implicit;
+    NewtonParameters   newton;
+    TangentParameters  implicit_solver;
 
     // By name. Copies share materials, which do not change.
     std::map<std::string, BodyParameters>                  bodies;

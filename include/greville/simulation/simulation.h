@@ -63,6 +63,15 @@ namespace greville
     set_state(const State<dim> &state);
 
     /**
+     * The grid, and what goes between it and the points.
+     */
+    Discretization<dim> &
+    grid()
+    {
+      return discretization;
+    }
+
+    /**
      * Collective.
      */
     Statistics<dim>

@@ -99,6 +99,9 @@ namespace greville
     /// How often the step that is being tried has been rejected.
     unsigned int n_rejections = 0;
 
+    /// Implicit steps: the fraction of the given step that is tried.
+    double step_fraction = 1.;
+
     /// Coefficients of the grid after the last step: guesses for the next one.
     VectorField<dim> velocity, acceleration;
 

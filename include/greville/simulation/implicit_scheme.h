@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_simulation_implicit_scheme_h
+#define greville_simulation_implicit_scheme_h
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <greville/particles/trial_step.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * Constants of implicit schemes, and how a step is solved for.
+   */
+  struct ImplicitParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    double       beta            = 0.25;
+    double       gamma           = 0.5;
+    double       spectral_radius = 0.8;
+    double       smallest_step   = 1e-3;
+    unsigned int easy_iterations = 6;
+  };
+
+
+
+  /**
+   * A row of the table of implicit schemes. From the displacement u of the grid
+   * in a step, and from its velocity v and acceleration a at the begin, follow
+   * those at the end,
+   * @f{align*}{
+   *   a' &= (\alpha_u u / dt - \alpha_v v) / dt - \alpha_a a, \\
+   *   v' &= v + dt ((1 - \gamma) a + \gamma a'),
+   * @f}
+   * and u solves
+   * @f[
+   *   M ((1 - \alpha_m) a' + \alpha_m a) + (1 - \alpha_f) (f(u) - F') +
+   *   \alpha_f (f - F) = 0
+   * @f]
+   * with the internal forces f and the loads F at the begin and F' at the end.
+   */
+  struct ImplicitScheme
+  {
+    double alpha_u = 0., alpha_v = 0., alpha_a = 0., gamma = 1.;
+    double alpha_m = 0., alpha_f = 0.;
+    /// No inertia: alpha_u = 0, and velocities stay zero.
+    bool       is_static = false;
+    StepStress stress    = StepStress::end;
+    /// Loads are those at t + load_time dt.
+    double load_time = 1.;
+  };
+
+  /**
+   * The scheme of a name:
+   * - "quasi-static": no inertia,
+   * - "backward-euler": of first order, damps,
+   * - "newmark": with beta and gamma; 1/4, 1/2 is the trapezoidal rule (N.
+   *   Newmark, 1959),
+   * - "generalized-alpha": with the spectral radius rho of the highest modes
+   * (J. Chung and G. Hulbert, 1993),
+   * - "implicit-midpoint": with the energy-consistent stress of TrialStep.
+   */
+  ImplicitScheme
+  make_implicit_scheme(const std::string        &name,
+                       const ImplicitParameters &parameters);
+} // namespace greville
+
+#endif

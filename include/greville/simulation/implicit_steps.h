@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_simulation_implicit_steps_h
+#define greville_simulation_implicit_steps_h
+
+#include <greville/simulation/move_points.h>
+#include <greville/simulation/newton.h>
+#include <greville/simulation/time_integrator.h>
+#include <greville/stiffness/tangent_system.h>
+
+#include <optional>
+
+namespace greville
+{
+  /**
+   * Implicit steps in the updated Lagrangian form: the basis functions are
+   * those at the x_n of the points, and the unknowns the displacement u of the
+   * grid. With the velocity v of the grid, M v = P, and its acceleration a, M a
+   * = F - f, at x_n, u solves the equations of an ImplicitScheme by Newton's
+   * method. Then points take
+   * @f[
+   *   x_p \leftarrow x_p + u(x_p), \qquad F_p \leftarrow (1 + \nabla u) F_p,
+   *   \qquad v_p \leftarrow v_p + (v' - v)(x_p),
+   * @f]
+   * or with PIC v_p = v'(x_p). M is the consistent mass on extended B-splines
+   * or, with Scheme/Mass = lumped, its row sums before the extension.
+   *
+   * A step that Newton's method does not solve is tried again with half of the
+   * length; after easy steps the length doubles up to the given one. Nothing is
+   * written to the state before Newton's method has converged.
+   */
+  template <int dim>
+  class ImplicitSteps : public TimeIntegrator<dim>
+  {
+  public:
+    /**
+     * Throws dealii::ExcMessage where parameters do not go with implicit steps.
+     */
+    ImplicitSteps(const std::string &name, const IntegratorParts<dim> &parts);
+
+    double
+    propose_step(State<dim> &state) override;
+
+    void
+    advance(State<dim> &state, const double dt) override;
+
+  private:
+    void
+    check_parameters(const std::string &name, const State<dim> &initial) const;
+
+    /**
+     * Where nothing holds a static body.
+     */
+    void
+    check_support() const;
+
+    /**
+     * The loads at a time, as forces on the functions.
+     */
+    void
+    sum_loads(State<dim> &state, const double t, VectorField<dim> &loads);
+
+    /**
+     * Velocity and acceleration of the grid at the begin.
+     */
+    void
+    start_step(State<dim> &state, const double dt);
+
+    /**
+     * The residual at x, or the stiffness there. Returns what is wrong with a
+     * point, empty if nothing is.
+     */
+    std::string
+    find_residual(VectorType       &r,
+                  const VectorType &x,
+                  const double      dt,
+                  const bool        with_stiffness);
+
+    /**
+     * Where the last residual is largest.
+     */
+    std::string
+    describe_residual() const;
+
+    void
+    print(const State<dim>   &state,
+          const double        dt,
+          const NewtonResult &result) const;
+
+    /**
+     * Count the work of loads and of walls that move.
+     */
+    void
+    add_work(State<dim> &state);
+
+    /**
+     * Kick the points by state.acceleration, and move them by the
+     * displacement, which is divided by dt then.
+     */
+    void
+    move_points(State<dim> &state, const double dt);
+
+    const SimulationParameters &parameters;
+    Discretization<dim>        &discretization;
+    Loads<dim>                 &loads;
+    StepLog                    &log;
+    const ImplicitScheme        scheme;
+    std::optional<Expression>   step_formula;
+    TangentSystem<dim>          system;
+    bool                        is_symmetric = true;
+
+    // Of the state at hand.
+    std::vector<TrialBody<dim>>              bodies;
+    std::vector<const MaterialPoints<dim> *> points;
+    std::uint64_t                            stamp = 0; // of the mass
+
+    VectorType lumped;
+
+    VectorField<dim> velocity, acceleration, displacement;
+    VectorField<dim> old_force, old_loads, new_loads, force, work;
+    VectorType       last_residual;
+    double           force_scale = 0.;
+    std::string      rejection;
+  };
+} // namespace greville
+
+#endif

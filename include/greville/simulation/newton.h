@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_simulation_newton_h
+#define greville_simulation_newton_h
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <greville/base/compatibility.h>
+#include <greville/linear_algebra/solve_result.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * When Newton's method ends, and how exactly it solves its linear systems.
+   */
+  struct NewtonParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    double       tolerance          = 1e-8;
+    double       absolute_tolerance = 0.;
+    unsigned int max_iterations     = 20;
+    unsigned int max_cuts           = 6;
+    double       largest_forcing    = 0.01;
+    double       smallest_forcing   = 1e-8;
+    bool         log                = false;
+  };
+
+
+
+  /**
+   * Equations r(x) = 0 with forces r, N (2D: N / m), that Newton's method
+   * solves. All calls are collective.
+   */
+  struct NewtonProblem
+  {
+    /// Residual at x, and what is wrong there: empty if nothing is.
+    std::function<std::string(VectorType &r, const VectorType &x)> residual;
+    /// The size of the forces that the last residual is the sum of, N.
+    std::function<double()> scale;
+    /// Make the derivative at the x of the last residual.
+    std::function<void(const VectorType &x)> linearize;
+    /// Solve r'(x) dx = -r to a relative tolerance.
+    std::function<
+      SolveResult(VectorType &dx, const VectorType &r, const double tolerance)>
+      solve;
+  };
+
+
+
+  /**
+   * What an iteration did; the first row is that of the guess.
+   */
+  struct NewtonIteration
+  {
+    /// Euclidean norm of r, and that part of the scale.
+    double residual = 0., relative = 0.;
+    /// Part of the step dx that was taken, 1 in most cases.
+    double       step              = 0.;
+    unsigned int linear_iterations = 0;
+  };
+
+  struct NewtonResult
+  {
+    bool                         converged = false;
+    std::vector<NewtonIteration> iterations;
+    /// Empty, or why it did not converge.
+    std::string reason;
+
+    unsigned int
+    n_iterations() const
+    {
+      return iterations.empty() ? 0 : iterations.size() - 1;
+    }
+  };
+
+
+
+  /**
+   * Collective. Newton's method with a line search: the step is cut in halves
+   * where the residual does not become smaller or points break. Linear systems
+   * are solved to the relative tolerance 0.9 (|r_k| / |r_(k-1)|)^2 (S.
+   * Eisenstat and H. Walker, Choosing the forcing terms in an inexact Newton
+   * method, 1996, choice 2) between the parameters' bounds, so that
+   * convergence is quadratic. On entry @p x is the guess.
+   */
+  NewtonResult
+  solve_newton(VectorType             &x,
+               const NewtonProblem    &problem,
+               const NewtonParameters &parameters);
+} // namespace greville
+
+#endif

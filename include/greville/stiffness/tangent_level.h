@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_stiffness_tangent_level_h
+#define greville_stiffness_tangent_level_h
+
+#include <greville/linear_algebra/partitioned_cholesky.h>
+#include <greville/mass/extended_mass.h>
+#include <greville/multigrid/level_operator.h>
+#include <greville/stiffness/block_stencil.h>
+
+namespace greville
+{
+  /**
+   * The tangent of an implicit step on the space of one order,
+   * @f[ A = E^T (c \tilde M + K) E, @f]
+   * for vector fields of dim components, with the stiffness K of the points,
+   * their mass M~ (see ExtendedMass), a factor c (1/s^2) and the Extension E of
+   * the space. Coefficients can be held, component by component: rows and
+   * columns of A are then zero but for the diagonal, as are those of functions
+   * that are inactive or extended.
+   */
+  template <int dim>
+  class TangentLevel : public LevelOperator<dim>
+  {
+  public:
+    /**
+     * Collective. The space is kept by reference. Bit c of @p held[f] holds
+     * component c of local function f.
+     */
+    TangentLevel(const SplineSpace<dim>           &space,
+                 const std::vector<unsigned char> &held);
+
+    /**
+     * Collective. The filling, which is kept by reference, is that of points at
+     * new places; @p changed tells whether it differs from that of the last
+     * call. Then mass() is to be filled, and finish_mass() to be called.
+     */
+    void
+    begin(const CellFilling<dim> &filling, const bool changed);
+
+    StencilMatrix<dim> &
+    mass()
+    {
+      return extended_mass.matrix();
+    }
+
+    DensityWeights<dim> &
+    weights()
+    {
+      return mass_weights;
+    }
+
+    /**
+     * Collective. @p lump keeps the row sums of the mass only.
+     */
+    void
+    finish_mass(const bool lump);
+
+    /**
+     * Collective. Set the tangent to zero; stiffness() is to be filled.
+     */
+    void
+    begin_tangent();
+
+    BlockStencil<dim> &
+    stiffness()
+    {
+      return blocks;
+    }
+
+    /**
+     * Collective. Add @p mass_factor (1/s^2) times the mass; the tangent is
+     * complete.
+     */
+    void
+    finish_tangent(const double mass_factor);
+
+    /**
+     * The mass with the extension of the space, and what is held.
+     */
+    const ExtendedMass<dim> &
+    extended() const
+    {
+      return extended_mass;
+    }
+
+    /**
+     * The components (bits) that are held of local functions.
+     */
+    const std::vector<unsigned char> &
+    held_components() const
+    {
+      return held;
+    }
+
+    const SplineSpace<dim> &
+    space() const override
+    {
+      return spline_space;
+    }
+
+    unsigned int
+    n_components() const override
+    {
+      return dim;
+    }
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
+
+    /**
+     * y = M~_e x.
+     */
+    void
+    multiply_mass(VectorType &dst, const VectorType &src) const;
+
+    const VectorType &
+    diagonal() const override
+    {
+      return all_diagonal;
+    }
+
+    /**
+     * The largest entry of the diagonal of all processes.
+     */
+    double
+    largest_diagonal() const
+    {
+      return largest;
+    }
+
+    const std::vector<unsigned int> &
+    inactive() const override
+    {
+      return inactive_functions;
+    }
+
+    void
+    distribute(VectorType &x, const unsigned int component = 0) const override;
+
+    void
+    condense(VectorType &x, const unsigned int component = 0) const override;
+
+    std::unique_ptr<Preconditioner>
+    factorization(const double shift) const override;
+
+    void
+    apply_inverse_mass(VectorType &x) const override;
+
+    std::unique_ptr<Preconditioner>
+    petsc_preconditioner(const std::string &options) const override;
+
+    const DensityWeights<dim> *
+    transfer_weights() const override
+    {
+      return &mass_weights;
+    }
+
+    /**
+     * The entries of @p x at owned unknowns as a vector of these, and back.
+     */
+    void
+    read(VectorType &unknowns, const VectorType &x) const;
+
+    void
+    write(VectorType &x, const VectorType &unknowns) const;
+
+  private:
+    /**
+     * A solve with factors, of all components together.
+     */
+    void
+    solve(const PartitionedCholesky &factors,
+          VectorType                &dst,
+          const VectorType          &src) const;
+
+    void
+    factorize(ExtendedMass<dim>   &matrix,
+              const double         shift,
+              PartitionedCholesky &factors) const;
+
+    const SplineSpace<dim>          &spline_space;
+    const std::vector<unsigned char> held;
+    Extension<dim>                   spline_extension;
+    DensityWeights<dim>              mass_weights;
+    ExtendedMass<dim>                extended_mass;
+    BlockStencil<dim>                blocks;
+
+    // The mean of the diagonal blocks of K, with the same extension.
+    mutable ExtendedMass<dim>                    mean;
+    mutable std::unique_ptr<PartitionedCholesky> mass_factors;
+
+    double                      largest = 0.;
+    VectorType                  all_diagonal;
+    std::vector<unsigned int>   inactive_functions;
+    mutable VectorType          source, result, column;
+    mutable std::vector<double> work;
+  };
+} // namespace greville
+
+#endif

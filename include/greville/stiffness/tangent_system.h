@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_stiffness_tangent_system_h
+#define greville_stiffness_tangent_system_h
+
+#include <greville/linear_algebra/solve_result.h>
+#include <greville/multigrid/p_multigrid.h>
+#include <greville/particles/trial_step.h>
+#include <greville/stiffness/tangent_level.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * How linear systems of implicit steps are solved.
+   */
+  struct TangentParameters
+  {
+    TangentParameters();
+
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string          method         = "auto";
+    std::string          preconditioner = "auto";
+    unsigned int         max_iterations = 200;
+    PMultigridParameters multigrid;
+    SmootherParameters   smoother;
+  };
+
+
+
+  /**
+   * Points that feel forces, and their law.
+   */
+  template <int dim>
+  struct TrialBody
+  {
+    const MaterialPoints<dim> *points;
+    const Material            *material;
+    std::string                name;
+    /// Material::strength_reduction() of the step.
+    double strength_reduction = 1.;
+  };
+
+
+
+  /**
+   * The linear systems of implicit steps on extended B-splines,
+   * @f[ E^T (c \tilde M + K) E \, x = E^T b, @f]
+   * with the stiffness K of points in a TrialStep. Krylov methods are
+   * preconditioned by p-multigrid: PMultigrid on one TangentLevel for each
+   * order. All levels get the stiffness from the same points.
+   *
+   * Fields have a coefficient for each function of the space. Those of
+   * functions that are held are given, and those of extended functions follow
+   * from the others.
+   */
+  template <int dim>
+  class TangentSystem
+  {
+  public:
+    /**
+     * Bits of the components of the local functions of a space that are held.
+     */
+    using HeldFunctions =
+      std::function<std::vector<unsigned char>(const SplineSpace<dim> &space)>;
+
+    /**
+     * Collective. Parameters are kept by reference. Cells are well-filled from
+     * the part @p filling on, see CellFilling. @p lump takes the row sums of
+     * the mass.
+     */
+    TangentSystem(const unsigned int             degree,
+                  DistributedTriangulation<dim> &triangulation,
+                  const HeldFunctions           &held,
+                  const TangentParameters       &parameters,
+                  const double                   filling,
+                  const bool                     lump);
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return orders.finest();
+    }
+
+    const OrderHierarchy<dim> &
+    hierarchy() const
+    {
+      return orders;
+    }
+
+    /**
+     * The level of the finest order.
+     */
+    const TangentLevel<dim> &
+    finest() const
+    {
+      return *levels.back();
+    }
+
+    /**
+     * Collective. Points are at new places: find the extension, and sum up the
+     * mass.
+     */
+    void
+    set_points(const std::vector<TrialBody<dim>> &bodies);
+
+    /**
+     * Collective. The internal force for the displacement @p u in a step of
+     * length @p dt (s), and the stiffness if @p with_stiffness. Returns what is
+     * wrong with a point of this process, empty if nothing is.
+     */
+    std::string
+    evaluate(const std::vector<TrialBody<dim>> &bodies,
+             const VectorField<dim>            &u,
+             const double                       dt,
+             const StepStress                   stress,
+             const bool                         with_stiffness,
+             VectorField<dim>                  &force);
+
+    /**
+     * Collective. The Euclidean norm of the forces that the cells give to the
+     * last internal force, which balance each other for the most part.
+     */
+    double
+    force_scale() const
+    {
+      return std::sqrt(
+        dealii::Utilities::MPI::sum(sums.back().square_of_forces(),
+                                    space().communicator()));
+    }
+
+    /**
+     * Collective. Make the operator with a mass factor (1/s^2), and its
+     * preconditioner, from the stiffness of the last evaluate().
+     */
+    void
+    set_operator(const double mass_factor, const bool is_symmetric);
+
+    /**
+     * Collective. rows = E^T (force + M~ field), zero where held; with an empty
+     * vector for no field. Vectors have the layout of LevelOperator.
+     */
+    void restrict(VectorType             &rows,
+                  const VectorField<dim> &force,
+                  const VectorField<dim> *field) const;
+
+    /**
+     * Collective. field = E x with the held coefficients that it has.
+     */
+    void
+    extend(VectorField<dim> &field, const VectorType &x) const;
+
+    /**
+     * The coefficients of the unknowns in a field, zero where they are held.
+     */
+    void
+    read(VectorType &x, const VectorField<dim> &field) const;
+
+    /**
+     * Collective. Solve A x = b until the residual is @p tolerance times that
+     * of zero.
+     */
+    SolveResult
+    solve(VectorType &x, const VectorType &b, const double tolerance) const;
+
+    /**
+     * Collective. The velocity with M~ v = momentum, with held coefficients as
+     * @p velocity has them.
+     */
+    SolveResult
+    solve_mass(VectorField<dim> &velocity, const VectorField<dim> &momentum);
+
+    void
+    initialize(VectorType &vector) const
+    {
+      initialize_vector<dim>(vector, finest());
+    }
+
+  private:
+    /**
+     * Whether coarse levels pay for an operator with this mass factor.
+     */
+    bool
+    needs_levels(const double mass_factor) const;
+
+    const TangentParameters                        &parameters;
+    const double                                    filling_threshold;
+    const bool                                      lump;
+    OrderHierarchy<dim>                             orders;
+    CellFilling<dim>                                filling;
+    std::vector<PointTransfer<dim>>                 transfers;
+    std::vector<std::unique_ptr<TangentLevel<dim>>> levels;
+    std::vector<TrialSums<dim>>                     sums;
+    TrialStep<dim>                                  trial;
+    std::unique_ptr<PMultigrid<dim>>                multigrid;
+    bool                                            symmetric = true;
+    std::vector<double>                             filled_part;
+    mutable VectorType                              unknowns;
+    bool                                            is_first = true;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,505 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/simulation/implicit_steps.h>
+#include <greville/simulation/step_errors.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  ImplicitSteps<dim>::ImplicitSteps(const std::string          &name,
+                                    const IntegratorParts<dim> &parts)
+    : parameters(parts.parameters)
+    , discretization(parts.discretization)
+    , loads(parts.loads)
+    , log(parts.log)
+    , scheme(make_implicit_scheme(name, parameters.implicit))
+    , system(
+        parameters.grid.degree,
+        discretization.triangulation(),
+        [this](const SplineSpace<dim> &space) {
+          return held_components_at_walls(space, discretization.walls());
+        },
+        parameters.implicit_solver,
+        parameters.scheme.filling,
+        parameters.scheme.mass == "lumped")
+  {
+    check_parameters(name, parts.initial);
+    step_formula.emplace(parameters.time.step,
+                         "Time/Step",
+                         std::vector<std::string>{"h", "p"});
+    is_symmetric = true;
+    for (const Body<dim> &body : parts.initial.bodies)
+      is_symmetric = is_symmetric && body.material->has_symmetric_tangent();
+    for (auto *field : {&velocity,
+                        &acceleration,
+                        &displacement,
+                        &old_force,
+                        &old_loads,
+                        &new_loads,
+                        &force,
+                        &work})
+      for (VectorType &component : *field)
+        system.space().initialize_vector(component);
+    system.space().initialize_vector(lumped);
+    system.initialize(last_residual);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::check_parameters(const std::string &name,
+                                       const State<dim>  &initial) const
+  {
+    const auto refuse = [&](const bool         wrong,
+                            const std::string &parameter,
+                            const std::string &why) {
+      AssertThrow(!wrong,
+                  ExcMessage("'Scheme/Stress update' = " + name +
+                             " does not go with " + parameter + ": " + why));
+    };
+    refuse(parameters.time.step.empty(),
+           "an empty 'Time/Step'",
+           "an implicit step has no critical length; give one.");
+    refuse(discretization.walls().have_friction(),
+           "'Walls' = friction",
+           "implicit steps have fixed, sliding and moving walls.");
+    refuse(!rigid_bodies(initial.bodies).empty(),
+           "'Imposed velocity' of a body",
+           "implicit steps do not know obstacles.");
+    refuse(parameters.scheme.transfer == "APIC",
+           "'Scheme/Transfer' = APIC",
+           "take FLIP or PIC.");
+    refuse(parameters.scheme.quadrature != "points",
+           "'Scheme/Quadrature' = " + parameters.scheme.quadrature,
+           "take points.");
+    refuse(parameters.scheme.mass != "consistent" &&
+             parameters.scheme.mass != "lumped",
+           "'Scheme/Mass' = " + parameters.scheme.mass,
+           "take consistent or lumped.");
+    refuse(parameters.loads.cundall != 0. || parameters.loads.kinetic,
+           "damping in 'Loads'",
+           "quasi-static finds states at rest, backward-euler and "
+           "generalized-alpha damp.");
+  }
+
+
+
+  template <int dim>
+  double
+  ImplicitSteps<dim>::propose_step(State<dim> &state)
+  {
+    if (state.n_rejections > 0)
+      state.step_fraction *= 0.5;
+    if (state.step_fraction < parameters.implicit.smallest_step)
+      throw StepFailed("the step has been cut to " +
+                       text_of(2. * state.step_fraction) +
+                       " of 'Time/Step', and still " + rejection);
+    const double arguments[2] = {discretization.cell_size(),
+                                 double(system.space().degree())};
+    const double step = (*step_formula)(ArrayView<const double>(arguments, 2));
+    AssertThrow(step > 0. && std::isfinite(step),
+                ExcMessage("The parameter 'Time/Step' is <" +
+                           parameters.time.step + ">, which gives " +
+                           text_of(step) + " s: it has to be positive."));
+    const double left = parameters.time.end - state.time;
+    return left /
+           std::max(1., std::ceil(left / (step * state.step_fraction) - 1e-9));
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::check_support() const
+  {
+    if (!scheme.is_static)
+      return;
+    static const char *names   = "xyz";
+    const auto        &is_held = system.finest().extended().has_held();
+    std::string        free;
+    for (unsigned int d = 0; d < dim; ++d)
+      if (!is_held[d])
+        free += (free.empty() ? "" : ", ") + std::string(1, names[d]);
+    if (!free.empty())
+      throw StepFailed("the body can move freely in " + free +
+                         ": no wall holds it there, so that a quasi-static "
+                         "step has no solution",
+                       false);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::sum_loads(State<dim>       &state,
+                                const double      t,
+                                VectorField<dim> &sums)
+  {
+    const Tensor<1, dim> g = loads.gravity(t);
+    if (loads.act_on_points())
+      {
+        loads.set(state.bodies, t);
+        discretization.transfer().points_to_grid(points,
+                                                 nullptr,
+                                                 nullptr,
+                                                 &sums);
+      }
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        if (loads.act_on_points())
+          sums[d] -= old_force[d];
+        else
+          sums[d] = 0.;
+        sums[d].add(g[d], lumped);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::start_step(State<dim> &state, const double dt)
+  {
+    bodies.clear();
+    points.clear();
+    for (const Body<dim> &body : state.bodies)
+      {
+        bodies.push_back({&body.points,
+                          body.material,
+                          body.name,
+                          body.material->strength_reduction(state.time + dt)});
+        points.push_back(&body.points);
+      }
+    if (stamp != state.points_stamp)
+      {
+        const PartTimer timer(log, "mass");
+        system.set_points(bodies);
+        check_support();
+        stamp = state.points_stamp;
+      }
+    // The force of the stresses at the begin, with its sign in M a = F - f.
+    loads.clear(state.bodies);
+    discretization.transfer().points_to_grid(points,
+                                             &lumped,
+                                             &work,
+                                             &old_force);
+    sum_loads(state, state.time, old_loads);
+    sum_loads(state, state.time + scheme.load_time * dt, new_loads);
+
+    velocity = state.velocity;
+    discretization.walls().hold_velocity(velocity, state.time);
+    for (VectorType &component : acceleration)
+      component = 0.;
+    if (scheme.is_static)
+      return;
+    const PartTimer timer(log, "solve");
+    const auto solve = [&](VectorField<dim> &x, const VectorField<dim> &b) {
+      const SolveResult result = system.solve_mass(x, b);
+      if (!result.converged)
+        throw StepFailed("the solver of the mass matrix " + result.reason);
+    };
+    solve(velocity, work);
+    if (scheme.alpha_a != 0. || scheme.alpha_m != 0.)
+      {
+        discretization.walls().hold_acceleration(acceleration, state.time, dt);
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            work[d] = old_force[d];
+            work[d] += old_loads[d];
+          }
+        solve(acceleration, work);
+      }
+  }
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::find_residual(VectorType       &r,
+                                    const VectorType &x,
+                                    const double      dt,
+                                    const bool        with_stiffness)
+  {
+    const PartTimer timer(log, with_stiffness ? "stiffness" : "residual");
+    system.extend(displacement, x);
+    std::string problem = system.evaluate(
+      bodies, displacement, dt, scheme.stress, with_stiffness, force);
+    if (with_stiffness)
+      return "";
+    problem = first_of_all(problem, discretization.communicator());
+    if (!problem.empty())
+      return problem;
+
+    system.restrict(r, new_loads, nullptr);
+    force_scale            = std::max(system.force_scale(), r.l2_norm());
+    const double old_share = scheme.alpha_f / (1. - scheme.alpha_f);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        force[d] -= new_loads[d];
+        if (old_share != 0.)
+          force[d].add(-old_share, old_force[d], -old_share, old_loads[d]);
+        if (!scheme.is_static)
+          {
+            // (1 - alpha_m) a' + alpha_m a, over 1 - alpha_f
+            const double share = 1. / (1. - scheme.alpha_f);
+            const double end   = (1. - scheme.alpha_m) * share;
+            work[d].equ(end * scheme.alpha_u / (dt * dt), displacement[d]);
+            work[d].add(-end * scheme.alpha_v / dt,
+                        velocity[d],
+                        scheme.alpha_m * share - end * scheme.alpha_a,
+                        acceleration[d]);
+          }
+      }
+    system.restrict(r, force, nullptr);
+    if (!scheme.is_static)
+      {
+        last_residual = r;
+        system.restrict(r, force, &work);
+        last_residual -= r;
+        force_scale = std::max(force_scale, last_residual.l2_norm());
+      }
+    last_residual = r;
+    return "";
+  }
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::describe_residual() const
+  {
+    // The largest entry of all processes, and where its function is.
+    const SplineSpace<dim> &space   = system.space();
+    double                  largest = 0.;
+    unsigned int            place   = 0;
+    for (unsigned int i = 0; i < last_residual.locally_owned_size(); ++i)
+      if (std::abs(last_residual.local_element(i)) > largest)
+        {
+          largest = std::abs(last_residual.local_element(i));
+          place   = i / dim;
+        }
+    const MPI_Comm comm = discretization.communicator();
+    const double   all  = Utilities::MPI::max(largest, comm);
+    std::string    text;
+    if (all > 0. && largest == all)
+      {
+        const auto i =
+          multi_index<dim>(space.owned_functions()[place], space.n_functions());
+        std::ostringstream message;
+        message << "; the largest residual, " << all << " N, is at (";
+        for (unsigned int d = 0; d < dim; ++d)
+          message << (d == 0 ? "" : ", ")
+                  << space.knots(d).greville_abscissa(i[d]);
+        message << ") m";
+        text = message.str();
+      }
+    return first_of_all(text, comm);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::print(const State<dim>   &state,
+                            const double        dt,
+                            const NewtonResult &result) const
+  {
+    if (!parameters.newton.log ||
+        Utilities::MPI::this_mpi_process(discretization.communicator()) != 0)
+      return;
+    std::ostringstream text;
+    for (unsigned int k = 0; k < result.iterations.size(); ++k)
+      {
+        const NewtonIteration &row = result.iterations[k];
+        text << "  step " << state.n_steps + 1 << ", dt = " << dt
+             << " s, iteration " << k << ": residual " << row.residual << " ("
+             << row.relative << ")";
+        if (k > 0)
+          text << ", step " << row.step << ", " << row.linear_iterations
+               << " linear iterations";
+        text << '\n';
+      }
+    std::cout << text.str() << std::flush;
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::add_work(State<dim> &state)
+  {
+    double sum = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+        sum += new_loads[d].local_element(i) * displacement[d].local_element(i);
+    // Walls give what is left of the balance: force has f - F', work inertia.
+    if (discretization.walls().have_moving())
+      {
+        VectorField<dim> at_held = velocity;
+        if (scheme.is_static)
+          for (VectorType &component : at_held)
+            component = 0.;
+        else
+          system.finest().extended().multiply_at_held(at_held, work);
+        const auto &held = system.finest().held_components();
+        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+          for (unsigned int d = 0; d < dim; ++d)
+            if ((held[i] >> d) & 1)
+              sum += (force[d].local_element(i) + at_held[d].local_element(i)) *
+                     displacement[d].local_element(i);
+      }
+    state.energy.add_work(sum);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::advance(State<dim> &state, const double dt)
+  {
+    start_step(state, dt);
+    // The guess: the velocity goes on. Walls move by theirs in the middle.
+    for (unsigned int d = 0; d < dim; ++d)
+      displacement[d].equ(dt, velocity[d]);
+    discretization.walls().hold_velocity(work, state.time + 0.5 * dt);
+    const auto &held = system.finest().held_components();
+    for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        if ((held[i] >> d) & 1)
+          displacement[d].local_element(i) = dt * work[d].local_element(i);
+    VectorType x;
+    system.initialize(x);
+    system.read(x, displacement);
+
+    unsigned int  n_linear = 0, n_all_linear = 0;
+    NewtonProblem problem;
+    problem.residual = [&](VectorType &r, const VectorType &at) {
+      return find_residual(r, at, dt, false);
+    };
+    problem.scale     = [&]() { return force_scale; };
+    problem.linearize = [&](const VectorType &at) {
+      VectorType unused;
+      find_residual(unused, at, dt, true);
+      const PartTimer timer(log, "set-up");
+      system.set_operator(scheme.is_static
+                            ? 0.
+                            : (1. - scheme.alpha_m) * scheme.alpha_u /
+                                ((1. - scheme.alpha_f) * dt * dt),
+                          is_symmetric);
+    };
+    problem.solve =
+      [&](VectorType &dx, const VectorType &r, const double tolerance) {
+        const PartTimer timer(log, "solve");
+        VectorType      b = r;
+        b *= -1.;
+        const SolveResult result = system.solve(dx, b, tolerance);
+        n_linear                 = std::max(n_linear, *result.iterations);
+        n_all_linear += *result.iterations;
+        return result;
+      };
+    NewtonResult result = solve_newton(x, problem, parameters.newton);
+    if (!result.converged && result.iterations.empty())
+      {
+        x      = 0.;
+        result = solve_newton(x, problem, parameters.newton);
+      }
+    print(state, dt, result);
+    if (!result.converged)
+      {
+        rejection = result.reason + describe_residual();
+        throw StepRejected(rejection);
+      }
+    add_work(state);
+
+    // v', and what the points get.
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        VectorType &change = work[d];
+        if (scheme.is_static)
+          change = 0.;
+        else
+          {
+            // dt (1 - gamma) a + dt gamma a'
+            change.equ(scheme.gamma * scheme.alpha_u / dt, displacement[d]);
+            change.add(-scheme.gamma * scheme.alpha_v,
+                       velocity[d],
+                       dt * (1. - scheme.gamma - scheme.gamma * scheme.alpha_a),
+                       acceleration[d]);
+          }
+        state.acceleration[d].copy_locally_owned_data_from(change);
+        state.acceleration[d] *= 1. / dt;
+        velocity[d] += change;
+        displacement[d] *= 1. / dt;
+        state.velocity[d].copy_locally_owned_data_from(
+          scheme.is_static ? displacement[d] : velocity[d]);
+      }
+    move_points(state, dt);
+
+    state.time += dt;
+    state.velocity_time = state.time;
+    state.step          = dt;
+    state.velocity_step = dt;
+    state.n_iterations  = n_linear;
+    state.n_all_iterations += n_all_linear;
+    ++state.n_steps;
+    if (result.n_iterations() <= parameters.implicit.easy_iterations)
+      state.step_fraction = std::min(1., 2. * state.step_fraction);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::move_points(State<dim> &state, const double dt)
+  {
+    const PartTimer  timer(log, "grid to points");
+    PointUpdate<dim> kick;
+    kick.acceleration  = &state.acceleration;
+    kick.velocity      = &velocity;
+    kick.velocity_step = dt;
+    kick.flip          = flip_share(parameters.scheme,
+                           discretization.cell_size(),
+                           state.first_signal,
+                           dt);
+    if (!scheme.is_static)
+      update_points(state.bodies,
+                    discretization.transfer(),
+                    kick,
+                    state.time + dt);
+    PointUpdate<dim> move;
+    move.velocity            = &displacement;
+    move.deformation         = &displacement;
+    move.move                = true;
+    move.step                = dt;
+    const PointMotion motion = update_points(state.bodies,
+                                             discretization.transfer(),
+                                             move,
+                                             state.time + dt);
+    state.points_have_changed();
+    const std::string problem =
+      discretization.transport_points(state, motion.left_cells);
+    fail_on_all(motion.problem.empty() ? problem : motion.problem,
+                discretization.communicator());
+    double speeds[2] = {motion.fastest_signal, motion.fastest_wave};
+    Utilities::MPI::max(ArrayView<const double>(speeds, 2),
+                        discretization.communicator(),
+                        ArrayView<double>(speeds, 2));
+    state.signals.fastest = speeds[0];
+    state.signals.wave    = speeds[1];
+  }
+
+
+
+  template class ImplicitSteps<2>;
+  template class ImplicitSteps<3>;
+} // namespace greville

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/simulation/newton.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  void
+  NewtonParameters::declare(ParameterHandler &prm)
+  {
+    prm.add_parameter(
+      "Tolerance",
+      tolerance,
+      "Newton's method ends where the residual is this fraction of the largest "
+      "of the forces that it is the sum of: those of stresses, loads and "
+      "inertia. Unit: none.",
+      Patterns::Double(0., 1.));
+    prm.add_parameter("Absolute tolerance",
+                      absolute_tolerance,
+                      "It ends, too, where the residual is smaller than this. "
+                      "Unit: N (2D: N / m).",
+                      Patterns::Double(0.));
+    prm.add_parameter("Maximum iterations",
+                      max_iterations,
+                      "A step that needs more is cut in halves. Unit: "
+                      "iterations.",
+                      Patterns::Integer(1));
+    prm.add_parameter("Maximum line search steps",
+                      max_cuts,
+                      "How often an iteration may halve its step where the "
+                      "residual grows. Unit: none.",
+                      Patterns::Integer(0, 50));
+    prm.add_parameter("Largest linear tolerance",
+                      largest_forcing,
+                      "Linear systems are solved to this relative residual at "
+                      "least, and the more exactly the faster Newton's method "
+                      "converges. Unit: none.",
+                      Patterns::Double(0., 1.));
+    prm.add_parameter("Smallest linear tolerance",
+                      smallest_forcing,
+                      "And never more exactly than this. Unit: none.",
+                      Patterns::Double(0., 1.));
+    prm.add_parameter("Print iterations",
+                      log,
+                      "Whether a line is printed for each iteration.",
+                      Patterns::Bool());
+  }
+
+
+
+  NewtonResult
+  solve_newton(VectorType             &x,
+               const NewtonProblem    &problem,
+               const NewtonParameters &parameters)
+  {
+    NewtonResult result;
+    VectorType   r, dx, trial, trial_r;
+    for (VectorType *vector : {&r, &dx, &trial, &trial_r})
+      vector->reinit(x);
+
+    std::string wrong = problem.residual(r, x);
+    double      norm  = r.l2_norm();
+    if (!wrong.empty() || !std::isfinite(norm))
+      {
+        result.reason =
+          wrong.empty() ? "the initial residual is infinite or NaN" : wrong;
+        return result;
+      }
+    NewtonIteration row;
+    const auto      add_row = [&]() {
+      const double scale = std::max(problem.scale(), norm);
+      row.residual       = norm;
+      row.relative       = scale > 0. ? norm / scale : 0.;
+      result.iterations.push_back(row);
+    };
+    add_row();
+    double forcing = parameters.largest_forcing;
+    for (unsigned int k = 0;; ++k)
+      {
+        if (result.iterations.back().relative <= parameters.tolerance ||
+            norm <= parameters.absolute_tolerance)
+          {
+            result.converged = true;
+            return result;
+          }
+        if (k == parameters.max_iterations)
+          {
+            std::ostringstream text;
+            text << "Newton's method did not converge in " << k
+                 << " iterations: the residual is "
+                 << result.iterations.back().relative << " of the forces";
+            result.reason = text.str();
+            return result;
+          }
+        problem.linearize(x);
+        const SolveResult solve = problem.solve(dx, r, forcing);
+        row.linear_iterations   = *solve.iterations;
+        if (!solve.converged && !(solve.reduction < 0.5))
+          {
+            result.reason = "the linear solver " + solve.reason;
+            return result;
+          }
+
+        // A step that makes the residual grow is cut.
+        const double     old_norm = norm;
+        constexpr double decrease = 1e-4;
+        row.step                  = 1.;
+        for (unsigned int cut = 0;; ++cut, row.step *= 0.5)
+          {
+            trial = x;
+            trial.add(row.step, dx);
+            wrong = problem.residual(trial_r, trial);
+            norm  = trial_r.l2_norm();
+            if (wrong.empty() && norm <= (1. - decrease * row.step) * old_norm)
+              break;
+            // Round-off: it does not get better.
+            if (wrong.empty() && std::isfinite(norm) &&
+                norm <= 10. * parameters.tolerance * problem.scale())
+              break;
+            if (cut == parameters.max_cuts)
+              {
+                if (wrong.empty() && norm < 2. * old_norm)
+                  break;
+                result.reason =
+                  wrong.empty()
+                    ? "Newton's method found no step that reduces the residual"
+                    : wrong;
+                return result;
+              }
+          }
+        x.swap(trial);
+        r.swap(trial_r);
+        add_row();
+        const double ratio = norm / old_norm;
+        forcing =
+          std::min(std::max({0.9 * ratio * ratio,
+                             parameters.smallest_forcing,
+                             0.5 * parameters.tolerance /
+                               std::max(result.iterations.back().relative,
+                                        parameters.tolerance)}),
+                   parameters.largest_forcing);
+      }
+  }
+} // namespace greville

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/linear_algebra/petsc_preconditioner.h>
+#include <greville/stiffness/tangent_level.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Columns of a factorization's vectors.
+    template <int dim>
+    constexpr unsigned int factor_width = dim == 2 ? 2 : 4;
+
+    constexpr unsigned char
+    all_components(const unsigned int dim)
+    {
+      return (1u << dim) - 1;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  TangentLevel<dim>::TangentLevel(const SplineSpace<dim>           &space,
+                                  const std::vector<unsigned char> &held)
+    : spline_space(space)
+    , held(held)
+    , mass_weights(space, 2 * space.degree() + 1)
+  {
+    extended_mass.reinit(space);
+    mean.reinit(space);
+    blocks.reinit(extended_mass.matrix());
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::begin(const CellFilling<dim> &filling, const bool changed)
+  {
+    if (changed)
+      spline_extension.reinit(spline_space, filling);
+    for (ExtendedMass<dim> *matrix : {&extended_mass, &mean})
+      {
+        matrix->begin(spline_extension, changed);
+        if (changed)
+          matrix->hold(held);
+      }
+    mass_weights.clear();
+    mass_factors.reset();
+    if (!changed)
+      return;
+    for (VectorType *vector : {&source, &result})
+      extended_mass.initialize_vector(*vector, dim);
+    extended_mass.initialize_vector(column, 1);
+    std::vector<bool> is_unknown(spline_space.owned_functions().size(), false);
+    for (const unsigned int f : extended_mass.unknown_functions())
+      is_unknown[f] = true;
+    inactive_functions.clear();
+    for (unsigned int f = 0; f < is_unknown.size(); ++f)
+      if (!is_unknown[f])
+        inactive_functions.push_back(f);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::finish_mass(const bool lump)
+  {
+    if (lump)
+      extended_mass.matrix().lump();
+    extended_mass.finish();
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::begin_tangent()
+  {
+    blocks.clear();
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::finish_tangent(const double mass_factor)
+  {
+    if (mass_factor != 0.)
+      blocks.add(mass_factor, extended_mass.matrix());
+    blocks.mean(mean.matrix());
+
+    // Those of extended B-splines without what extended functions add.
+    result             = 0.;
+    const auto &places = extended_mass.unknown_places();
+    for (unsigned int u = 0; u < places.size(); ++u)
+      if (places[u] != numbers::invalid_unsigned_int)
+        for (unsigned int c = 0; c < dim; ++c)
+          result.local_element(u * dim + c) = blocks.diagonal(places[u], c);
+    result.compress(VectorOperation::add);
+    largest = 0.;
+    for (unsigned int i = 0; i < result.locally_owned_size(); ++i)
+      largest = std::max(largest, result.local_element(i));
+    largest = Utilities::MPI::max(largest, spline_space.communicator());
+    if (all_diagonal.size() == 0)
+      initialize_vector<dim>(all_diagonal, *this);
+    all_diagonal          = largest > 0. ? largest : 1.;
+    const auto &functions = extended_mass.unknown_functions();
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      for (unsigned int c = 0; c < dim; ++c)
+        if (!((held[functions[u]] >> c) & 1) &&
+            result.local_element(u * dim + c) > 1e-12 * largest)
+          all_diagonal.local_element(functions[u] * dim + c) =
+            result.local_element(u * dim + c);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::read(VectorType &unknowns, const VectorType &x) const
+  {
+    const auto &functions = extended_mass.unknown_functions();
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      for (unsigned int c = 0; c < dim; ++c)
+        unknowns.local_element(u * dim + c) =
+          x.local_element(functions[u] * dim + c);
+    extended_mass.zero_held_unknowns(unknowns, dim);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::write(VectorType &x, const VectorType &unknowns) const
+  {
+    const auto &functions = extended_mass.unknown_functions();
+    x                     = 0.;
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      for (unsigned int c = 0; c < dim; ++c)
+        x.local_element(functions[u] * dim + c) =
+          unknowns.local_element(u * dim + c);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::vmult(VectorType &dst, const VectorType &src) const
+  {
+    read(source, src);
+    extended_mass.multiply(result,
+                           source,
+                           dim,
+                           [&](double *y, const double *x) {
+                             blocks.vmult(y, x);
+                           });
+    write(dst, result);
+    for (const unsigned int f : inactive_functions)
+      for (unsigned int c = 0; c < dim; ++c)
+        dst.local_element(f * dim + c) =
+          all_diagonal.local_element(f * dim + c) *
+          src.local_element(f * dim + c);
+    for (const unsigned int f : extended_mass.unknown_functions())
+      if (held[f] != 0)
+        for (unsigned int c = 0; c < dim; ++c)
+          if ((held[f] >> c) & 1)
+            dst.local_element(f * dim + c) =
+              all_diagonal.local_element(f * dim + c) *
+              src.local_element(f * dim + c);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::multiply_mass(VectorType &dst, const VectorType &src) const
+  {
+    read(source, src);
+    extended_mass.vmult(result, source, dim);
+    write(dst, result);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::distribute(VectorType        &x,
+                                const unsigned int component) const
+  {
+    const auto &functions = extended_mass.unknown_functions();
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      column.local_element(u) = (held[functions[u]] >> component) & 1
+                                  ? 0.
+                                  : x.local_element(functions[u]);
+    x = 0.;
+    extended_mass.write_columns({&x}, column, 1, component);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::condense(VectorType &x, const unsigned int component) const
+  {
+    extended_mass.restrict_columns(column, {&x}, 1, component);
+    const auto &functions = extended_mass.unknown_functions();
+    x                     = 0.;
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      if (!((held[functions[u]] >> component) & 1))
+        x.local_element(functions[u]) = column.local_element(u);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::factorize(ExtendedMass<dim>   &matrix,
+                               const double         shift,
+                               PartitionedCholesky &factors) const
+  {
+    const auto         of_unknowns = matrix.held_unknowns();
+    std::vector<bool>  is_held_in_some(of_unknowns.size());
+    const unsigned int all = all_components(dim);
+    for (unsigned int u = 0; u < of_unknowns.size(); ++u)
+      is_held_in_some[u] =
+        (of_unknowns[u] & all) != 0 && (of_unknowns[u] & all) != all;
+    factors.factorize(matrix.local_entries(all),
+                      matrix.unknown_layout(),
+                      matrix.unknown_positions(),
+                      is_held_in_some,
+                      spline_space.degree(),
+                      shift);
+    factors.hold(of_unknowns, factor_width<dim>);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::solve(const PartitionedCholesky &factors,
+                           VectorType                &dst,
+                           const VectorType          &src) const
+  {
+    constexpr unsigned int width     = factor_width<dim>;
+    const auto            &functions = extended_mass.unknown_functions();
+    work.assign(functions.size() * width, 0.);
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      for (unsigned int c = 0; c < dim; ++c)
+        if (!((held[functions[u]] >> c) & 1))
+          work[u * width + c] = src.local_element(functions[u] * dim + c);
+    factors.solve(work.data(), width);
+    dst = 0.;
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      for (unsigned int c = 0; c < dim; ++c)
+        if (!((held[functions[u]] >> c) & 1))
+          dst.local_element(functions[u] * dim + c) = work[u * width + c];
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  TangentLevel<dim>::factorization(const double shift) const
+  {
+    /**
+     * The factors of the mean, for all components.
+     */
+    class Factorization : public Preconditioner
+    {
+    public:
+      Factorization(const TangentLevel<dim> &level, const double shift)
+        : level(level)
+      {
+        level.factorize(level.mean, shift, factors);
+      }
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        level.solve(factors, dst, src);
+      }
+
+    private:
+      const TangentLevel<dim> &level;
+      PartitionedCholesky      factors;
+    };
+    return std::make_unique<Factorization>(*this, shift);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::apply_inverse_mass(VectorType &x) const
+  {
+    if (!mass_factors)
+      {
+        mass_factors = std::make_unique<PartitionedCholesky>();
+        factorize(const_cast<ExtendedMass<dim> &>(extended_mass),
+                  0.,
+                  *mass_factors);
+      }
+    solve(*mass_factors, x, x);
+  }
+
+
+
+  template class TangentLevel<2>;
+  template class TangentLevel<3>;
+} // namespace greville

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/linear_algebra/petsc_preconditioner.h>
+#include <greville/stiffness/tangent_level.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    struct Block
+    {
+      unsigned int                  column; // local unknown
+      std::array<double, dim * dim> values;
+    };
+
+
+
+    /**
+     * The blocks of E^T B E that this process contributes, by rows of local
+     * unknowns, with ascending columns and without held rows and columns. @p
+     * held are components (bits) of local functions and of local unknowns.
+     */
+    template <int dim>
+    std::vector<std::vector<Block<dim>>>
+    extended_blocks(const BlockStencil<dim>          &blocks,
+                    const ExtendedMass<dim>          &extended,
+                    const std::vector<unsigned char> &held,
+                    const std::vector<unsigned char> &held_unknowns)
+    {
+      const unsigned int         n = held_unknowns.size();
+      std::vector<unsigned char> held_at(extended.matrix().size(), 0); // place
+      for (unsigned int f = 0; f < held.size(); ++f)
+        held_at[extended.matrix().place(f)] = held[f];
+
+      std::vector<std::vector<Block<dim>>> rows(n);
+      extended.matrix().for_each_row([&](const unsigned int i) {
+        extended.for_each_unknown(
+          i, [&](const unsigned int u, const double weight_u) {
+            const unsigned int held_i = held_at[i] | held_unknowns[u];
+            blocks.for_each_block(
+              i, [&](const unsigned int j, const double *block) {
+                extended.for_each_unknown(
+                  j, [&](const unsigned int v, const double weight_v) {
+                    const unsigned int held_j = held_at[j] | held_unknowns[v];
+                    Block<dim>         entry;
+                    entry.column = v;
+                    for (unsigned int c = 0; c < dim; ++c)
+                      for (unsigned int d = 0; d < dim; ++d)
+                        entry.values[c * dim + d] =
+                          ((held_i >> c) & 1) || ((held_j >> d) & 1)
+                            ? 0.
+                            : weight_u * weight_v * block[c * dim + d];
+                    rows[u].push_back(entry);
+                  });
+              });
+          });
+      });
+      for (auto &row : rows)
+        {
+          std::sort(row.begin(), row.end(), [](const auto &a, const auto &b) {
+            return a.column < b.column;
+          });
+          unsigned int n_columns = 0;
+          for (const Block<dim> &entry : row)
+            if (n_columns > 0 && row[n_columns - 1].column == entry.column)
+              for (unsigned int k = 0; k < dim * dim; ++k)
+                row[n_columns - 1].values[k] += entry.values[k];
+            else
+              row[n_columns++] = entry;
+          row.resize(n_columns);
+        }
+      return rows;
+    }
+
+
+
+    /**
+     * Let the matrix know translations and rotations: a linear field has the
+     * Greville points for coefficients.
+     */
+    template <int dim>
+    void
+    set_rigid_body_modes(const Mat                        matrix,
+                         const SplineSpace<dim>          &space,
+                         const std::vector<unsigned int> &functions)
+    {
+      Vec coordinates;
+      check_petsc(MatCreateVecs(matrix, &coordinates, nullptr));
+      const PetscVector owner(coordinates);
+      check_petsc(VecSetBlockSize(coordinates, dim));
+      PetscScalar *values;
+      check_petsc(VecGetArray(coordinates, &values));
+      for (unsigned int u = 0; u < functions.size(); ++u)
+        {
+          const auto i = multi_index<dim>(space.owned_functions()[functions[u]],
+                                          space.n_functions());
+          for (unsigned int d = 0; d < dim; ++d)
+            values[u * dim + d] = space.knots(d).greville_abscissa(i[d]);
+        }
+      check_petsc(VecRestoreArray(coordinates, &values));
+      MatNullSpace modes;
+      check_petsc(MatNullSpaceCreateRigidBody(coordinates, &modes));
+      check_petsc(MatSetNearNullSpace(matrix, modes));
+      check_petsc(MatNullSpaceDestroy(&modes));
+    }
+
+
+
+    /**
+     * A preconditioner of PETSc for vectors of unknowns, on those of a level.
+     */
+    template <int dim>
+    class UnknownsPreconditioner : public Preconditioner
+    {
+    public:
+      UnknownsPreconditioner(const TangentLevel<dim> &level,
+                             PetscMatrix              given_matrix,
+                             const std::string       &options)
+        : level(level)
+        , matrix(std::move(given_matrix))
+        , petsc(matrix.get(), options)
+      {
+        level.extended().initialize_vector(to, dim);
+        level.extended().initialize_vector(from, dim);
+      }
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        level.read(from, src);
+        petsc.vmult(to, from);
+        level.extended().zero_held_unknowns(to, dim);
+        level.write(dst, to);
+      }
+
+    private:
+      const TangentLevel<dim>  &level;
+      const PetscMatrix         matrix;
+      const PetscPreconditioner petsc;
+      mutable VectorType        to, from;
+    };
+  } // namespace
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  TangentLevel<dim>::petsc_preconditioner(const std::string &options) const
+  {
+    const InterleavedLayout &layout    = *extended_mass.unknown_layout();
+    const auto              &functions = extended_mass.unknown_functions();
+    const MPI_Comm           comm      = spline_space.communicator();
+
+    // What is held of unknowns of other processes, too.
+    column = 0.;
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      column.local_element(u) = held[functions[u]];
+    column.update_ghost_values();
+    std::vector<unsigned char> held_local(layout.n_local());
+    for (unsigned int u = 0; u < held_local.size(); ++u)
+      held_local[u] = static_cast<unsigned char>(column.local_element(u));
+    column.zero_out_ghost_values();
+
+    const auto rows =
+      extended_blocks<dim>(blocks, extended_mass, held, held_local);
+    const PetscInt        n_owned = layout.n_owned() * dim;
+    std::vector<PetscInt> n_diagonal(n_owned, dim), n_other(n_owned, 0);
+    for (unsigned int u = 0; u < layout.n_owned(); ++u)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          const auto is_owned = [&](const Block<dim> &block) {
+            return block.column < layout.n_owned();
+          };
+          const PetscInt n =
+            std::count_if(rows[u].begin(), rows[u].end(), is_owned);
+          n_diagonal[u * dim + c] = std::max<PetscInt>(n, 1) * dim;
+          n_other[u * dim + c]    = (rows[u].size() - n) * dim;
+        }
+    Mat mat;
+    check_petsc(MatCreate(comm, &mat));
+    PetscMatrix matrix(mat);
+    check_petsc(
+      MatSetSizes(mat, n_owned, n_owned, PETSC_DETERMINE, PETSC_DETERMINE));
+    check_petsc(MatSetBlockSize(mat, dim));
+    check_petsc(MatSetType(mat, MATAIJ));
+    check_petsc(MatSeqAIJSetPreallocation(mat, 0, n_diagonal.data()));
+    check_petsc(
+      MatMPIAIJSetPreallocation(mat, 0, n_diagonal.data(), 0, n_other.data()));
+    // Rows at the edge of a process get entries of its neighbours.
+    check_petsc(MatSetOption(mat, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+    for (unsigned int u = 0; u < rows.size(); ++u)
+      for (const Block<dim> &block : rows[u])
+        {
+          const PetscInt i = layout.global_number(u),
+                         j = layout.global_number(block.column);
+          check_petsc(MatSetValuesBlocked(
+            mat, 1, &i, 1, &j, block.values.data(), ADD_VALUES));
+        }
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          const PetscInt i = layout.global_number(u) * dim + c;
+          if ((held[functions[u]] >> c) & 1)
+            check_petsc(
+              MatSetValue(mat,
+                          i,
+                          i,
+                          all_diagonal.local_element(functions[u] * dim + c),
+                          ADD_VALUES));
+        }
+    check_petsc(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
+    check_petsc(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
+    set_rigid_body_modes(mat, spline_space, functions);
+    return std::make_unique<UnknownsPreconditioner<dim>>(*this,
+                                                         std::move(matrix),
+                                                         options);
+  }
+
+
+
+  template std::unique_ptr<Preconditioner>
+  TangentLevel<2>::petsc_preconditioner(const std::string &) const;
+  template std::unique_ptr<Preconditioner>
+  TangentLevel<3>::petsc_preconditioner(const std::string &) const;
+} // namespace greville

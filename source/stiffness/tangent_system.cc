@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/solver_gmres.h>
+
+#include <greville/stiffness/tangent_system.h>
+
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  TangentParameters::TangentParameters()
+  {
+    multigrid.coarsening            = "direct";
+    multigrid.prolongation          = "ic0-l2";
+    multigrid.restriction           = "transpose";
+    multigrid.smoother              = "chebyshev-ic0";
+    multigrid.coarse_tolerance      = 1.;
+    multigrid.coarse_preconditioner = "gamg";
+    smoother.chebyshev_degree       = 3;
+    smoother.chebyshev_range        = 8.;
+  }
+
+
+
+  void
+  TangentParameters::declare(ParameterHandler &prm)
+  {
+    prm.add_parameter("Method",
+                      method,
+                      "The Krylov method, preconditioned by p-multigrid: cg is "
+                      "for symmetric tangents, fgmres for all; auto takes cg "
+                      "where all materials have symmetric ones.",
+                      Patterns::Selection("auto|cg|fgmres"));
+    prm.add_parameter(
+      "Preconditioner",
+      preconditioner,
+      "p-multigrid: the cycle of 'Implicit p-multigrid'; smoother: its "
+      "smoother "
+      "alone; auto: the smoother alone where mass outweighs stiffness (up to a "
+      "Courant number of about 3) and in strips one cell wide, else "
+      "p-multigrid.",
+      Patterns::Selection("auto|p-multigrid|smoother"));
+    prm.add_parameter("Maximum iterations",
+                      max_iterations,
+                      "A step whose linear systems need more is cut. Unit: "
+                      "iterations.",
+                      Patterns::Integer(1));
+  }
+
+
+
+  template <int dim>
+  TangentSystem<dim>::TangentSystem(
+    const unsigned int             degree,
+    DistributedTriangulation<dim> &triangulation,
+    const HeldFunctions           &held,
+    const TangentParameters       &parameters,
+    const double                   filling_threshold,
+    const bool                     lump)
+    : parameters(parameters)
+    , filling_threshold(filling_threshold)
+    , lump(lump)
+    , orders(triangulation, degree, parameters.multigrid.coarsening)
+    , transfers(orders.n_levels())
+    , sums(orders.n_levels())
+  {
+    filling.reinit(orders.finest());
+    trial.reinit(orders.finest());
+    for (unsigned int l = 0; l < orders.n_levels(); ++l)
+      {
+        transfers[l].reinit(orders[l]);
+        sums[l].reinit(orders[l]);
+        levels.push_back(
+          std::make_unique<TangentLevel<dim>>(orders[l], held(orders[l])));
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::set_points(const std::vector<TrialBody<dim>> &bodies)
+  {
+    multigrid.reset();
+    std::vector<const MaterialPoints<dim> *> points;
+    for (const TrialBody<dim> &body : bodies)
+      points.push_back(body.points);
+    transfers.back().filling(points, filled_part);
+    const bool changed =
+      filling.update(filled_part, filling_threshold) || is_first;
+    is_first = false;
+    for (unsigned int l = 0; l < levels.size(); ++l)
+      {
+        levels[l]->begin(filling, changed);
+        transfers[l].add_mass_matrix(points, levels[l]->mass());
+        levels[l]->finish_mass(lump);
+        transfers[l].mass_weights(points, levels[l]->weights());
+      }
+    finest().extended().initialize_vector(unknowns, dim);
+  }
+
+
+
+  template <int dim>
+  std::string
+  TangentSystem<dim>::evaluate(const std::vector<TrialBody<dim>> &bodies,
+                               const VectorField<dim>            &u,
+                               const double                       dt,
+                               const StepStress                   stress,
+                               const bool        with_stiffness,
+                               VectorField<dim> &force)
+  {
+    std::string problem;
+    sums.back().clear();
+    if (with_stiffness)
+      for (auto &level : levels)
+        level->begin_tangent();
+    for (const TrialBody<dim> &body : bodies)
+      {
+        const PointReport report =
+          trial.evaluate(*body.points,
+                         *body.material,
+                         u,
+                         dt,
+                         body.strength_reduction,
+                         stress,
+                         with_stiffness,
+                         [&](const unsigned int cell, const auto &points) {
+                           sums.back().add_force(cell, points);
+                           if (with_stiffness)
+                             for (unsigned int l = 0; l < levels.size(); ++l)
+                               levels[l]->stiffness().add_cell(
+                                 cell, sums[l].stiffness(cell, points));
+                         });
+        if (report.bad_point >= 0 && problem.empty())
+          problem = "point " + std::to_string(report.bad_point) +
+                    " of the body '" + body.name + "': " + report.bad_reason;
+      }
+    sums.back().take_force(force);
+    return problem;
+  }
+
+
+
+  template <int dim>
+  bool
+  TangentSystem<dim>::needs_levels(const double mass_factor) const
+  {
+    if (parameters.preconditioner != "auto")
+      return parameters.preconditioner == "p-multigrid";
+    if (parameters.multigrid.coarsening == "none")
+      return false;
+    unsigned int n_long = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      n_long += space().lattice().n_cells()[d] > 1;
+    if (n_long <= 1)
+      return false;
+    if (mass_factor == 0.)
+      return true;
+    // The largest entries of K and c M, those of the last finish_tangent().
+    constexpr double stiff   = 30.;
+    double           sums[2] = {finest().largest_diagonal(), 0.};
+    double           mass    = 0.;
+    for (const unsigned int place : finest().extended().unknown_places())
+      if (place != numbers::invalid_unsigned_int)
+        mass = std::max(mass, finest().extended().matrix().diagonal(place));
+    sums[1] = mass_factor * mass;
+    Utilities::MPI::max(ArrayView<const double>(sums, 2),
+                        space().communicator(),
+                        ArrayView<double>(sums, 2));
+    return sums[0] > (1. + stiff) * sums[1];
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::set_operator(const double mass_factor,
+                                   const bool   is_symmetric)
+  {
+    symmetric = is_symmetric;
+    multigrid.reset();
+    typename PMultigrid<dim>::Levels operators;
+    levels.back()->finish_tangent(mass_factor);
+    PMultigridParameters cycle = parameters.multigrid;
+    if (!needs_levels(mass_factor))
+      cycle.coarsening = "none";
+    else
+      for (unsigned int l = 0; l + 1 < levels.size(); ++l)
+        {
+          levels[l]->finish_tangent(mass_factor);
+          operators.push_back(levels[l].get());
+        }
+    operators.push_back(levels.back().get());
+    multigrid =
+      std::make_unique<PMultigrid<dim>>(operators,
+                                        cycle,
+                                        parameters.smoother,
+                                        parameters.multigrid.coarse_tolerance);
+  }
+
+
+
+  template <int dim>
+  void TangentSystem<dim>::restrict(VectorType             &rows,
+                                    const VectorField<dim> &force,
+                                    const VectorField<dim> *field) const
+  {
+    const ExtendedMass<dim> &mass = finest().extended();
+    mass.restrict_fields(unknowns, {&force}, dim);
+    if (field)
+      {
+        VectorField<dim> products;
+        for (unsigned int c = 0; c < dim; ++c)
+          products[c].reinit(force[c], true);
+        mass.multiply_field(products, *field, true);
+        const auto &functions = mass.unknown_functions();
+        for (unsigned int u = 0; u < functions.size(); ++u)
+          for (unsigned int c = 0; c < dim; ++c)
+            unknowns.local_element(u * dim + c) +=
+              products[c].local_element(functions[u]);
+        mass.zero_held_unknowns(unknowns, dim);
+      }
+    finest().write(rows, unknowns);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::extend(VectorField<dim> &field, const VectorType &x) const
+  {
+    finest().read(unknowns, x);
+    finest().extended().write_fields({&field}, unknowns, dim);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::read(VectorType &x, const VectorField<dim> &field) const
+  {
+    finest().extended().read_fields(unknowns, {&field}, dim);
+    finest().write(x, unknowns);
+  }
+
+
+
+  namespace
+  {
+    /**
+     * Run a Krylov method, which stops by an exception where it does not
+     * converge.
+     */
+    template <typename Run>
+    SolveResult
+    run_solver(const unsigned int max_iterations,
+               const double       tolerance,
+               const VectorType  &b,
+               const Run         &run)
+    {
+      SolveResult  result;
+      const double start = b.l2_norm();
+      result.iterations  = 0;
+      result.converged   = start == 0.;
+      if (start == 0.)
+        return result;
+      SolverControl control(max_iterations, tolerance * start, false, false);
+      try
+        {
+          run(control);
+          result.converged = true;
+        }
+      catch (const SolverControl::NoConvergence &)
+        {}
+      result.iterations = control.last_step();
+      result.reduction  = control.last_value() / start;
+      if (!result.converged)
+        {
+          std::ostringstream text;
+          text << "did not converge in " << control.last_step()
+               << " iterations; the residual is " << result.reduction
+               << " times the right-hand side";
+          result.reason = text.str();
+        }
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  SolveResult
+  TangentSystem<dim>::solve(VectorType       &x,
+                            const VectorType &b,
+                            const double      tolerance) const
+  {
+    const bool with_cg =
+      parameters.method == "cg" || (parameters.method == "auto" && symmetric);
+    x = 0.;
+    return run_solver(
+      parameters.max_iterations, tolerance, b, [&](SolverControl &control) {
+        if (with_cg)
+          SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
+        else
+          SolverFGMRES<VectorType>(control).solve(finest(), x, b, *multigrid);
+      });
+  }
+
+
+
+  template <int dim>
+  SolveResult
+  TangentSystem<dim>::solve_mass(VectorField<dim>       &velocity,
+                                 const VectorField<dim> &momentum)
+  {
+    struct Mass
+    {
+      void
+      vmult(VectorType &dst, const VectorType &src) const
+      {
+        level.multiply_mass(dst, src);
+      }
+
+      const TangentLevel<dim> &level;
+    };
+    struct Inverse
+    {
+      void
+      vmult(VectorType &dst, const VectorType &src) const
+      {
+        dst = src;
+        level.apply_inverse_mass(dst);
+      }
+
+      const TangentLevel<dim> &level;
+    };
+
+    VectorType x, b;
+    initialize(x);
+    initialize(b);
+    // What held coefficients contribute goes to the right-hand side.
+    VectorField<dim> held;
+    for (unsigned int c = 0; c < dim; ++c)
+      held[c] = velocity[c];
+    extend(held, x);
+    for (unsigned int c = 0; c < dim; ++c)
+      held[c] *= -1.;
+    restrict(b, momentum, &held);
+    const SolveResult result =
+      run_solver(200, 1e-12, b, [&](SolverControl &control) {
+        SolverCG<VectorType>(control).solve(Mass{finest()},
+                                            x,
+                                            b,
+                                            Inverse{finest()});
+      });
+    extend(velocity, x);
+    return result;
+  }
+
+
+
+  template class TangentSystem<2>;
+  template class TangentSystem<3>;
+} // namespace greville

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// The linear systems of implicit steps: the operator is the derivative of the
+// force, and p-multigrid needs few iterations, whatever the mesh, the order and
+// the place of the surface in its cells.
+#include <greville/simulation/grid_mass.h>
+#include <greville/stiffness/tangent_system.h>
+
+#include "../simulation/simulation.h"
+
+namespace
+{
+  template <int dim>
+  class Systems
+  {
+  public:
+    Systems(const Text &text, const TangentParameters &tangent = {})
+      : parameters(tangent)
+      , simulated(text)
+      , walls(simulated.parameters.walls)
+      , system(
+          simulated.parameters.grid.degree,
+          simulated->grid().triangulation(),
+          [this](const SplineSpace<dim> &space) {
+            return held_components_at_walls(space, walls);
+          },
+          parameters,
+          0.45,
+          false)
+    {
+      for (const Body<dim> &body : simulated->bodies())
+        bodies.push_back({&body.points, body.material, body.name, 1.});
+      system.set_points(bodies);
+      for (auto *field : {&u, &force})
+        for (VectorType &component : *field)
+          system.space().initialize_vector(component);
+      for (auto *vector : {&x, &b})
+        system.initialize(*vector);
+    }
+
+    /**
+     * A vector of unknowns that does not depend on the number of processes.
+     */
+    void
+    fill(VectorType &vector, const double scale) const
+    {
+      const auto &functions = system.space().owned_functions();
+      for (unsigned int i = 0; i < functions.size(); ++i)
+        for (unsigned int c = 0; c < dim; ++c)
+          vector.local_element(i * dim + c) =
+            scale * std::sin(12.9898 * (functions[i] % 104729) + c);
+    }
+
+    void
+    residual(VectorType &rows, const VectorType &at)
+    {
+      system.extend(u, at);
+      system.evaluate(bodies, u, 0.1, stress, false, force);
+      for (VectorType &component : u)
+        component *= mass_factor;
+      system.restrict(rows, force, &u);
+    }
+
+    /**
+     * The derivative in one direction, against differences.
+     */
+    double
+    derivative_error()
+    {
+      VectorType direction = x, high = x, low = x, product = x;
+      fill(x, 0.01 / system.space().n_functions()[0]);
+      fill(direction, 1.);
+      system.extend(u, direction);
+      system.read(direction, u);
+      const double eps = 1e-7;
+      b                = x;
+      b.add(eps, direction);
+      residual(high, b);
+      b.add(-2. * eps, direction);
+      residual(low, b);
+      high -= low;
+      high *= 0.5 / eps;
+      system.extend(u, x);
+      system.evaluate(bodies, u, 0.1, stress, true, force);
+      system.set_operator(mass_factor, true);
+      system.finest().vmult(product, direction);
+      const double size = high.l2_norm();
+      high -= product;
+      return high.l2_norm() / size;
+    }
+
+    unsigned int
+    iterations(const double factor)
+    {
+      for (VectorType &component : u)
+        component = 0.;
+      system.evaluate(bodies, u, 1., StepStress::end, true, force);
+      system.set_operator(factor, true);
+      fill(x, 1.);
+      system.extend(u, x);
+      system.restrict(b, u, nullptr);
+      const SolveResult result = system.solve(x, b, 1e-8);
+      return result.converged ? *result.iterations : 1000;
+    }
+
+    // Of the size of the stiffness.
+    const double mass_factor = 3e4;
+    StepStress   stress      = StepStress::end;
+
+  private:
+    const TangentParameters     parameters;
+    Simulated<dim>              simulated;
+    const Walls<dim>            walls;
+    TangentSystem<dim>          system;
+    std::vector<TrialBody<dim>> bodies;
+    VectorField<dim>            u, force;
+    VectorType                  x, b;
+  };
+
+
+
+  Text
+  column_2d(const unsigned int n, const unsigned int p)
+  {
+    return block_2d("box(0.21, 0, 0.73, 0.83)", n)
+      .with("Grid", {"Order = " + std::to_string(p)})
+      .with("Body body", {"Points per direction = 3", "Jitter = 0.3"})
+      .with("Walls", {"Bottom = fixed"});
+  }
+
+  Text
+  dome_2d(const unsigned int n, const unsigned int p)
+  {
+    return column_2d(n, p).with("Body body",
+                                {"Shape = ball(0.5, 0, 0.43)",
+                                 "Clip at the grid = true"});
+  }
+
+  Text
+  column_3d(const unsigned int n, const unsigned int p)
+  {
+    return block_3d("box(0.21, 0.17, 0, 0.73, 0.77, 0.83)", n)
+      .with("Grid", {"Order = " + std::to_string(p)})
+      .with("Body body", {"Points per direction = 2", "Jitter = 0.3"})
+      .with("Walls", {"Back = fixed"});
+  }
+
+
+
+  template <int dim>
+  void
+  check_derivative(const std::string &name, const Text &text)
+  {
+    Systems<dim> systems(text);
+    double       error = systems.derivative_error();
+    check(name + ": derivative of the force", error < 1e-6);
+    if (!(error < 1e-6))
+      print() << error << std::endl;
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  for (const std::string model :
+       {"linear-elastic", "neo-hookean", "newtonian-fluid"})
+    {
+      const std::vector<std::string> fluid      = {"Model = newtonian-fluid",
+                                                   "Density = 1",
+                                                   "Allow tension = true",
+                                                   "Viscosity = 3"};
+      const auto                     with_model = [&](Text text) {
+        if (model[0] != 'n' || model == "neo-hookean")
+          return text.with("Material solid", {"Model = " + model});
+        const auto place = text.content.find("subsection Material solid");
+        text.content.erase(place,
+                           text.content.find("end\n", place) + 4 - place);
+        return text.add("Material solid", fluid);
+      };
+      for (const unsigned int p : {1, 2, 3})
+        check_derivative<2>(model + ", p = " + std::to_string(p),
+                            with_model(column_2d(8, p)));
+      check_derivative<3>(model + " in 3D", with_model(column_3d(6, 2)));
+    }
+
+  for (const unsigned int n : {16, 32})
+    for (const unsigned int p : {1, 2, 3})
+      {
+        const std::string name =
+          std::to_string(n) + " cells, p = " + std::to_string(p);
+        check_range(name + ", column",
+                    Systems<2>(column_2d(n, p)).iterations(0.),
+                    3,
+                    p == 1 ? 16 : 11);
+        check_range(name + ", dome",
+                    Systems<2>(dome_2d(n, p)).iterations(0.),
+                    3,
+                    p == 1 ? 16 : 12);
+      }
+  check_range("with mass", Systems<2>(column_2d(32, 2)).iterations(1e4), 2, 10);
+  check_range("3D", Systems<3>(column_3d(8, 2)).iterations(0.), 3, 14);
+}
