@@ -10,12 +10,17 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    constexpr unsigned int max_width = 8; // columns of vectors
+  }                                       // namespace
+
+
   template <int dim>
   void
   ExtendedUnknowns<dim>::reinit(const StencilMatrix<dim> &matrix)
   {
-    constexpr unsigned int max_width = 8;
-    places                           = &matrix;
+    places      = &matrix;
     place_x     = ZeroedArray<double>(matrix.size() * max_width);
     place_y     = ZeroedArray<double>(matrix.size() * max_width);
     roles       = ZeroedArray<int>(matrix.size());
@@ -402,13 +407,23 @@ namespace greville
     const unsigned int                     width,
     const unsigned int                     component) const
   {
+    // Pointers and bits, for a loop without anything else.
+    std::array<const double *, max_width> from;
+    std::array<unsigned int, max_width>   bit;
+    const unsigned int                    n = columns.size();
+    for (unsigned int c = 0; c < n; ++c)
+      {
+        from[c] = columns[c]->begin();
+        bit[c]  = (component + c) % dim;
+      }
     for_each_active(held_functions.size(),
                     [&](const unsigned int f, const std::size_t place) {
-                      for (unsigned int c = 0; c < columns.size(); ++c)
-                        place_y[place * width + c] =
-                          f < n_owned_functions() && !is_held(f, component + c)
-                            ? columns[c]->local_element(f)
-                            : 0.;
+                      double        *to       = &place_y[place * width];
+                      const bool     is_owned = f < n_owned_functions();
+                      const unsigned held     = held_functions[f];
+                      for (unsigned int c = 0; c < n; ++c)
+                        to[c] =
+                          is_owned && !((held >> bit[c]) & 1) ? from[c][f] : 0.;
                     });
     rows = 0.;
     collect(rows.begin(), width);
@@ -431,13 +446,23 @@ namespace greville
     x.update_ghost_values();
     expand(x.begin(), width);
     x.zero_out_ghost_values();
+    std::array<double *, max_width>     to;
+    std::array<unsigned int, max_width> bit;
+    const unsigned int                  n = columns.size();
+    for (unsigned int c = 0; c < n; ++c)
+      {
+        to[c]  = columns[c]->begin();
+        bit[c] = (component + c) % dim;
+      }
     for (unsigned int f = 0; f < n_owned_functions(); ++f)
-      for (unsigned int c = 0; c < columns.size(); ++c)
-        if (!is_held(f, component + c))
-          columns[c]->local_element(f) =
-            (*extension)[f] == Extension<dim>::inactive
-              ? 0.
-              : place_x[std::size_t(places->place(f)) * width + c];
+      {
+        const bool     is_active = (*extension)[f] != Extension<dim>::inactive;
+        const double  *values = &place_x[std::size_t(places->place(f)) * width];
+        const unsigned held   = held_functions[f];
+        for (unsigned int c = 0; c < n; ++c)
+          if (!((held >> bit[c]) & 1))
+            to[c][f] = is_active ? values[c] : 0.;
+      }
   }
 
 
