@@ -235,6 +235,39 @@ namespace greville
 
   template <int dim>
   void
+  StencilMatrix<dim>::raise_diagonal(const unsigned int place,
+                                     const double       smallest)
+  {
+    double &entry = values[std::size_t(place) * half];
+    entry         = std::max(entry, smallest);
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::get_row(const unsigned int i, double *stencil) const
+  {
+    for_each_place(i, [&](const unsigned int, const std::size_t entry) {
+      *stencil++ = values[entry];
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::set_row(const unsigned int i, const double *stencil)
+  {
+    std::copy_n(stencil + half - 1,
+                half,
+                values.data() + std::size_t(i) * half);
+  }
+
+
+
+  template <int dim>
+  void
   StencilMatrix<dim>::vmult(double            *y,
                             const double      *x,
                             const unsigned int width) const

@@ -199,8 +199,9 @@ namespace greville
   {
     const unsigned int n = columns.size(), part_width = width_for(n);
     work.assign(factor_places.size() * part_width, 0.);
-    const auto for_each = [&](const auto &visit) {
-      for (unsigned int u = 0; u < mass.n_owned_unknowns(); ++u)
+    const unsigned int n_unknowns = mass.n_owned_unknowns();
+    const auto         for_each   = [&](const auto &visit) {
+      for (unsigned int u = 0; u < n_unknowns; ++u)
         {
           const int row = factor_rows.empty() ? int(u) : factor_rows[u];
           if (row >= 0)

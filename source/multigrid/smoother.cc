@@ -18,6 +18,7 @@ namespace greville
   void
   SmootherParameters::declare(ParameterHandler &prm)
   {
+    declare_for_operators(prm);
     prm.add_parameter("Drop tolerance",
                       drop_tolerance,
                       "ilut: entries below this fraction of the norm of their "
@@ -27,12 +28,6 @@ namespace greville
                       fill_factor,
                       "ilut: entries kept in a row of L and of U, as a "
                       "multiple of those of the matrix. Unit: none.",
-                      Patterns::Double(0.));
-    prm.add_parameter("Shift",
-                      shift,
-                      "ilu0, ic0: added to the diagonal of the scaled matrix "
-                      "(which is 1) before the factorization. (ic0 raises "
-                      "pivots that fail all the same.) Unit: none.",
                       Patterns::Double(0.));
     prm.add_parameter(
       "Reuse",
@@ -61,6 +56,19 @@ namespace greville
                       "are put together; automatic is symmetric in a symmetric "
                       "cycle (restriction = transpose), else restricted.",
                       Patterns::Selection("automatic|restricted|symmetric"));
+  }
+
+
+
+  void
+  SmootherParameters::declare_for_operators(ParameterHandler &prm)
+  {
+    prm.add_parameter("Shift",
+                      shift,
+                      "ilu0, ic0: added to the diagonal of the scaled matrix "
+                      "(which is 1) before the factorization. (ic0 raises "
+                      "pivots that fail all the same.) Unit: none.",
+                      Patterns::Double(0.));
     prm.add_parameter(
       "Damping",
       damping,

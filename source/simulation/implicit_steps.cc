@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/simulation/implicit_steps.h>
 #include <greville/simulation/step_errors.h>
+#include <greville/simulation/step_size.h>
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +50,6 @@ namespace greville
                         &work})
       for (VectorType &component : *field)
         system.space().initialize_vector(component);
-    system.space().initialize_vector(lumped);
     system.initialize(last_residual);
   }
 
@@ -104,14 +104,14 @@ namespace greville
       throw StepFailed("the step has been cut to " +
                        text_of(2. * state.step_fraction) +
                        " of 'Time/Step', and still " + rejection);
-    const double arguments[2] = {discretization.cell_size(),
-                                 double(system.space().degree())};
-    const double step = (*step_formula)(ArrayView<const double>(arguments, 2));
-    AssertThrow(step > 0. && std::isfinite(step),
-                ExcMessage("The parameter 'Time/Step' is <" +
-                           parameters.time.step + ">, which gives " +
-                           text_of(step) + " s: it has to be positive."));
+    const double step = evaluate_step(*step_formula,
+                                      parameters.time,
+                                      discretization.cell_size(),
+                                      system.space().degree());
     const double left = parameters.time.end - state.time;
+    check_step(step, left, parameters.time, [&]() {
+      return "'Time/Step' is <" + parameters.time.step + ">.";
+    });
     return left /
            std::max(1., std::ceil(left / (step * state.step_fraction) - 1e-9));
   }
@@ -149,10 +149,7 @@ namespace greville
     if (loads.act_on_points())
       {
         loads.set(state.bodies, t);
-        discretization.transfer().points_to_grid(points,
-                                                 nullptr,
-                                                 nullptr,
-                                                 &sums);
+        discretization.sum(state, &sums);
       }
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -160,7 +157,7 @@ namespace greville
           sums[d] -= old_force[d];
         else
           sums[d] = 0.;
-        sums[d].add(g[d], lumped);
+        sums[d].add(g[d], discretization.lumped_mass());
       }
   }
 
@@ -171,15 +168,11 @@ namespace greville
   ImplicitSteps<dim>::start_step(State<dim> &state, const double dt)
   {
     bodies.clear();
-    points.clear();
     for (const Body<dim> &body : state.bodies)
-      {
-        bodies.push_back({&body.points,
-                          body.material,
-                          body.name,
-                          body.material->strength_reduction(state.time + dt)});
-        points.push_back(&body.points);
-      }
+      bodies.push_back({&body.points,
+                        body.material,
+                        body.name,
+                        body.material->strength_reduction(state.time + dt)});
     if (stamp != state.points_stamp)
       {
         const PartTimer timer(log, "mass");
@@ -189,10 +182,7 @@ namespace greville
       }
     // The force of the stresses at the begin, with its sign in M a = F - f.
     loads.clear(state.bodies);
-    discretization.transfer().points_to_grid(points,
-                                             &lumped,
-                                             &work,
-                                             &old_force);
+    discretization.sum(state, &old_force);
     sum_loads(state, state.time, old_loads);
     sum_loads(state, state.time + scheme.load_time * dt, new_loads);
 
@@ -208,7 +198,7 @@ namespace greville
       if (!result.converged)
         throw StepFailed("the solver of the mass matrix " + result.reason);
     };
-    solve(velocity, work);
+    solve(velocity, discretization.momentum());
     if (scheme.alpha_a != 0. || scheme.alpha_m != 0.)
       {
         discretization.walls().hold_acceleration(acceleration, state.time, dt);
@@ -340,7 +330,8 @@ namespace greville
   {
     double sum = 0.;
     for (unsigned int d = 0; d < dim; ++d)
-      for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+      for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim;
+           ++i)
         sum += new_loads[d].local_element(i) * displacement[d].local_element(i);
     // Walls give what is left of the balance: force has f - F', work inertia.
     if (discretization.walls().have_moving())
@@ -352,7 +343,8 @@ namespace greville
         else
           system.finest().extended().multiply_at_held(at_held, work);
         const auto &held = system.finest().held_components();
-        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+        for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim;
+             ++i)
           for (unsigned int d = 0; d < dim; ++d)
             if ((held[i] >> d) & 1)
               sum += (force[d].local_element(i) + at_held[d].local_element(i)) *
@@ -373,7 +365,7 @@ namespace greville
       displacement[d].equ(dt, velocity[d]);
     discretization.walls().hold_velocity(work, state.time + 0.5 * dt);
     const auto &held = system.finest().held_components();
-    for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+    for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim; ++i)
       for (unsigned int d = 0; d < dim; ++d)
         if ((held[i] >> d) & 1)
           displacement[d].local_element(i) = dt * work[d].local_element(i);

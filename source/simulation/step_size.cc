@@ -40,6 +40,47 @@ namespace greville
 
 
 
+  double
+  evaluate_step(const Expression     &formula,
+                const TimeParameters &parameters,
+                const double          h,
+                const unsigned int    degree)
+  {
+    const double arguments[2] = {h, double(degree)};
+    const double step         = formula(ArrayView<const double>(arguments, 2));
+    AssertThrow(step > 0. && std::isfinite(step),
+                ExcMessage("The parameter 'Time/Step' is <" + parameters.step +
+                           ">, which gives " + text_of(step) +
+                           " s: it has to be positive."));
+    return step;
+  }
+
+
+
+  void
+  check_step(const double                        step,
+             const double                        left,
+             const TimeParameters               &parameters,
+             const std::function<std::string()> &reason)
+  {
+    AssertThrow(left / step <= most_steps || parameters.max_steps > 0,
+                ExcMessage("To 'Time/End' it would take " +
+                           text_of(left / step) + " steps of " + text_of(step) +
+                           " s; at most " + text_of(most_steps) +
+                           " are allowed without 'Time/Maximum steps'. " +
+                           reason()));
+    const double shortest =
+      std::numeric_limits<double>::epsilon() * parameters.end;
+    AssertThrow(step > shortest,
+                ExcMessage("A step of " + text_of(step) +
+                           " s is lost to rounding in times near 'Time/End', " +
+                           text_of(parameters.end) +
+                           " s: steps have to be longer than " +
+                           text_of(shortest) + " s. " + reason()));
+  }
+
+
+
   template <int dim>
   std::string
   describe_materials(const std::vector<Body<dim>> &bodies)
@@ -152,13 +193,10 @@ namespace greville
   double
   StepSize<dim>::given_step(const State<dim> &state, const bool has_estimate)
   {
-    const double arguments[2] = {discretization.cell_size(),
-                                 double(discretization.space().degree())};
-    const double step = (*formula)(ArrayView<const double>(arguments, 2));
-    AssertThrow(step > 0. && std::isfinite(step),
-                ExcMessage("The parameter 'Time/Step' is <" + parameters.step +
-                           ">, which gives " + text_of(step) +
-                           " s: it has to be positive."));
+    const double step = evaluate_step(*formula,
+                                      parameters,
+                                      discretization.cell_size(),
+                                      discretization.space().degree());
     if (has_estimate && step > state.estimates.critical)
       {
         std::ostringstream message;
@@ -216,21 +254,7 @@ namespace greville
                      : what_sets_the_step(state);
     };
     const double left = parameters.end - state.time;
-    AssertThrow(left / step <= most_steps || parameters.max_steps > 0,
-                ExcMessage("To 'Time/End' it would take " +
-                           text_of(left / step) + " steps of " + text_of(step) +
-                           " s; at most " + text_of(most_steps) +
-                           " are allowed without 'Time/Maximum steps'. " +
-                           reason()));
-    const double shortest =
-      std::numeric_limits<double>::epsilon() * parameters.end;
-    AssertThrow(step > shortest,
-                ExcMessage("A step of " + text_of(step) +
-                           " s is lost to rounding in times near 'Time/End', " +
-                           text_of(parameters.end) +
-                           " s: steps have to be longer than " +
-                           text_of(shortest) + " s. " + reason()));
-
+    check_step(step, left, parameters, reason);
     // Equal steps to the end where a step is given; a last one that is not tiny
     // otherwise.
     if (formula)

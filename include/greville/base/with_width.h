@@ -24,6 +24,11 @@ namespace greville
   }
 
   /**
+   * The largest number of columns of with_width().
+   */
+  constexpr unsigned int max_width = 8;
+
+  /**
    * The same with a number of columns.
    */
   template <typename Action>

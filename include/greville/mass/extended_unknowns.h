@@ -22,7 +22,6 @@ namespace greville
    *
    * Functions can be held, column by column, at zero (walls): they are then
    * left out of the columns of E.
-   *
    * E is applied on the places of a StencilMatrix.
    */
   template <int dim>
@@ -56,29 +55,20 @@ namespace greville
      * processes.
      */
     const std::array<unsigned int, dim> &
-    alike() const
-    {
-      return first_alike;
-    }
+    alike() const;
 
     /**
      * Number of calls of hold() so far.
      */
     unsigned int
-    n_holds() const
-    {
-      return hold_counter;
-    }
+    n_holds() const;
 
     /**
      * Whether any function that meets mass is held in a component, on any
      * process.
      */
     const std::array<bool, dim> &
-    has_held() const
-    {
-      return component_has_held;
-    }
+    has_held() const;
 
     /**
      * The components (bits) in which the owned unknowns are held.
@@ -94,51 +84,33 @@ namespace greville
     unknown_positions() const;
 
     unsigned int
-    n_owned_unknowns() const
-    {
-      return n_owned;
-    }
+    n_owned_unknowns() const;
 
     MPI_Comm
-    communicator() const
-    {
-      return places->space().communicator();
-    }
+    communicator() const;
 
     /**
      * The places of the unknowns of this process, the owned ones first,
      * ascending; invalid_unsigned_int for those of others that only E asks for.
      */
     const std::vector<unsigned int> &
-    unknown_places() const
-    {
-      return unknowns;
-    }
+    unknown_places() const;
 
     /**
      * Local numbers of the functions of the owned unknowns.
      */
     const std::vector<unsigned int> &
-    unknown_functions() const
-    {
-      return owned_unknown_functions;
-    }
+    unknown_functions() const;
 
     /**
      * The layout of vectors of @p width columns. Ghost entries are those that
      * vmult() needs.
      */
     void
-    initialize_vector(VectorType &vector, const unsigned int width) const
-    {
-      vector.reinit(layout->partitioner(width));
-    }
+    initialize_vector(VectorType &vector, const unsigned int width) const;
 
     const std::shared_ptr<const InterleavedLayout> &
-    unknown_layout() const
-    {
-      return layout;
-    }
+    unknown_layout() const;
 
     /**
      * y = E^T B E x, of @p width columns, for a matrix B between the places:
@@ -153,8 +125,7 @@ namespace greville
       const std::function<void(double *, const double *)> &product) const;
 
     /**
-     * Call visit(u, E_iu) for the unknowns u of the row of E of the function at
-     * place @p i.
+     * Call visit(u, E_iu) for the unknowns u of the function at place @p i.
      */
     template <typename Visit>
     void

@@ -100,11 +100,7 @@ namespace greville
      * Make the diagonal entry at @p place @p smallest at least.
      */
     void
-    raise_diagonal(const unsigned int place, const double smallest)
-    {
-      double &entry = values[std::size_t(place) * half];
-      entry         = std::max(entry, smallest);
-    }
+    raise_diagonal(const unsigned int place, const double smallest);
 
     double
     diagonal(const unsigned int place) const
@@ -166,20 +162,10 @@ namespace greville
      * j >= i.
      */
     void
-    get_row(const unsigned int i, double *stencil) const
-    {
-      for_each_place(i, [&](const unsigned int, const std::size_t entry) {
-        *stencil++ = values[entry];
-      });
-    }
+    get_row(const unsigned int i, double *stencil) const;
 
     void
-    set_row(const unsigned int i, const double *stencil)
-    {
-      std::copy_n(stencil + half - 1,
-                  half,
-                  values.data() + std::size_t(i) * half);
-    }
+    set_row(const unsigned int i, const double *stencil);
 
     /**
      * y = M x for @p width (1, 2, 3, 4 or 8) interleaved vectors, which have to

@@ -63,21 +63,13 @@ namespace greville
      * that bear tension.
      */
     bool
-    has_symmetric_tangent() const override
-    {
-      return !softens && dilatancy_angle == friction_angle && peak.apex <= 0. &&
-             (friction_angle == 0. ||
-              !reduction_of_strength.changes_strength());
-    }
+    has_symmetric_tangent() const override;
 
     void
     reinit(const std::string &section) override;
 
     double
-    strength_reduction(const double time) const override
-    {
-      return reduction_of_strength.at(time);
-    }
+    strength_reduction(const double time) const override;
 
     double
     yield_function(const Principal &tau,
@@ -241,15 +233,7 @@ namespace greville
     double
     opening_at_apex(const Principal &trial,
                     const double     apex,
-                    const double     m) const
-    {
-      const double mean  = mean_of(trial);
-      const double right = (trial[0] - mean) / (1. + m / 3.),
-                   left  = (mean - trial[2]) / (1. - m / 3.);
-      return std::max((mean - apex) / elastic.bulk -
-                        m * std::max(right, left) / elastic.shear,
-                      0.);
-    }
+                    const double     m) const;
 
     /**
      * Solve h(x) = alpha + d alpha(x) - x = 0, from a first @p growth d alpha
@@ -259,33 +243,7 @@ namespace greville
     soften(const Principal &trial,
            const double     growth,
            const double     reduction,
-           double          &alpha) const
-    {
-      const double mean  = mean_of(trial);
-      const double range = equivalent_strain(trial, {{mean, mean, mean}});
-      double       low = alpha, high = alpha + range;
-      double       x_old = alpha, h_old = growth;
-      double       x = alpha + std::min(growth, range);
-      Principal    result;
-      for (unsigned int i = 0;; ++i)
-        {
-          result         = returned(trial, surface_at(x, reduction));
-          const double h = alpha + equivalent_strain(trial, result) - x;
-          if (std::abs(h) <= 1e-15 * range + 2e-16 * x || i == 100)
-            break;
-          (h > 0. ? low : high) = x;
-          if (!(high - low > 4e-16 * high))
-            break;
-          double next = x - h * (x - x_old) / (h - h_old);
-          if (!(next > low && next < high) || i % 8 == 7)
-            next = 0.5 * (low + high);
-          x_old = x;
-          h_old = h;
-          x     = next;
-        }
-      alpha = x;
-      return result;
-    }
+           double          &alpha) const;
 
     /**
      * The derivatives of a surface by alpha.

@@ -23,6 +23,13 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
 
     /**
+     * Those of smoothers that need no matrix of one component, see
+     * LevelOperator::matrix().
+     */
+    void
+    declare_for_operators(dealii::ParameterHandler &prm);
+
+    /**
      * Throw dealii::ExcMessage where patterns cannot tell that a parameter is
      * wrong.
      */

@@ -110,11 +110,8 @@ namespace greville
     bool                        is_symmetric = true;
 
     // Of the state at hand.
-    std::vector<TrialBody<dim>>              bodies;
-    std::vector<const MaterialPoints<dim> *> points;
-    std::uint64_t                            stamp = 0; // of the mass
-
-    VectorType lumped;
+    std::vector<TrialBody<dim>> bodies;
+    std::uint64_t               stamp = 0; // of the mass
 
     VectorField<dim> velocity, acceleration, displacement;
     VectorField<dim> old_force, old_loads, new_loads, force, work;

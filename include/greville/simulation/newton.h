@@ -58,9 +58,9 @@ namespace greville
    */
   struct NewtonIteration
   {
-    /// Euclidean norm of r, and that part of the scale.
+    /// Euclidean norm of r, and this norm as a fraction of the scale.
     double residual = 0., relative = 0.;
-    /// Part of the step dx that was taken, 1 in most cases.
+    /// The fraction of dx that was taken, 1 in most cases.
     double       step              = 0.;
     unsigned int linear_iterations = 0;
   };

@@ -9,6 +9,7 @@
 #include <greville/materials/material.h>
 #include <greville/multigrid/mass_solver.h>
 #include <greville/particles/body.h>
+#include <greville/simulation/comparison_parameters.h>
 #include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/newton.h>
 #include <greville/stiffness/tangent_system.h>
@@ -163,18 +164,8 @@ namespace greville
 
 
   /**
-   * Exact solutions, and runs over many meshes.
+   * Runs over many meshes.
    */
-  struct ExactParameters
-  {
-    void
-    declare(dealii::ParameterHandler &prm);
-
-    std::string displacement;
-    std::string velocity;
-    std::string stress;
-  };
-
   struct SweepParameters
   {
     void
@@ -184,23 +175,6 @@ namespace greville
     std::vector<unsigned int> degrees;
     std::vector<std::string>  masses;
     std::vector<std::string>  quadratures;
-  };
-
-
-
-  /**
-   * Measured data to compare with.
-   */
-  struct ReferenceParameters
-  {
-    void
-    declare(dealii::ParameterHandler &prm);
-
-    std::string surface_file;
-    std::string series_file;
-    std::string series_quantity = "front";
-    double      time_unit       = 1.;
-    double      value_unit      = 1.;
   };
 
 

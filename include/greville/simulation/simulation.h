@@ -120,7 +120,7 @@ namespace greville
     take_warnings();
 
     /**
-     * Seconds on this process by part of the step.
+     * Seconds on this process that each task of a step has taken.
      */
     const std::map<std::string, double> &
     part_times() const

@@ -6,6 +6,7 @@
 #include <greville/simulation/critical_step.h>
 #include <greville/simulation/discretization.h>
 
+#include <functional>
 #include <optional>
 
 namespace greville
@@ -16,6 +17,29 @@ namespace greville
   template <int dim>
   std::string
   describe_materials(const std::vector<Body<dim>> &bodies);
+
+
+
+  /**
+   * The step of the @p formula 'Time/Step' of the edge @p h of a cell (m) and
+   * the order, s. Throws dealii::ExcMessage where it is not positive.
+   */
+  double
+  evaluate_step(const Expression     &formula,
+                const TimeParameters &parameters,
+                const double          h,
+                const unsigned int    degree);
+
+  /**
+   * Throw dealii::ExcMessage, which ends with the @p reason of the step, where
+   * there would be too many steps in the time @p left (s), or they would be
+   * lost to rounding.
+   */
+  void
+  check_step(const double                        step,
+             const double                        left,
+             const TimeParameters               &parameters,
+             const std::function<std::string()> &reason);
 
 
 

@@ -13,6 +13,20 @@
 namespace greville
 {
   /**
+   * Parameters of the smoothers that a TangentLevel has a use for.
+   */
+  struct TangentSmootherParameters : SmootherParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm)
+    {
+      declare_for_operators(prm);
+    }
+  };
+
+
+
+  /**
    * How linear systems of implicit steps are solved.
    */
   struct TangentParameters
@@ -26,7 +40,8 @@ namespace greville
     std::string          preconditioner = "auto";
     unsigned int         max_iterations = 200;
     PMultigridParameters multigrid;
-    SmootherParameters   smoother;
+
+    TangentSmootherParameters smoother;
   };
 
 
