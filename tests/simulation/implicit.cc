@@ -204,6 +204,12 @@ main(int argc, char **argv)
   cut.run();
   check("steps are cut",
         cut->state().n_steps > 2 && cut->state().n_steps < 100);
+  check("the summary knows the functions",
+        cut->consistent_mass()->extension().counts().stable > 0 &&
+          cut->statistics().active > 0);
+  check_message("too many steps",
+                at_rest.with("Time", {"Step = 1e-12"}),
+                "'Time/Maximum steps'");
   check_message("where the residual is",
                 at_rest.with("Newton", {"Maximum iterations = 1"})
                   .with("Implicit", {"Smallest step = 0.1"}),
