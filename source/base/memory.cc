@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <malloc.h>
 #include <sstream>
 #include <sys/resource.h>
 
@@ -89,5 +90,18 @@ namespace greville
               << " are free on a machine for " << 100. * part
               << " % of them. Take fewer cells.";
     throw_on_all(message.str(), comm);
+  }
+
+
+
+  std::optional<unsigned long>
+  allocated_memory()
+  {
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+#else
+    return {};
+#endif
   }
 } // namespace greville

@@ -3,103 +3,16 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/benchmark/mass_problem.h>
-#include <greville/particles/body.h>
 #include <greville/particles/material_points.h>
 #include <greville/particles/point_transfer.h>
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <sstream>
 
 namespace greville
 {
   using namespace dealii;
-
-  void
-  MassProblemParameters::declare(ParameterHandler &prm)
-  {
-    prm.add_parameter("Lower corner",
-                      lower,
-                      "Corner of the box with the smallest coordinates; 2D "
-                      "takes the first two. Unit: m.",
-                      Patterns::List(Patterns::Double(), 2, 3));
-    prm.add_parameter("Upper corner",
-                      upper,
-                      "Corner with the largest coordinates. Unit: m.",
-                      Patterns::List(Patterns::Double(), 2, 3));
-    prm.add_parameter("Cell ratio",
-                      cell_ratio,
-                      "The box has this multiple of the number of cells in "
-                      "each direction. Unit: none.",
-                      Patterns::List(Patterns::Integer(1), 2, 3));
-    prm.add_parameter("Density",
-                      density,
-                      "Density as an expression of x, y, z; not negative, zero "
-                      "in holes, as in if(x<0.5,1,0). Unit: kg/m^dim.");
-    prm.add_parameter(
-      "Acceleration",
-      acceleration,
-      "The force is density times this expression of x, y, z, which is then "
-      "the solution, up to its projection. Unit: m/s^2.");
-    prm.add_parameter(
-      "Points",
-      bodies,
-      "Bodies of material points with this density, one after the other: box "
-      "fills the grid, column stands on the floor (the lower wall in the last "
-      "direction) away from all other walls, disk (2D) and ball (3D) are "
-      "round, in the middle, and touch no wall. Empty: the density itself, "
-      "without points.",
-      Patterns::List(Patterns::Selection("box|column|disk|ball"), 0));
-    prm.add_parameter("Points per direction",
-                      points_per_direction,
-                      "Material points per cell in each direction; several "
-                      "numbers one after the other. Unit: none.",
-                      Patterns::List(Patterns::Integer(2, 4), 1));
-    prm.add_parameter(
-      "Jitter",
-      jitter,
-      "Each material point is moved at random by at most this part of half the "
-      "distance between points; 0: a lattice. Unit: none.",
-      Patterns::Double(0., 1.));
-    prm.add_parameter(
-      "Filling threshold",
-      filling_threshold,
-      "Cells of which material points fill this part are well-filled. "
-      "B-splines without a cell that is surrounded by such cells are extended "
-      "from those with one; 0: all cells with points count. Unit: none.",
-      Patterns::Double(0.));
-    prm.add_parameter("Extension",
-                      extend,
-                      "Extended B-splines for material points; without, the "
-                      "matrix of all functions that see a point.");
-  }
-
-
-
-  void
-  MassProblemParameters::check(const unsigned int dim) const
-  {
-    AssertThrow(lower.size() >= dim && upper.size() >= dim &&
-                  cell_ratio.size() >= dim,
-                ExcMessage("'Problem/Lower corner', 'Problem/Upper corner' and "
-                           "'Problem/Cell ratio' need " +
-                           std::to_string(dim) + " numbers in " +
-                           std::to_string(dim) + "D."));
-    for (unsigned int d = 0; d < dim; ++d)
-      AssertThrow(lower[d] < upper[d],
-                  ExcMessage("'Problem/Lower corner' has to be below "
-                             "'Problem/Upper corner' in each direction."));
-    const std::string names = dim == 2 ? "box|column|disk" : "box|column|ball";
-    for (const std::string &body : bodies)
-      AssertThrow(names.find(body) != std::string::npos,
-                  ExcMessage("The parameter 'Problem/Points' is <" + body +
-                             ">; it has to be one of " + names + " in " +
-                             std::to_string(dim) +
-                             "D (see 'Benchmark/Dimensions')."));
-  }
-
-
 
   namespace
   {
@@ -107,7 +20,7 @@ namespace greville
     class DensityProblem : public MassProblem<dim>
     {
     public:
-      DensityProblem(const MassProblemParameters &parameters)
+      DensityProblem(const ProblemParameters &parameters)
         : density(make_function<dim>(parameters.density, "Problem/Density"))
         , acceleration(
             make_function<dim>(parameters.acceleration, "Problem/Acceleration"))
@@ -145,53 +58,11 @@ namespace greville
 
 
 
-    /**
-     * A body as a formula of Shape. Its surfaces cut cells.
-     */
-    template <int dim>
-    std::string
-    shape_of(const std::string &body, const Lattice<dim> &lattice)
-    {
-      std::ostringstream formula;
-      formula << std::setprecision(17);
-      const auto at = [&](const unsigned int d, const double part) {
-        return lattice.lower(d) + part * (lattice.upper(d) - lattice.lower(d));
-      };
-      if (body == "disk" || body == "ball")
-        {
-          double width = lattice.upper(0) - lattice.lower(0);
-          formula << "ball(";
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              formula << at(d, 0.5) << ", ";
-              width = std::min(width, lattice.upper(d) - lattice.lower(d));
-            }
-          formula << 0.4 * width << ")";
-        }
-      else
-        {
-          formula << "box(";
-          for (const bool upper : {false, true})
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                double part = upper;
-                if (body == "column")
-                  part =
-                    d + 1 < dim ? (upper ? 0.77 : 0.23) : (upper ? 0.67 : 0.);
-                formula << (upper || d > 0 ? ", " : "") << at(d, part);
-              }
-          formula << ")";
-        }
-      return formula.str();
-    }
-
-
-
     template <int dim>
     class PointProblem : public MassProblem<dim>
     {
     public:
-      PointProblem(const MassProblemParameters   &p,
+      PointProblem(const ProblemParameters       &p,
                    const std::string             &body,
                    const unsigned int             n,
                    DistributedTriangulation<dim> &triangulation)
@@ -295,11 +166,8 @@ namespace greville
           make_function<dim>(parameters.density, "Problem/Density");
         const auto acceleration =
           make_function<dim>(parameters.acceleration, "Problem/Acceleration");
-        PointPlacement placement;
-        placement.shape                = shape_of(body, space.lattice());
-        placement.points_per_direction = {n};
-        placement.jitter               = parameters.jitter;
-
+        const PointPlacement placement =
+          parameters.placement<dim>(body, n, space.lattice());
         std::vector<double> numbers(points.layout().size, 0.);
         const PointRef<dim> p(numbers.data());
         p.J() = 1.;
@@ -325,10 +193,10 @@ namespace greville
           }
       }
 
-      const MassProblemParameters &parameters;
-      SplineSpace<dim>             space;  // of order 1
-      MaterialPoints<dim>          points; // their velocity in x is f
-      CellFilling<dim>             filling;
+      const ProblemParameters &parameters;
+      SplineSpace<dim>         space;  // of order 1
+      MaterialPoints<dim>      points; // their velocity in x is f
+      CellFilling<dim>         filling;
     };
   } // namespace
 
@@ -336,7 +204,7 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<MassProblem<dim>>
-  make_density_problem(const MassProblemParameters &parameters)
+  make_density_problem(const ProblemParameters &parameters)
   {
     return std::make_unique<DensityProblem<dim>>(parameters);
   }
@@ -345,7 +213,7 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<MassProblem<dim>>
-  make_point_problem(const MassProblemParameters   &parameters,
+  make_point_problem(const ProblemParameters       &parameters,
                      const std::string             &body,
                      const unsigned int             n,
                      DistributedTriangulation<dim> &triangulation)
@@ -360,9 +228,9 @@ namespace greville
 
 #define INSTANTIATE(dim)                                                \
   template std::unique_ptr<MassProblem<dim>> make_density_problem<dim>( \
-    const MassProblemParameters &);                                     \
+    const ProblemParameters &);                                         \
   template std::unique_ptr<MassProblem<dim>> make_point_problem(        \
-    const MassProblemParameters &,                                      \
+    const ProblemParameters &,                                          \
     const std::string &,                                                \
     const unsigned int,                                                 \
     DistributedTriangulation<dim> &)

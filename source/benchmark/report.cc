@@ -5,6 +5,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/csv.h>
+#include <greville/base/errors.h>
 #include <greville/benchmark/report.h>
 
 #include <cstdio>
@@ -22,6 +23,12 @@ namespace greville
   SolveRecord::variant() const
   {
     std::string text = std::to_string(dim) + "D, ";
+    if (operator_name != "mass")
+      text += operator_name + ", ";
+    if (poissons_ratio)
+      text += "nu = " + text_of(*poissons_ratio) + ", ";
+    if (courant_number)
+      text += "C = " + text_of(*courant_number) + ", ";
     if (!body.empty())
       text += body + " of " + std::to_string(points_per_direction) + "^" +
               std::to_string(dim) + " points per cell, ";
@@ -84,20 +91,24 @@ namespace greville
     out << "solver,smoother,cycle,restriction,dim,cells,p,processes,unknowns,"
            "iterations,converged,reduction,error,assembly_s,setup_s,solve_s,"
            "peak_bytes,prolongation,coarsening,body,points_per_direction,"
-           "stable,extended,lumped\n"
+           "stable,extended,lumped,operator,poisson,courant,unknowns_per_s,"
+           "operator_bytes,preconditioner_bytes\n"
         << std::setprecision(6);
+    const auto optional = [&](const auto &value) {
+      out << ',';
+      if (value)
+        out << *value;
+    };
     for (const SolveRecord &r : records)
       {
         out << r.solver << ',' << r.smoother << ',' << r.cycle << ','
             << r.restriction << ',' << r.dim << ',' << r.cells << ',' << r.p
-            << ',' << r.processes << ',' << r.unknowns << ',';
-        if (r.result.iterations)
-          out << *r.result.iterations;
-        out << ',' << r.result.converged << ',' << r.result.reduction << ','
-            << r.error << ',' << r.assembly << ',' << r.setup << ',' << r.solve
-            << ',';
-        if (r.peak_bytes)
-          out << *r.peak_bytes;
+            << ',' << r.processes << ',' << r.unknowns;
+        optional(r.result.iterations);
+        out << ',' << r.result.converged << ',' << r.result.reduction;
+        optional(r.error);
+        out << ',' << r.assembly << ',' << r.setup << ',' << r.solve;
+        optional(r.peak_bytes);
         out << ',' << r.prolongation << ',' << r.coarsening << ',' << r.body
             << ',';
         if (r.points_per_direction > 0)
@@ -107,6 +118,14 @@ namespace greville
             out << ',' << n;
           else
             out << ',';
+        out << ',' << r.operator_name;
+        optional(r.poissons_ratio);
+        optional(r.courant_number);
+        out << ',';
+        if (r.result.converged && r.setup + r.solve > 0.)
+          out << r.unknowns / (r.setup + r.solve);
+        optional(r.operator_bytes);
+        optional(r.preconditioner_bytes);
         out << '\n';
       }
     return out.str();

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/lac/precondition.h>
-#include <deal.II/lac/solver_cg.h>
-#include <deal.II/lac/solver_gmres.h>
-
 #include <greville/base/errors.h>
 #include <greville/mass/fmpm.h>
+#include <greville/multigrid/level_solver.h>
 #include <greville/multigrid/mass_solver.h>
 
-#include <sstream>
+#include <algorithm>
 
 namespace greville
 {
@@ -152,136 +149,30 @@ namespace greville
   SolveResult
   MassSolver<dim>::solve(VectorType &x, const VectorType &b) const
   {
-    SolveResult result;
-    x                 = 0.;
-    const double norm = b.l2_norm();
-    if (!std::isfinite(norm))
-      {
-        result.iterations = 0;
-        result.reduction  = 1.;
-        result.converged  = false;
-        result.reason     = "has a right-hand side that is infinite or NaN";
-        return result;
-      }
-    if (n_terms > 0)
-      {
-        x = b;
-        x.scale(inverse_lumped);
-        add_fmpm_terms(x, b, hierarchy.finest(), inverse_lumped, n_terms);
-      }
-    else if (name == "tensor-product")
-      preconditioner->vmult(x, b);
-    else if (name == "p-multigrid")
-      iterate(x, b, result);
-    else
-      run_krylov(x, b, result);
-
-    VectorType residual(b);
-    hierarchy.finest().vmult(residual, x);
-    residual.sadd(-1., 1., b);
-    result.reduction = norm > 0. ? residual.l2_norm() / norm : 0.;
-
-    // Recursive and true residual may differ by round-off.
-    result.converged = result.reduction <= 1.01 * parameters.tolerance;
-    if (!result.converged && result.reason.empty())
-      {
-        std::ostringstream reason;
-        if (result.iterations)
-          reason << "did not reach the tolerance: round-off keeps the true "
-                    "residual at "
-                 << result.reduction << " times the right-hand side";
+    const MassLevel<dim> &finest = hierarchy.finest();
+    return solve_and_check<dim>(
+      finest, x, b, parameters.tolerance, [&](SolveResult &result) {
+        if (n_terms > 0)
+          {
+            x = b;
+            x.scale(inverse_lumped);
+            add_fmpm_terms(x, b, finest, inverse_lumped, n_terms);
+          }
+        else if (name == "tensor-product")
+          preconditioner->vmult(x, b);
         else
-          reason << "is a direct approximation; the residual is "
-                 << result.reduction << " times the right-hand side";
-        result.reason = reason.str();
-      }
-    return result;
-  }
-
-
-
-  namespace
-  {
-    std::string
-    reason_of_failure(const unsigned int iterations, const double reduction)
-    {
-      std::ostringstream reason;
-      if (!std::isfinite(reduction) || reduction > 1e3)
-        reason << "diverged: the residual is " << reduction
-               << " times the right-hand side after " << iterations
-               << " iterations";
-      else
-        reason << "did not converge in " << iterations
-               << " iterations; the residual is " << reduction
-               << " times the right-hand side";
-      return reason.str();
-    }
-  } // namespace
-
-
-
-  template <int dim>
-  void
-  MassSolver<dim>::iterate(VectorType       &x,
-                           const VectorType &b,
-                           SolveResult      &result) const
-  {
-    VectorType   residual(b), correction(b);
-    const double start     = b.l2_norm();
-    double       reduction = start > 0. ? 1. : 0.;
-    unsigned int k         = 0;
-    while (reduction > parameters.tolerance && reduction < 1e6 &&
-           k < parameters.max_iterations)
-      {
-        preconditioner->vmult(correction, residual);
-        x += correction;
-        hierarchy.finest().vmult(residual, x);
-        residual.sadd(-1., 1., b);
-        reduction = residual.l2_norm() / start;
-        ++k;
-      }
-    result.iterations = k;
-    if (!(reduction <= parameters.tolerance))
-      result.reason = reason_of_failure(k, reduction);
-  }
-
-
-
-  template <int dim>
-  void
-  MassSolver<dim>::run_krylov(VectorType       &x,
-                              const VectorType &b,
-                              SolveResult      &result) const
-  {
-    const double                    start = b.l2_norm();
-    SolverControl                   control(parameters.max_iterations,
-                          parameters.tolerance * start,
-                          false,
-                          false);
-    GrowingVectorMemory<VectorType> memory;
-    const MassLevel<dim>           &matrix = hierarchy.finest();
-    try
-      {
-        if (name == "cg")
-          SolverCG<VectorType>(control, memory)
-            .solve(matrix, x, b, PreconditionIdentity());
-        else if (name == "fgmres-p-multigrid")
-          SolverFGMRES<VectorType>(control, memory)
-            .solve(matrix, x, b, *preconditioner);
-        else if (uses_multigrid(name))
           // The coarse solve is not linear: a flexible method.
-          SolverFlexibleCG<VectorType>(control, memory)
-            .solve(matrix, x, b, *preconditioner);
-        else
-          SolverCG<VectorType>(control, memory)
-            .solve(matrix, x, b, *preconditioner);
-      }
-    catch (const SolverControl::NoConvergence &failure)
-      {
-        result.reason =
-          reason_of_failure(failure.last_step, failure.last_residual / start);
-      }
-    result.iterations = control.last_step();
+          iterate<dim>(name == "p-multigrid"          ? LevelMethod::stationary
+                       : name == "fgmres-p-multigrid" ? LevelMethod::fgmres
+                       : uses_multigrid(name)         ? LevelMethod::flexible_cg
+                                                      : LevelMethod::cg,
+                       finest,
+                       preconditioner.get(),
+                       parameters,
+                       x,
+                       b,
+                       result);
+      });
   }
 
 

@@ -2,7 +2,7 @@
 
 // Each kind of wrong input is answered by one clear message.
 
-#include <greville/benchmark/mass_benchmark.h>
+#include <greville/benchmark/benchmark.h>
 
 #include <fstream>
 #include <tests.h>
@@ -21,7 +21,7 @@ namespace
     }
     try
       {
-        MassBenchmark benchmark;
+        Benchmark benchmark("mass_benchmark");
         benchmark.run(file);
         print() << "accepted: " << content << std::endl;
       }
@@ -94,12 +94,27 @@ main(int argc, char **argv)
   in("p-multigrid", "Smoother = ilutp");
   in("p-multigrid", "Pre-smoothing steps = -1");
   in("Smoother", "Ordering = random");
+  in("Benchmark", "Operators = stiffness");
+  in("Benchmark", "Operators = mass, mass");
+  const std::string elastic =
+    "subsection Benchmark\n  set Operators = mass and elasticity\n"
+    "  set Solvers = cg-p-multigrid\n";
+  test(elastic + "  set Poissons ratios = 0.3, 0.5\nend");
+  test(elastic + "  set Courant numbers = 0\nend");
+  test(elastic + "  set Courant numbers = 10, -1\nend");
+  test(elastic + "  set Solvers = tensor-product\nend");
+  test("subsection Benchmark\n  set Operators = laplace\nend\n"
+       "subsection Problem\n  set Points = disk\nend");
+  in("Problem", "Clamped walls = Front");
+  in("Problem", "Clamped walls = Floor");
+  in("Problem", "Shapes = box(0, 0, 1, 1)");
+  in("Problem", "Shapes = dome: bell(0.5, 0, 0.4)");
   test("subsection No such section\nend");
   test("nonsense");
 
   try
     {
-      MassBenchmark().run("no_such_file.prm");
+      Benchmark().run("no_such_file.prm");
     }
   catch (const std::exception &error)
     {

@@ -3,7 +3,7 @@
 // What a run leaves: the columns and rows of its CSV files, the parameters, no
 // temporary file; and each option of the benchmark has an effect on them.
 
-#include <greville/benchmark/mass_benchmark.h>
+#include <greville/benchmark/benchmark.h>
 
 #include <filesystem>
 #include <fstream>
@@ -55,7 +55,7 @@ namespace
     // The tables go to the console; this test is about files.
     std::ostringstream console;
     std::streambuf    *buffer = std::cout.rdbuf(console.rdbuf());
-    MassBenchmark      benchmark;
+    Benchmark          benchmark;
     all_failed = false;
     try
       {

@@ -3,7 +3,7 @@
 // Every shipped parameter file parses, and doc/parameters.md is what the
 // program says.
 
-#include <greville/benchmark/mass_benchmark.h>
+#include <greville/benchmark/benchmark.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -19,14 +19,15 @@ main(int argc, char **argv)
     std::filesystem::path(SOURCE_DIR).parent_path().parent_path();
 
   std::vector<std::filesystem::path> files;
-  for (const auto &entry :
-       std::filesystem::recursive_directory_iterator(root / "prm" / "mass"))
-    if (entry.path().extension() == ".prm")
-      files.push_back(entry.path());
+  for (const std::string folder : {"mass", "stiffness"})
+    for (const auto &entry :
+         std::filesystem::recursive_directory_iterator(root / "prm" / folder))
+      if (entry.path().extension() == ".prm")
+        files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   for (const auto &file : files)
     {
-      MassBenchmark    benchmark;
+      Benchmark        benchmark;
       ParameterHandler prm;
       benchmark.declare(prm);
       try
@@ -43,11 +44,11 @@ main(int argc, char **argv)
         }
     }
 
-  MassBenchmark      benchmark;
+  Benchmark          benchmark;
   ParameterHandler   prm;
   std::ostringstream generated;
   benchmark.declare(prm);
-  print_parameter_reference(generated, "mass_benchmark", prm);
+  print_parameter_reference(generated, "greville_benchmark", prm);
   std::ifstream      page(root / "doc" / "parameters.md");
   std::ostringstream content;
   content << page.rdbuf();

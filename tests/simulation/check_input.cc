@@ -12,7 +12,7 @@
 // every STRIDE-th case from FIRST on, with a line in LOG for each; with TEXT
 // only those that have it in their name. A case is written to LOG.at before it
 // runs, so that a crash has a name.
-#include <greville/benchmark/mass_benchmark.h>
+#include <greville/benchmark/benchmark.h>
 #include <greville/simulation/run.h>
 
 #include "../shipped_files.h"
@@ -259,7 +259,7 @@ main(int argc, char **argv)
       try
         {
           if (c.is_benchmark)
-            MassBenchmark().run(folder + "/case.prm");
+            Benchmark().run(folder + "/case.prm");
           else
             run_simulations(folder + "/case.prm", MPI_COMM_WORLD);
           if (std::filesystem::exists(results))

@@ -3,7 +3,7 @@
 // output/NAME/parameters.prm of each shipped file runs again, from another
 // folder and with results that agree bit for bit. Two sets of parameters live
 // side by side.
-#include <greville/benchmark/mass_benchmark.h>
+#include <greville/benchmark/benchmark.h>
 #include <greville/simulation/run.h>
 
 #include "../shipped_files.h"
@@ -18,7 +18,7 @@ namespace
     try
       {
         if (file.is_benchmark)
-          MassBenchmark().run(name);
+          Benchmark().run(name);
         else
           run_simulations(name, MPI_COMM_WORLD);
       }

@@ -5,6 +5,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <optional>
 #include <string>
 
 namespace greville
@@ -20,6 +21,12 @@ namespace greville
                         const unsigned int dim,
                         const std::string &parameter,
                         const MPI_Comm     comm);
+
+  /**
+   * Bytes that this process has allocated, empty where the system does not say.
+   */
+  std::optional<unsigned long>
+  allocated_memory();
 } // namespace greville
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef greville_benchmark_mass_problem_h
 #define greville_benchmark_mass_problem_h
 
+#include <greville/benchmark/problem_parameters.h>
 #include <greville/multigrid/mass_solver.h>
 
 #include <memory>
@@ -10,34 +11,6 @@
 
 namespace greville
 {
-  /**
-   * The body: a box, its density or its material points, and its acceleration.
-   */
-  struct MassProblemParameters
-  {
-    void
-    declare(dealii::ParameterHandler &prm);
-
-    /**
-     * Check what the patterns of the parameters cannot.
-     */
-    void
-    check(const unsigned int dim) const;
-
-    std::vector<double>       lower        = {0., 0., 0.};
-    std::vector<double>       upper        = {1., 1., 1.};
-    std::vector<unsigned int> cell_ratio   = {1, 1, 1};
-    std::string               density      = "1";
-    std::string               acceleration = "-9.81";
-    std::vector<std::string>  bodies;
-    std::vector<unsigned int> points_per_direction = {2};
-    double                    jitter               = 0.5;
-    double                    filling_threshold    = 0.45;
-    bool                      extend               = true;
-  };
-
-
-
   /**
    * A mass matrix, a right-hand side M f with the acceleration f, and the error
    * of its solution.
@@ -82,7 +55,7 @@ namespace greville
    */
   template <int dim>
   std::unique_ptr<MassProblem<dim>>
-  make_density_problem(const MassProblemParameters &parameters);
+  make_density_problem(const ProblemParameters &parameters);
 
   /**
    * Collective. M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the material points of a
@@ -92,7 +65,7 @@ namespace greville
    */
   template <int dim>
   std::unique_ptr<MassProblem<dim>>
-  make_point_problem(const MassProblemParameters   &parameters,
+  make_point_problem(const ProblemParameters       &parameters,
                      const std::string             &body,
                      const unsigned int             n,
                      DistributedTriangulation<dim> &triangulation);

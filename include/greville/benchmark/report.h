@@ -9,6 +9,7 @@
 #include <greville/multigrid/mass_solver.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,16 +21,23 @@ namespace greville
    */
   struct SolveRecord
   {
+    /// See operator_names().
+    std::string   operator_name = "mass";
     std::string   solver, smoother, cycle, restriction;
     std::string   prolongation, coarsening;
     unsigned int  dim = 0, cells = 0, p = 0, processes = 0;
     unsigned long unknowns = 0;
     SolveResult   result;
-    double        error = 0.;
+    /// Empty where the solution is not known.
+    std::optional<double> error;
     /// It did not converge, or could not be set up.
     bool                         has_failed = false;
     double                       assembly = 0., setup = 0., solve = 0.;
     std::optional<unsigned long> peak_bytes;
+    /// Bytes that assembly and set-up have left allocated.
+    std::optional<unsigned long> operator_bytes, preconditioner_bytes;
+    /// Of elasticity, and with mass.
+    std::optional<double> poissons_ratio, courant_number;
 
     /// The body of material points, empty without points.
     std::string  body;

@@ -150,12 +150,6 @@ namespace greville
     }
 
   private:
-    void
-    iterate(VectorType &x, const VectorType &b, SolveResult &result) const;
-
-    void
-    run_krylov(VectorType &x, const VectorType &b, SolveResult &result) const;
-
     const std::string           name;
     MassHierarchy<dim>         &hierarchy;
     const MassSolverParameters &parameters;

@@ -7,7 +7,7 @@
 #include <greville/base/memory.h>
 #include <greville/base/parameters.h>
 #include <greville/base/simd.h>
-#include <greville/benchmark/mass_benchmark.h>
+#include <greville/benchmark/benchmark.h>
 #include <greville/benchmark/operators.h>
 
 #include <algorithm>
@@ -22,20 +22,23 @@ namespace greville
 {
   using namespace dealii;
 
-  MassBenchmark::MassBenchmark()
-    : out(std::cout, Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+  Benchmark::Benchmark(const std::string &program)
+    : program(program)
+    , out(std::cout, Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
   {}
 
 
 
   void
-  MassBenchmark::declare(ParameterHandler &prm)
+  Benchmark::declare(ParameterHandler &prm)
   {
     declare_section(prm, "Benchmark", parameters);
     declare_section(prm, "Problem", problem_parameters);
     declare_section(prm, "Solver", solver_parameters);
     declare_section(prm, "p-multigrid", multigrid_parameters);
     declare_section(prm, "Smoother", smoother_parameters);
+    declare_section(prm, "Implicit p-multigrid", implicit.multigrid);
+    declare_section(prm, "Implicit smoother", implicit.smoother);
   }
 
 
@@ -71,7 +74,7 @@ namespace greville
 
 
   void
-  MassBenchmark::run(const std::string &file)
+  Benchmark::run(const std::string &file)
   {
     ParameterHandler prm;
     declare(prm);
@@ -135,13 +138,17 @@ namespace greville
 
 
   void
-  MassBenchmark::print_header(const std::string &file) const
+  Benchmark::print_header(const std::string &file) const
   {
-    out << "Greville mass_benchmark: "
+    out << "Greville " << program << ": "
         << std::filesystem::path(file).filename().string() << "\n  density "
         << problem_parameters.density << ", acceleration "
         << problem_parameters.acceleration << ", tolerance "
         << solver_parameters.tolerance;
+    if (parameters.operators != BenchmarkParameters().operators)
+      for (const std::string &name : parameters.operators)
+        out << (&name == &parameters.operators[0] ? "\n  operators " : ", ")
+            << name;
     if (!problem_parameters.bodies.empty())
       {
         out << "\n  material points, jitter " << problem_parameters.jitter;
@@ -159,8 +166,13 @@ namespace greville
     // The hierarchy of the largest order, with its sizes.
     const unsigned int p =
       *std::max_element(parameters.orders.begin(), parameters.orders.end());
-    const auto orders = OrderHierarchy<2>::orders(
-      p, list_or(parameters.coarsenings, multigrid_parameters.coarsening)[0]);
+    const auto orders =
+      OrderHierarchy<2>::orders(p,
+                                list_or(parameters.coarsenings,
+                                        (is_elastic(parameters.operators[0])
+                                           ? implicit.multigrid
+                                           : multigrid_parameters)
+                                          .coarsening)[0]);
     const auto cells = cells_of_dimensions();
     out << "  level  order  unknowns\n";
     for (unsigned int l = orders.size(); l-- > 0;)
@@ -182,22 +194,29 @@ namespace greville
 
   template <int dim>
   void
-  MassBenchmark::run_dimension(const std::vector<unsigned int> &cells)
+  Benchmark::run_dimension(const std::vector<unsigned int> &cells)
   {
     // Number of variants of solvers, and of problems on a mesh.
     unsigned int n_variants = 0;
     for (const std::string &solver : parameters.solvers)
       {
         unsigned int n = 1;
-        if (MassSolver<dim>::uses_multigrid(solver))
+        if (takes_cycle(solver))
           for (const auto &list : parameters.variants())
             n *= std::max<std::size_t>(1, list.values.size());
+        else if (takes_smoother(solver))
+          n = std::max<std::size_t>(1, parameters.smoothers.size());
         n_variants += n;
       }
     const auto        &bodies = problem_parameters.bodies;
     const auto        &counts = problem_parameters.points_per_direction;
-    const unsigned int n_problems =
+    const unsigned int n_bodies =
       bodies.empty() ? 1 : bodies.size() * counts.size();
+    unsigned int n_problems = 0;
+    for (const std::string &name : parameters.operators)
+      n_problems +=
+        n_bodies * (is_elastic(name) ? parameters.poissons_ratios.size() : 1) *
+        (name == "mass and elasticity" ? parameters.courant_numbers.size() : 1);
     progress.finish();
     progress.start(n_variants * n_problems * cells.size() *
                      parameters.orders.size(),
@@ -229,23 +248,66 @@ namespace greville
         SolveRecord record;
         record.dim   = dim;
         record.cells = n;
-        if (bodies.empty())
+        for (const std::string &name : parameters.operators)
           {
-            const auto problem = make_density_problem<dim>(problem_parameters);
-            run_problem<dim>(*problem, triangulation, record);
+            record.operator_name = name;
+            run_operator<dim>(triangulation, record);
           }
-        for (const std::string &body : bodies)
-          for (const unsigned int count : counts)
-            {
-              const auto problem = make_point_problem<dim>(problem_parameters,
-                                                           body,
-                                                           count,
-                                                           triangulation);
-              record.body        = body;
-              record.points_per_direction = count;
-              run_problem<dim>(*problem, triangulation, record);
-            }
       }
+  }
+
+
+
+  template <int dim>
+  void
+  Benchmark::run_operator(DistributedTriangulation<dim> &triangulation,
+                          SolveRecord                    record)
+  {
+    if (record.operator_name == "laplace")
+      {
+        run_problem<dim>(*make_laplace_benchmark<dim>(problem_parameters,
+                                                      solver_parameters,
+                                                      triangulation),
+                         record);
+        return;
+      }
+    const bool                elastic    = is_elastic(record.operator_name);
+    const bool                has_mass   = record.operator_name != "elasticity";
+    const std::vector<double> one        = {0.};
+    const std::vector<std::string>  box  = {""};
+    const std::vector<unsigned int> none = {0};
+    const auto                     &bodies = problem_parameters.bodies;
+    for (const std::string &body : bodies.empty() ? box : bodies)
+      for (const unsigned int count :
+           bodies.empty() ? none : problem_parameters.points_per_direction)
+        {
+          record.body                 = body;
+          record.points_per_direction = count;
+          if (!elastic)
+            run_problem<dim>(*make_mass_benchmark<dim>(problem_parameters,
+                                                       solver_parameters,
+                                                       body,
+                                                       count,
+                                                       triangulation),
+                             record);
+          else
+            for (const double nu : parameters.poissons_ratios)
+              for (const double C : has_mass ? parameters.courant_numbers : one)
+                {
+                  record.poissons_ratio = nu;
+                  if (has_mass)
+                    record.courant_number = C;
+                  run_problem<dim>(
+                    *make_elastic_benchmark<dim>(problem_parameters,
+                                                 solver_parameters,
+                                                 body,
+                                                 count,
+                                                 nu,
+                                                 record.courant_number,
+                                                 triangulation),
+                    record);
+                }
+        }
   }
 
 
@@ -280,43 +342,41 @@ namespace greville
 
   template <int dim>
   void
-  MassBenchmark::run_problem(MassProblem<dim>              &problem,
-                             DistributedTriangulation<dim> &triangulation,
-                             const SolveRecord             &what)
+  Benchmark::run_problem(BenchmarkProblem<dim> &problem,
+                         const SolveRecord     &what)
   {
-    PMultigridParameters &m   = multigrid_parameters;
-    const std::string     old = m.coarsening;
+    PMultigridParameters &m           = multigrid_of(what.operator_name);
+    const std::string     old         = m.coarsening;
+    const auto            coarsenings = list_or(parameters.coarsenings, old);
     for (const unsigned int p : parameters.orders)
-      for (const std::string &coarsening : list_or(parameters.coarsenings, old))
+      for (const std::string &coarsening : coarsenings)
         {
           m.coarsening = coarsening;
-          const OrderHierarchy<dim> orders(triangulation, p, coarsening);
-          const SplineSpace<dim>   &space = orders.finest();
-          const auto                mass  = problem.make_mass(orders);
-          const typename Extension<dim>::Counts functions =
-            problem.count_functions(space);
-          const bool is_first =
-            coarsening == list_or(parameters.coarsenings, old)[0];
+          problem.discretize(p, coarsening);
+          const auto functions = problem.count_functions();
+          const bool is_first  = coarsening == coarsenings[0];
 
           SolveRecord record = what;
           record.p           = p;
-          record.unknowns    = space.n_dofs();
-          record.processes =
-            Utilities::MPI::n_mpi_processes(space.communicator());
-          record.stable   = functions.stable;
-          record.extended = functions.extended;
-          record.lumped   = functions.lumped;
+          record.unknowns    = problem.n_unknowns();
+          record.processes   = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
+          record.stable      = functions.stable;
+          record.extended    = functions.extended;
+          record.lumped      = functions.lumped;
           for (const std::string &solver : parameters.solvers)
             // Only p-multigrid has more than the finest level.
-            if (is_first || MassSolver<dim>::uses_multigrid(solver))
-              run_solver<dim>(solver, problem, *mass, record);
+            if (is_first || takes_cycle(solver))
+              {
+                record.solver = solver;
+                run_solver<dim>(problem, record);
+              }
 
           if (parameters.throughput && is_first)
-            {
-              operator_records.push_back(
-                measure_operators<dim>(mass->finest()));
-              operator_records.back().cells = what.cells;
-            }
+            if (auto throughput = problem.throughput())
+              {
+                throughput->cells = what.cells;
+                operator_records.push_back(*throughput);
+              }
         }
     m.coarsening = old;
   }
@@ -325,29 +385,34 @@ namespace greville
 
   template <int dim>
   void
-  MassBenchmark::run_solver(const std::string  &solver,
-                            MassProblem<dim>   &problem,
-                            MassHierarchy<dim> &mass,
-                            const SolveRecord  &what)
+  Benchmark::run_solver(BenchmarkProblem<dim> &problem, const SolveRecord &what)
   {
     const auto run = [&](const SolveRecord &record) {
-      records.push_back(solve<dim>(problem, mass, record));
+      records.push_back(solve<dim>(problem, record));
       // Nothing is lost if a later solve fails.
       write_on_first([&]() {
         write_atomically(output_directory + "/solves.csv", solves_csv(records));
       });
     };
+    PMultigridParameters            &m = multigrid_of(what.operator_name);
+    const std::array<std::string, 4> old{
+      {m.smoother, m.cycle, m.restriction, m.prolongation}};
     SolveRecord record = what;
-    record.solver      = solver;
-    if (!MassSolver<dim>::uses_multigrid(solver))
+    if (!takes_cycle(what.solver))
       {
-        run(record);
+        for (const std::string &smoother :
+             takes_smoother(what.solver) ? list_or(parameters.smoothers, old[0])
+                                         : std::vector<std::string>{""})
+          {
+            record.smoother = smoother;
+            if (!smoother.empty())
+              m.smoother = smoother;
+            run(record);
+          }
+        m.smoother = old[0];
         return;
       }
 
-    PMultigridParameters            &m = multigrid_parameters;
-    const std::array<std::string, 4> old{
-      {m.smoother, m.cycle, m.restriction, m.prolongation}};
     for (const std::string &smoother : list_or(parameters.smoothers, old[0]))
       for (const std::string &cycle : list_or(parameters.cycles, old[1]))
         for (const std::string &restriction :
@@ -372,23 +437,17 @@ namespace greville
 
   template <int dim>
   SolveRecord
-  MassBenchmark::solve(MassProblem<dim>   &problem,
-                       MassHierarchy<dim> &mass,
-                       SolveRecord         record)
+  Benchmark::solve(BenchmarkProblem<dim> &problem, SolveRecord record)
   {
-    const SplineSpace<dim> &space = mass.finest().space();
-    const MPI_Comm          comm  = space.communicator();
+    const MPI_Comm comm = MPI_COMM_WORLD;
     progress.show(record.variant() + ", " + std::to_string(record.cells) +
-                  " cells, p = " + std::to_string(space.degree()));
-
-    MassSolver<dim> solver(record.solver,
-                           mass,
-                           solver_parameters,
-                           multigrid_parameters,
-                           smoother_parameters);
-    VectorType      x, b;
-    space.initialize_vector(x);
-    space.initialize_vector(b);
+                  " cells, p = " + std::to_string(record.p));
+    const SmootherParameters &smoother = is_elastic(record.operator_name)
+                                           ? implicit.smoother
+                                           : smoother_parameters;
+    const auto                system   = problem.make_system(record.solver,
+                                            multigrid_of(record.operator_name),
+                                            smoother);
 
     const bool has_peak =
       Utilities::MPI::min(int(reset_peak_memory()), comm) == 1;
@@ -400,17 +459,31 @@ namespace greville
       action();
       times.push_back(Utilities::MPI::max(timer.wall_time(), comm));
     };
+    // What the first call of an action leaves allocated, on all processes.
+    const auto measured = [&](std::optional<unsigned long> &bytes,
+                              const unsigned int            repetition,
+                              const auto                   &action) {
+      const auto before = allocated_memory();
+      action();
+      const auto after = allocated_memory();
+      if (before && after && repetition == 0)
+        bytes = Utilities::MPI::sum(*after - std::min(*before, *after), comm);
+    };
     for (unsigned int k = 0; k < parameters.repetitions; ++k)
       try
         {
-          timed(assembly, [&]() { solver.assemble(); });
+          measured(record.operator_bytes, k, [&]() {
+            timed(assembly, [&]() { system->assemble(); });
+          });
           is_of_problem = true;
-          problem.right_hand_side(b, mass.finest());
+          system->make_right_hand_side();
           is_of_problem = false;
-          timed(setup, [&]() { solver.setup(); });
-          timed(solution, [&]() { record.result = solver.solve(x, b); });
+          measured(record.preconditioner_bytes, k, [&]() {
+            timed(setup, [&]() { system->setup(); });
+          });
+          timed(solution, [&]() { record.result = system->solve(); });
 
-          record.error = problem.error(x, mass.finest());
+          record.error = system->error();
           record.has_failed =
             record.result.iterations && !record.result.converged;
         }
@@ -438,15 +511,13 @@ namespace greville
     record.assembly = assembly.empty() ? 0. : median(assembly);
     record.setup    = setup.empty() ? 0. : median(setup);
     record.solve    = solution.empty() ? 0. : median(solution);
-    for (const auto &level : mass.all_levels())
-      level->clear();
     return record;
   }
 
 
 
   void
-  MassBenchmark::write_results() const
+  Benchmark::write_results() const
   {
     std::ostream &stream = std::cout;
     print_iterations(stream, records);

@@ -2,10 +2,12 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/memory.h>
 #include <greville/base/parameters.h>
-#include <greville/benchmark/mass_benchmark.h>
+#include <greville/benchmark/benchmark.h>
 
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 
@@ -13,8 +15,8 @@ namespace greville
 {
   using namespace dealii;
 
-  std::vector<MassBenchmarkParameters::Variants>
-  MassBenchmarkParameters::variants()
+  std::vector<BenchmarkParameters::Variants>
+  BenchmarkParameters::variants()
   {
     return {{"Smoothers", smoother_names(), smoothers},
             {"Cycles", "V|W|F", cycles},
@@ -26,8 +28,28 @@ namespace greville
 
 
   void
-  MassBenchmarkParameters::declare(ParameterHandler &prm)
+  BenchmarkParameters::declare(ParameterHandler &prm)
   {
+    prm.add_parameter(
+      "Operators",
+      operators,
+      "What is solved with: the mass, the Laplacian (laplace, on the box), the "
+      "stiffness of a linear-elastic body (elasticity), and 4 / dt^2 times the "
+      "mass plus the stiffness (mass and elasticity): " +
+        operator_names() + ".",
+      Patterns::List(Patterns::Anything(), 1));
+    prm.add_parameter("Poissons ratios",
+                      poissons_ratios,
+                      "Poisson's ratios of elasticity, greater than -1 and "
+                      "smaller than 0.5. Unit: none.",
+                      Patterns::List(Patterns::Double(), 1));
+    prm.add_parameter(
+      "Courant numbers",
+      courant_numbers,
+      "Courant numbers dt sqrt((lambda + 2 G) / rho) / h of mass and "
+      "elasticity, greater than 0, with the smallest side h of cells and the "
+      "mean density. Unit: none.",
+      Patterns::List(Patterns::Double(), 1));
     prm.add_parameter("Dimensions",
                       dimensions,
                       "Dimensions to run, one after the other.",
@@ -43,7 +65,9 @@ namespace greville
       "dimensions are separated by ';'. Unit: cells.");
     prm.add_parameter("Solvers",
                       solvers,
-                      "Solvers: " + MassSolver<2>::names() + ".");
+                      "Solvers of the mass: " + MassSolver<2>::names() +
+                        "; of the other operators: " + solvers_beside_mass() +
+                        ".");
     for (const Variants &list : variants())
       prm.add_parameter(list.name,
                         list.values,
@@ -98,7 +122,7 @@ namespace greville
 
 
   std::vector<std::vector<unsigned int>>
-  MassBenchmark::cells_of_dimensions() const
+  Benchmark::cells_of_dimensions() const
   {
     auto lists = Utilities::split_string_list(parameters.cells, ';');
     if (lists.size() == 1)
@@ -134,21 +158,44 @@ namespace greville
 
 
   void
-  MassBenchmark::check_parameters(const std::string &directory)
+  Benchmark::check_parameters(const std::string &directory)
   {
     AssertThrow(!parameters.solvers.empty(),
                 ExcMessage(
                   "The parameter 'Benchmark/Solvers' is empty. It takes some "
                   "of " +
                   MassSolver<2>::names() + "."));
-    for (const std::string &solver : parameters.solvers)
-      MassSolver<2>::check_name(solver, "Benchmark/Solvers");
+    for (const std::string &name : parameters.operators)
+      {
+        check_word(name, "Benchmark/Operators", operator_names());
+        for (const std::string &solver : parameters.solvers)
+          check_solver(solver, name, "Benchmark/Solvers");
+        AssertThrow(name != "laplace" || problem_parameters.bodies.empty(),
+                    ExcMessage("The operator <laplace> of the parameter "
+                               "'Benchmark/Operators' is for the box: "
+                               "'Problem/Points' has to be empty, but is <" +
+                               problem_parameters.bodies[0] + ">."));
+      }
+    for (const double nu : parameters.poissons_ratios)
+      AssertThrow(nu > -1. && nu < 0.5,
+                  ExcMessage("The parameter 'Benchmark/Poissons ratios' has <" +
+                             text_of(nu) +
+                             ">; it has to be greater than -1 and smaller than "
+                             "0.5."));
+    for (const double C : parameters.courant_numbers)
+      AssertThrow(C > 0. && std::isfinite(C),
+                  ExcMessage("The parameter 'Benchmark/Courant numbers' has <" +
+                             text_of(C) + ">; it has to be greater than 0."));
+    check_different(parameters.operators, "Operators");
+    check_different(parameters.poissons_ratios, "Poissons ratios");
+    check_different(parameters.courant_numbers, "Courant numbers");
     check_different(parameters.solvers, "Solvers");
     check_different(parameters.dimensions, "Dimensions");
     check_different(parameters.orders, "Orders");
     for (const auto &list : cells_of_dimensions())
       check_different(list, "Cells");
     smoother_parameters.check();
+    implicit.smoother.check();
     for (const auto &list : parameters.variants())
       {
         for (const std::string &name : list.values)

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_benchmark_mass_benchmark_h
-#define greville_benchmark_mass_benchmark_h
+#ifndef greville_benchmark_benchmark_h
+#define greville_benchmark_benchmark_h
 
 #include <deal.II/base/conditional_ostream.h>
 
-#include <greville/benchmark/mass_problem.h>
+#include <greville/benchmark/benchmark_problem.h>
 #include <greville/benchmark/report.h>
+#include <greville/stiffness/tangent_system.h>
 
 #include <string>
 
 namespace greville
 {
   /**
-   * What mass_benchmark sweeps over, and where it writes.
+   * What the program sweeps over, and where it writes.
    */
-  struct MassBenchmarkParameters
+  struct BenchmarkParameters
   {
     void
     declare(dealii::ParameterHandler &prm);
@@ -34,10 +35,13 @@ namespace greville
     std::vector<Variants>
     variants();
 
-    std::vector<unsigned int> dimensions = {2};
-    std::vector<unsigned int> orders     = {1, 2, 3};
-    std::string               cells      = "16, 32";
-    std::vector<std::string>  solvers    = {"p-multigrid"};
+    std::vector<std::string>  operators       = {"mass"};
+    std::vector<double>       poissons_ratios = {0.3};
+    std::vector<double>       courant_numbers = {10.};
+    std::vector<unsigned int> dimensions      = {2};
+    std::vector<unsigned int> orders          = {1, 2, 3};
+    std::string               cells           = "16, 32";
+    std::vector<std::string>  solvers         = {"p-multigrid"};
     std::vector<std::string>  smoothers;
     std::vector<std::string>  cycles;
     std::vector<std::string>  restrictions;
@@ -51,15 +55,19 @@ namespace greville
   };
 
   /**
-   * Solves M a = F, F_i = int rho f N_i dx or sum_p m_p f(x_p) N_i(x_p), for
-   * sweeps over dimensions, orders, meshes, bodies and solvers, and reports
-   * iterations and times. The exact solution is the projection of the
-   * acceleration f onto the splines in the norm of the mass.
+   * Solves linear systems A x = b on B-splines for sweeps over operators (see
+   * operator_names()), dimensions, orders, meshes, bodies and solvers, and
+   * reports iterations and times. With a mass it is M a = F, F_i = int rho f
+   * N_i dx or sum_p m_p f(x_p) N_i(x_p): the exact solution is the projection
+   * of the acceleration f onto the splines in the norm of the mass.
    */
-  class MassBenchmark
+  class Benchmark
   {
   public:
-    MassBenchmark();
+    /**
+     * @p program is how the program calls itself.
+     */
+    Benchmark(const std::string &program = "greville_benchmark");
 
     void
     declare(dealii::ParameterHandler &prm);
@@ -79,25 +87,33 @@ namespace greville
 
     template <int dim>
     void
-    run_problem(MassProblem<dim>              &problem,
-                DistributedTriangulation<dim> &triangulation,
-                const SolveRecord             &record);
+    run_operator(DistributedTriangulation<dim> &triangulation,
+                 SolveRecord                    record);
+
+    template <int dim>
+    void
+    run_problem(BenchmarkProblem<dim> &problem, const SolveRecord &record);
 
     /**
      * All variants of a solver. @p record says what is being solved.
      */
     template <int dim>
     void
-    run_solver(const std::string  &solver,
-               MassProblem<dim>   &problem,
-               MassHierarchy<dim> &mass,
-               const SolveRecord  &record);
+    run_solver(BenchmarkProblem<dim> &problem, const SolveRecord &record);
 
     template <int dim>
     SolveRecord
-    solve(MassProblem<dim>   &problem,
-          MassHierarchy<dim> &mass,
-          SolveRecord         record);
+    solve(BenchmarkProblem<dim> &problem, SolveRecord record);
+
+    /**
+     * What p-multigrid is for an operator, unless something is swept over.
+     */
+    PMultigridParameters &
+    multigrid_of(const std::string &operator_name)
+    {
+      return is_elastic(operator_name) ? implicit.multigrid
+                                       : multigrid_parameters;
+    }
 
     /**
      * Check what the patterns of the parameters cannot, and read the published
@@ -118,11 +134,13 @@ namespace greville
     void
     write_results() const;
 
-    MassBenchmarkParameters    parameters;
-    MassProblemParameters      problem_parameters;
+    BenchmarkParameters        parameters;
+    ProblemParameters          problem_parameters;
     MassSolverParameters       solver_parameters;
     PMultigridParameters       multigrid_parameters;
     SmootherParameters         smoother_parameters;
+    TangentParameters          implicit; // those of elasticity
+    const std::string          program;
     dealii::ConditionalOStream out;
     std::string                output_directory;
 

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_benchmark_benchmark_problem_h
+#define greville_benchmark_benchmark_problem_h
+
+#include <greville/benchmark/operators.h>
+#include <greville/benchmark/problem_parameters.h>
+#include <greville/multigrid/level_solver.h>
+#include <greville/multigrid/mass_solver.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace greville
+{
+  /**
+   * A linear system with its solver, in the parts that are timed. All functions
+   * are collective.
+   */
+  class BenchmarkSystem
+  {
+  public:
+    virtual ~BenchmarkSystem() = default;
+
+    /**
+     * The entries of matrices and what else the operators need.
+     */
+    virtual void
+    assemble() = 0;
+
+    /**
+     * The right-hand side, which is input.
+     */
+    virtual void
+    make_right_hand_side() = 0;
+
+    /**
+     * Transfers, smoothers, factorizations.
+     */
+    virtual void
+    setup() = 0;
+
+    virtual SolveResult
+    solve() = 0;
+
+    /**
+     * The relative error of the solution; empty where it is not known.
+     */
+    virtual std::optional<double>
+    error() = 0;
+  };
+
+
+
+  /**
+   * An operator on a body and a mesh. All functions are collective.
+   */
+  template <int dim>
+  class BenchmarkProblem
+  {
+  public:
+    virtual ~BenchmarkProblem() = default;
+
+    /**
+     * Take splines of order @p p, and levels that a coarsening gives. What has
+     * been made before is gone.
+     */
+    virtual void
+    discretize(const unsigned int p, const std::string &coarsening) = 0;
+
+    virtual unsigned long
+    n_unknowns() const = 0;
+
+    /**
+     * The functions by their class, where B-splines are extended.
+     */
+    virtual typename Extension<dim>::Counts
+    count_functions() const = 0;
+
+    /**
+     * A solver by its name, with the parameters of p-multigrid as they are now.
+     */
+    virtual std::unique_ptr<BenchmarkSystem>
+    make_system(const std::string          &solver,
+                const PMultigridParameters &multigrid,
+                const SmootherParameters   &smoother) = 0;
+
+    /**
+     * The throughput of the operators; empty where they are not of that kind.
+     */
+    virtual std::optional<OperatorRecord>
+    throughput()
+    {
+      return {};
+    }
+  };
+
+
+
+  /**
+   * The operators by name, separated by '|':
+   * - "mass": M_ij = int rho N_i N_j dx or sum_p m_p N_i(x_p) N_j(x_p),
+   * - "laplace": int grad N_i . grad N_j dx,
+   * - "elasticity": the tangent K of a body at rest,
+   * - "mass and elasticity": c M + K with c = 4 / dt^2 of a step dt.
+   */
+  std::string
+  operator_names();
+
+  inline bool
+  is_elastic(const std::string &operator_name)
+  {
+    return operator_name.find("elasticity") != std::string::npos;
+  }
+
+  /**
+   * The names of the solvers of operators other than the mass, for the
+   * description of a parameter.
+   */
+  std::string
+  solvers_beside_mass();
+
+  /**
+   * Throw dealii::ExcMessage, which names the @p parameter, unless the solver
+   * is one of the operator.
+   */
+  void
+  check_solver(const std::string &solver,
+               const std::string &operator_name,
+               const std::string &parameter);
+
+  /**
+   * Whether the parameters of p-multigrid are those of the solver, and whether
+   * that of the smoother is.
+   */
+  bool
+  takes_cycle(const std::string &solver);
+
+  bool
+  takes_smoother(const std::string &solver);
+
+  /**
+   * How a solver by name, other than one of a mass, works on levels.
+   */
+  struct LevelSolver
+  {
+    LevelMethod method             = LevelMethod::cg;
+    bool        has_preconditioner = true;
+
+    PMultigridParameters multigrid;
+    SmootherParameters   smoother;
+  };
+
+  /**
+   * The solver by its @p name, with @p multigrid and @p smoother where it takes
+   * them. @p row_length is the number of entries of a row of the matrix.
+   */
+  LevelSolver
+  make_level_solver(const std::string          &name,
+                    const std::string          &operator_name,
+                    const PMultigridParameters &multigrid,
+                    const SmootherParameters   &smoother,
+                    const unsigned int          row_length);
+
+
+
+  /**
+   * The mass of the density, or of a @p body of material points. All arguments
+   * are kept by reference.
+   */
+  template <int dim>
+  std::unique_ptr<BenchmarkProblem<dim>>
+  make_mass_benchmark(const ProblemParameters       &parameters,
+                      const MassSolverParameters    &solver,
+                      const std::string             &body,
+                      const unsigned int             n_points,
+                      DistributedTriangulation<dim> &triangulation);
+
+  /**
+   * The Laplacian on the box, zero at clamped walls. The solution is a
+   * pseudo-random spline.
+   */
+  template <int dim>
+  std::unique_ptr<BenchmarkProblem<dim>>
+  make_laplace_benchmark(const ProblemParameters       &parameters,
+                         const SolverParameters        &solver,
+                         DistributedTriangulation<dim> &triangulation);
+
+  /**
+   * c M + K of a linear-elastic body at rest with a load that is
+   * pseudo-random, as TangentSystem has it: of the points of a @p body, or of
+   * p + 1 Gauss points per direction in all cells if it is empty. With the
+   * Courant number C = dt sqrt((lambda + 2 G) / rho) / h of the mean density
+   * and the smallest side h of cells, c = 4 / dt^2; empty: c = 0.
+   */
+  template <int dim>
+  std::unique_ptr<BenchmarkProblem<dim>>
+  make_elastic_benchmark(const ProblemParameters       &parameters,
+                         const SolverParameters        &solver,
+                         const std::string             &body,
+                         const unsigned int             n_points,
+                         const double                   poissons_ratio,
+                         const std::optional<double>   &courant_number,
+                         DistributedTriangulation<dim> &triangulation);
+} // namespace greville
+
+#endif

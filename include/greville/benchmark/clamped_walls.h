@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_benchmark_clamped_walls_h
+#define greville_benchmark_clamped_walls_h
+
+#include <greville/benchmark/problem_parameters.h>
+#include <greville/simulation/grid_mass.h>
+
+namespace greville
+{
+  /**
+   * Fixed walls: those of 'Problem/Clamped walls', or if there are none all of
+   * them or the lower one in the last direction alone.
+   */
+  template <int dim>
+  Walls<dim>
+  clamped_walls(const ProblemParameters &parameters, const bool all)
+  {
+    WallParameters walls;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      {
+        const auto &given = parameters.clamped;
+        if (given.empty() ? all || w == 2 * (dim - 1)
+                          : std::count(given.begin(),
+                                       given.end(),
+                                       WallParameters::names[w]) > 0)
+          walls.type[w] = "fixed";
+      }
+    return Walls<dim>(walls);
+  }
+} // namespace greville
+
+#endif

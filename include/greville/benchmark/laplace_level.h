@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_benchmark_laplace_level_h
+#define greville_benchmark_laplace_level_h
+
+#include <greville/mass/mass_matrix.h>
+#include <greville/multigrid/level_operator.h>
+
+namespace greville
+{
+  /**
+   * Add int grad N_i . grad N_j dx of all owned cells. All functions have to
+   * have a row.
+   */
+  template <int dim>
+  void
+  add_laplace_matrix(StencilMatrix<dim> &matrix);
+
+  /**
+   * The Laplacian of one order on a box by Gauss quadrature, as an assembled
+   * matrix. Functions that are held have the coefficient zero.
+   */
+  template <int dim>
+  class LaplaceLevel : public LevelOperator<dim>
+  {
+  public:
+    /**
+     * Collective. The space is kept by reference. Local functions that are not
+     * zero in @p held are held.
+     */
+    LaplaceLevel(const SplineSpace<dim>           &space,
+                 const std::vector<unsigned char> &held);
+
+    const SplineSpace<dim> &
+    space() const override
+    {
+      return spline_space;
+    }
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const override
+    {
+      entries->vmult(dst, src);
+    }
+
+    const VectorType &
+    diagonal() const override
+    {
+      return matrix_diagonal;
+    }
+
+    const std::vector<unsigned int> &
+    inactive() const override
+    {
+      return held_functions;
+    }
+
+    Mat
+    matrix() const override
+    {
+      return entries->petsc();
+    }
+
+    std::unique_ptr<Preconditioner>
+    petsc_preconditioner(const std::string &options) const override;
+
+  private:
+    const SplineSpace<dim>          &spline_space;
+    std::unique_ptr<MassMatrix<dim>> entries;
+    VectorType                       matrix_diagonal;
+    std::vector<unsigned int>        held_functions; // owned ones
+  };
+} // namespace greville
+
+#endif

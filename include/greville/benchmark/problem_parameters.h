@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_benchmark_problem_parameters_h
+#define greville_benchmark_problem_parameters_h
+
+#include <greville/particles/body.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The body: a box, its density or its material points, where it is clamped,
+   * and its acceleration.
+   */
+  struct ProblemParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    /**
+     * Check what the patterns of the parameters cannot.
+     */
+    void
+    check(const unsigned int dim) const;
+
+    /**
+     * The bodies of 'Shapes', by name.
+     */
+    std::map<std::string, std::string>
+    formulas() const;
+
+    /**
+     * How the body of a name is filled with @p n points per cell and direction.
+     * Its surfaces cut cells.
+     */
+    template <int dim>
+    PointPlacement
+    placement(const std::string  &body,
+              const unsigned int  n,
+              const Lattice<dim> &lattice) const;
+
+    std::vector<double>       lower        = {0., 0., 0.};
+    std::vector<double>       upper        = {1., 1., 1.};
+    std::vector<unsigned int> cell_ratio   = {1, 1, 1};
+    std::string               density      = "1";
+    std::string               acceleration = "-9.81";
+    std::vector<std::string>  clamped;
+    std::vector<std::string>  bodies;
+    std::string               shapes;
+    std::vector<unsigned int> points_per_direction = {2};
+    double                    jitter               = 0.5;
+    double                    filling_threshold    = 0.45;
+    bool                      extend               = true;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/benchmark/benchmark_problem.h>
+#include <greville/benchmark/clamped_walls.h>
+#include <greville/stiffness/tangent_system.h>
+
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * The law of the bodies. The modulus is a unit.
+     */
+    std::unique_ptr<Material>
+    make_elastic(const double poissons_ratio)
+    {
+      auto             material = make_material("linear-elastic", "Material");
+      ParameterHandler prm;
+      material->declare(prm);
+      prm.set("Density", 1.);
+      prm.set("Youngs modulus", 1.);
+      prm.set("Poissons ratio", poissons_ratio);
+      material->reinit("Benchmark");
+      return material;
+    }
+
+
+
+    template <int dim>
+    class ElasticSystem : public BenchmarkSystem
+    {
+    public:
+      /**
+       * @p bodies and @p walls are kept by reference.
+       */
+      ElasticSystem(const std::vector<TrialBody<dim>> &bodies,
+                    const Walls<dim>                  &walls,
+                    const double                       filling,
+                    const double                       mass_factor,
+                    const unsigned int                 p,
+                    DistributedTriangulation<dim>     &triangulation,
+                    const SolverParameters            &solver,
+                    const TangentParameters           &tangent)
+        : bodies(bodies)
+        , mass_factor(mass_factor)
+        , parameters(solver)
+        , tangent(tangent)
+        , system(
+            p,
+            triangulation,
+            [&](const SplineSpace<dim> &space) {
+              return held_components_at_walls(space, walls);
+            },
+            this->tangent,
+            filling,
+            false)
+      {
+        for (auto *field : {&u, &force})
+          for (VectorType &component : *field)
+            system.space().initialize_vector(component);
+      }
+
+      void
+      assemble() override
+      {
+        system.set_points(bodies);
+        for (VectorType &component : u)
+          component = 0.;
+        throw_on_all(
+          system.evaluate(bodies, u, 1., StepStress::end, true, force),
+          system.space().communicator());
+      }
+
+      void
+      make_right_hand_side() override
+      {
+        for (VectorType *vector : {&x, &b})
+          system.initialize(*vector);
+        const auto &functions = system.space().owned_functions();
+        for (unsigned int i = 0; i < functions.size(); ++i)
+          for (unsigned int c = 0; c < dim; ++c)
+            b.local_element(i * dim + c) =
+              std::sin(12.9898 * ((functions[i] + 1) % 104729) + c);
+        system.extend(u, b);
+        system.restrict(b, u, nullptr);
+      }
+
+      void
+      setup() override
+      {
+        system.set_operator(mass_factor, true);
+      }
+
+      SolveResult
+      solve() override
+      {
+        return solve_and_check<dim>(system.finest(),
+                                    x,
+                                    b,
+                                    parameters.tolerance,
+                                    [&](SolveResult &result) {
+                                      result =
+                                        system.solve(x,
+                                                     b,
+                                                     parameters.tolerance);
+                                    });
+      }
+
+      std::optional<double>
+      error() override
+      {
+        return {};
+      }
+
+    private:
+      const std::vector<TrialBody<dim>> &bodies;
+      const double                       mass_factor;
+      const SolverParameters            &parameters;
+      const TangentParameters            tangent;
+      TangentSystem<dim>                 system;
+      VectorField<dim>                   u, force;
+      VectorType                         x, b;
+    };
+
+
+
+    template <int dim>
+    class ElasticSystems : public BenchmarkProblem<dim>
+    {
+    public:
+      ElasticSystems(const ProblemParameters       &problem,
+                     const SolverParameters        &parameters,
+                     const std::string             &name,
+                     const unsigned int             n_points,
+                     const double                   poissons_ratio,
+                     const std::optional<double>   &courant_number,
+                     DistributedTriangulation<dim> &triangulation)
+        : problem(problem)
+        , parameters(parameters)
+        , walls(clamped_walls<dim>(problem, false))
+        , material(make_elastic(poissons_ratio))
+        , courant_number(courant_number)
+        , triangulation(triangulation)
+        , is_box(name.empty())
+        , space(triangulation, 1)
+      {
+        body.name     = is_box ? "box" : name;
+        body.material = material.get();
+        if (!is_box)
+          make_points(problem.placement<dim>(name, n_points, space.lattice()));
+      }
+
+      void
+      discretize(const unsigned int p, const std::string &) override
+      {
+        degree = p;
+        if (is_box)
+          {
+            PointPlacement placement =
+              problem.placement<dim>("box", p + 1, space.lattice());
+            placement.placement = "Gauss";
+            placement.jitter    = 0.;
+            make_points(placement);
+          }
+
+        // The functions, as TangentSystem takes them.
+        const double filling_threshold = threshold();
+        double       cell_volume       = 1.;
+        for (unsigned int d = 0; d < dim; ++d)
+          cell_volume *= space.lattice().cell_size(d);
+        std::vector<double> parts(space.owned_cells().size(), 0.);
+        body.points.for_each(
+          [&](const unsigned int cell, ConstPointRef<dim> q) {
+            parts[cell] += q.volume0() / cell_volume;
+          });
+        CellFilling<dim> filling(space);
+        filling.update(parts, filling_threshold);
+        counts =
+          Extension<dim>(SplineSpace<dim>(triangulation, p), filling).counts();
+      }
+
+      unsigned long
+      n_unknowns() const override
+      {
+        return dim * (counts.stable + counts.lumped);
+      }
+
+      typename Extension<dim>::Counts
+      count_functions() const override
+      {
+        return is_box ? typename Extension<dim>::Counts() : counts;
+      }
+
+      std::unique_ptr<BenchmarkSystem>
+      make_system(const std::string          &name,
+                  const PMultigridParameters &multigrid,
+                  const SmootherParameters   &smoother) override
+      {
+        const LevelSolver solver =
+          make_level_solver(name,
+                            "elasticity",
+                            multigrid,
+                            smoother,
+                            dim * Utilities::fixed_power<dim>(2 * degree + 1));
+        TangentParameters tangent;
+        tangent.method = solver.method == LevelMethod::fgmres ? "fgmres" : "cg";
+        tangent.preconditioner =
+          solver.multigrid.coarsening == "none" ? "smoother" : "p-multigrid";
+        tangent.max_iterations = parameters.max_iterations;
+        tangent.multigrid      = solver.multigrid;
+        static_cast<SmootherParameters &>(tangent.smoother) = solver.smoother;
+        return std::make_unique<ElasticSystem<dim>>(bodies,
+                                                    walls,
+                                                    threshold(),
+                                                    mass_factor,
+                                                    degree,
+                                                    triangulation,
+                                                    parameters,
+                                                    tangent);
+      }
+
+    private:
+      /**
+       * B-splines of the box are those of all its cells.
+       */
+      double
+      threshold() const
+      {
+        return is_box || !problem.extend ? 0. : problem.filling_threshold;
+      }
+
+      void
+      make_points(const PointPlacement &placement)
+      {
+        BodyParameters body_parameters;
+        static_cast<PointPlacement &>(body_parameters) = placement;
+        body.parameters                                = &body_parameters;
+        greville::make_points(body,
+                              space,
+                              Tensor<1, dim>(),
+                              PointLayout<dim>(material->state_names()));
+        body.parameters = nullptr;
+
+        const auto density =
+          make_function<dim>(problem.density, "Problem/Density");
+        double sums[2] = {0., 0.}; // mass, volume
+        run_on_all(
+          [&]() {
+            body.points.for_each([&](const unsigned int, PointRef<dim> q) {
+              Point<dim> x;
+              for (unsigned int d = 0; d < dim; ++d)
+                x[d] = q.position(d);
+              const double rho = density->value(x);
+              AssertThrow(rho >= 0. && std::isfinite(rho),
+                          ExcMessage("'Problem/Density' has to be a number >= "
+                                     "0, but is " +
+                                     text_of(rho) + " at (" + text_of(x) +
+                                     ")."));
+              q.mass() = rho * q.volume0();
+              sums[0] += q.mass();
+              sums[1] += q.volume0();
+            });
+          },
+          space.communicator());
+        Utilities::MPI::sum(ArrayView<const double>(sums, 2),
+                            space.communicator(),
+                            ArrayView<double>(sums, 2));
+        AssertThrow(sums[0] > 0.,
+                    ExcMessage("'Problem/Density' is zero at all points: there "
+                               "is no mass."));
+        set_mass_factor(sums[0] / sums[1]);
+        bodies = {{&body.points, body.material, body.name, 1.}};
+      }
+
+      void
+      set_mass_factor(const double density)
+      {
+        mass_factor = 0.;
+        if (!courant_number)
+          return;
+        double h = space.lattice().cell_size(0);
+        for (unsigned int d = 1; d < dim; ++d)
+          h = std::min(h, space.lattice().cell_size(d));
+        const Moduli moduli = material->moduli();
+        const double c =
+          std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) / density);
+        mass_factor = 4. / std::pow(*courant_number * h / c, 2);
+      }
+
+      const ProblemParameters        &problem;
+      const SolverParameters         &parameters;
+      const Walls<dim>                walls;
+      const std::unique_ptr<Material> material;
+      const std::optional<double>     courant_number;
+      DistributedTriangulation<dim>  &triangulation;
+      const bool                      is_box;
+      const SplineSpace<dim>          space; // of order 1
+      Body<dim>                       body;
+      std::vector<TrialBody<dim>>     bodies;
+      double                          mass_factor = 0.;
+      unsigned int                    degree      = 1;
+
+      typename Extension<dim>::Counts counts;
+    };
+  } // namespace
+
+
+
+  template <int dim>
+  std::unique_ptr<BenchmarkProblem<dim>>
+  make_elastic_benchmark(const ProblemParameters       &parameters,
+                         const SolverParameters        &solver,
+                         const std::string             &body,
+                         const unsigned int             n_points,
+                         const double                   poissons_ratio,
+                         const std::optional<double>   &courant_number,
+                         DistributedTriangulation<dim> &triangulation)
+  {
+    return std::make_unique<ElasticSystems<dim>>(parameters,
+                                                 solver,
+                                                 body,
+                                                 n_points,
+                                                 poissons_ratio,
+                                                 courant_number,
+                                                 triangulation);
+  }
+
+
+
+  template decltype(make_elastic_benchmark<2>) make_elastic_benchmark<2>;
+  template decltype(make_elastic_benchmark<3>) make_elastic_benchmark<3>;
+} // namespace greville

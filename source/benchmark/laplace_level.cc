@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/quadrature_lib.h>
+
+#include <greville/benchmark/laplace_level.h>
+#include <greville/linear_algebra/petsc_preconditioner.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * int N_a N_b and int N_a' N_b' over an element for all pairs a <= b of its
+     * @p n functions.
+     */
+    struct PairIntegrals
+    {
+      PairIntegrals(const KnotVector  &knots,
+                    const unsigned int element,
+                    const unsigned int n)
+      {
+        const QGauss<1> gauss(n);
+        const double    lower = knots.element_lower(element);
+        const double    h     = knots.element_upper(element) - lower;
+        std::array<std::vector<double>, 2> f{
+          {std::vector<double>(n), std::vector<double>(n)}};
+        std::array<std::vector<double> *, 2> sums{{&values, &slopes}};
+        for (auto *sum : sums)
+          sum->assign(n * (n + 1) / 2, 0.);
+        for (unsigned int q = 0; q < n; ++q)
+          for (unsigned int derivative = 0; derivative < 2; ++derivative)
+            {
+              const std::vector<double> &at = f[derivative];
+              knots.evaluate(element,
+                             lower + h * gauss.point(q)(0),
+                             derivative,
+                             ArrayView<double>(f[derivative].data(), n));
+              unsigned int pair = 0;
+              for (unsigned int a = 0; a < n; ++a)
+                for (unsigned int b = a; b < n; ++b, ++pair)
+                  (*sums[derivative])[pair] +=
+                    h * gauss.weight(q) * at[a] * at[b];
+            }
+      }
+
+      std::vector<double> values, slopes;
+    };
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  add_laplace_matrix(StencilMatrix<dim> &matrix)
+  {
+    const SplineSpace<dim> &space   = matrix.space();
+    const unsigned int      n       = space.degree() + 1;
+    const unsigned int      n_pairs = n * (n + 1) / 2;
+
+    std::array<std::vector<PairIntegrals>, dim> tables;
+    MultiIndex<dim>                             extents;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        extents[d] = n_pairs;
+        for (unsigned int i = 0; i < space.lattice().n_cells()[d]; ++i)
+          tables[d].emplace_back(space.knots(d), i, n);
+      }
+    std::vector<double> sums(Utilities::fixed_power<dim>(n_pairs));
+    for (unsigned int c = 0; c < space.owned_cells().size(); ++c)
+      {
+        const auto index =
+          multi_index<dim>(space.owned_cells()[c], space.lattice().n_cells());
+        for (unsigned int k = 0; k < sums.size(); ++k)
+          {
+            const auto pair = multi_index<dim>(k, extents);
+            sums[k]         = 0.;
+            for (unsigned int derivative = 0; derivative < dim; ++derivative)
+              {
+                double product = 1.;
+                for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    const PairIntegrals &table = tables[d][index[d]];
+                    product *= d == derivative ? table.slopes[pair[d]]
+                                               : table.values[pair[d]];
+                  }
+                sums[k] += product;
+              }
+          }
+        matrix.add_cell(c, sums.data(), n_pairs);
+      }
+  }
+
+
+
+  template <int dim>
+  LaplaceLevel<dim>::LaplaceLevel(const SplineSpace<dim>           &space,
+                                  const std::vector<unsigned char> &held)
+    : spline_space(space)
+  {
+    // All functions are unknowns.
+    CellFilling<dim> filling(space);
+    filling.update(std::vector<double>(space.owned_cells().size(), 1.), 0.);
+    Extension<dim> all_stable(space, filling);
+
+    ExtendedMass<dim> stencil;
+    stencil.reinit(space);
+    stencil.begin(all_stable, true);
+    stencil.hold(held);
+    add_laplace_matrix(stencil.matrix());
+    stencil.finish();
+    for (unsigned int f = 0; f < space.owned_functions().size(); ++f)
+      if (held[f] != 0)
+        held_functions.push_back(f);
+
+    const LowerTriangle local   = stencil.local_entries(1);
+    double              largest = 0.;
+    for (unsigned int u = 0; u < local.size(); ++u)
+      largest = std::max(largest, local.values[local.row_begin[u + 1] - 1]);
+    largest = Utilities::MPI::max(largest, space.communicator());
+    entries = std::make_unique<MassMatrix<dim>>(stencil,
+                                                local,
+                                                held_functions,
+                                                largest);
+    space.initialize_vector(matrix_diagonal);
+    PetscVectorView view(space.communicator(), space.n_locally_owned_dofs());
+    view.with(matrix_diagonal.begin(), [&](Vec diagonal) {
+      check_petsc(MatGetDiagonal(matrix(), diagonal));
+    });
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  LaplaceLevel<dim>::petsc_preconditioner(const std::string &options) const
+  {
+    return std::make_unique<PetscPreconditioner>(matrix(), options);
+  }
+
+
+
+  template void
+  add_laplace_matrix<2>(StencilMatrix<2> &);
+  template void
+  add_laplace_matrix<3>(StencilMatrix<3> &);
+  template class LaplaceLevel<2>;
+  template class LaplaceLevel<3>;
+} // namespace greville

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/benchmark/benchmark_problem.h>
+#include <greville/benchmark/clamped_walls.h>
+#include <greville/benchmark/laplace_level.h>
+
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    class LaplaceSystem : public BenchmarkSystem
+    {
+    public:
+      LaplaceSystem(OrderHierarchy<dim>     orders,
+                    const Walls<dim>       &walls,
+                    const SolverParameters &parameters,
+                    const LevelSolver      &solver)
+        : orders(std::move(orders))
+        , walls(walls)
+        , parameters(parameters)
+        , solver(solver)
+      {
+        for (VectorType *vector : {&x, &b, &solution})
+          this->orders.finest().initialize_vector(*vector);
+      }
+
+      void
+      assemble() override
+      {
+        preconditioner.reset();
+        operators.clear();
+        levels.clear();
+        for (unsigned int l = 0; l < orders.n_levels(); ++l)
+          {
+            levels.push_back(std::make_unique<LaplaceLevel<dim>>(
+              orders[l], held_components_at_walls(orders[l], walls)));
+            operators.push_back(levels.back().get());
+          }
+      }
+
+      void
+      make_right_hand_side() override
+      {
+        // The initial error of an iteration from zero has all frequencies.
+        const auto &functions = orders.finest().owned_functions();
+        for (unsigned int i = 0; i < functions.size(); ++i)
+          {
+            const double number =
+              std::sin(12.9898 * (functions[i] % 100003) + 0.7) * 43758.5453;
+            solution.local_element(i) = 2. * (number - std::floor(number)) - 1.;
+          }
+        for (const unsigned int i : levels.back()->inactive())
+          solution.local_element(i) = 0.;
+        levels.back()->vmult(b, solution);
+      }
+
+      void
+      setup() override
+      {
+        // p = 1 alone is solved by the coarse solver: to the end.
+        if (solver.has_preconditioner)
+          preconditioner = std::make_unique<PMultigrid<dim>>(
+            operators,
+            solver.multigrid,
+            solver.smoother,
+            levels.size() == 1 ? 0.5 * parameters.tolerance
+                               : solver.multigrid.coarse_tolerance);
+      }
+
+      SolveResult
+      solve() override
+      {
+        return solve_and_check<dim>(
+          *levels.back(), x, b, parameters.tolerance, [&](SolveResult &result) {
+            iterate<dim>(solver.method,
+                         *levels.back(),
+                         preconditioner.get(),
+                         parameters,
+                         x,
+                         b,
+                         result);
+          });
+      }
+
+      std::optional<double>
+      error() override
+      {
+        const double norm = solution.l2_norm();
+        x -= solution;
+        return norm > 0. ? x.l2_norm() / norm : x.l2_norm();
+      }
+
+    private:
+      const OrderHierarchy<dim>                       orders;
+      const Walls<dim>                               &walls;
+      const SolverParameters                         &parameters;
+      const LevelSolver                               solver;
+      std::vector<std::unique_ptr<LaplaceLevel<dim>>> levels;
+      typename PMultigrid<dim>::Levels                operators;
+      std::unique_ptr<PMultigrid<dim>>                preconditioner;
+      VectorType                                      x, b, solution;
+    };
+
+
+
+    template <int dim>
+    class LaplaceSystems : public BenchmarkProblem<dim>
+    {
+    public:
+      LaplaceSystems(const ProblemParameters       &problem,
+                     const SolverParameters        &parameters,
+                     DistributedTriangulation<dim> &triangulation)
+        : walls(clamped_walls<dim>(problem, true))
+        , parameters(parameters)
+        , triangulation(triangulation)
+      {}
+
+      void
+      discretize(const unsigned int p, const std::string &) override
+      {
+        space.reset();
+        space.emplace(triangulation, p);
+      }
+
+      unsigned long
+      n_unknowns() const override
+      {
+        return space->n_dofs();
+      }
+
+      typename Extension<dim>::Counts
+      count_functions() const override
+      {
+        return {};
+      }
+
+      std::unique_ptr<BenchmarkSystem>
+      make_system(const std::string          &name,
+                  const PMultigridParameters &multigrid,
+                  const SmootherParameters   &smoother) override
+      {
+        const unsigned int p = space->degree();
+        LevelSolver        solver =
+          make_level_solver(name,
+                            "laplace",
+                            multigrid,
+                            smoother,
+                            Utilities::fixed_power<dim>(2 * p + 1));
+        if (!solver.has_preconditioner)
+          solver.multigrid.coarsening = "none";
+        return std::make_unique<LaplaceSystem<dim>>(
+          OrderHierarchy<dim>(triangulation, p, solver.multigrid.coarsening),
+          walls,
+          parameters,
+          solver);
+      }
+
+    private:
+      const Walls<dim>                walls;
+      const SolverParameters         &parameters;
+      DistributedTriangulation<dim>  &triangulation;
+      std::optional<SplineSpace<dim>> space;
+    };
+  } // namespace
+
+
+
+  template <int dim>
+  std::unique_ptr<BenchmarkProblem<dim>>
+  make_laplace_benchmark(const ProblemParameters       &parameters,
+                         const SolverParameters        &solver,
+                         DistributedTriangulation<dim> &triangulation)
+  {
+    return std::make_unique<LaplaceSystems<dim>>(parameters,
+                                                 solver,
+                                                 triangulation);
+  }
+
+
+
+  template decltype(make_laplace_benchmark<2>) make_laplace_benchmark<2>;
+  template decltype(make_laplace_benchmark<3>) make_laplace_benchmark<3>;
+} // namespace greville

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/parameters.h>
+#include <greville/benchmark/problem_parameters.h>
+#include <greville/particles/shape.h>
+
+#include <algorithm>
+#include <iomanip>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  void
+  ProblemParameters::declare(ParameterHandler &prm)
+  {
+    prm.add_parameter("Lower corner",
+                      lower,
+                      "Corner of the box with the smallest coordinates; 2D "
+                      "takes the first two. Unit: m.",
+                      Patterns::List(Patterns::Double(), 2, 3));
+    prm.add_parameter("Upper corner",
+                      upper,
+                      "Corner with the largest coordinates. Unit: m.",
+                      Patterns::List(Patterns::Double(), 2, 3));
+    prm.add_parameter("Cell ratio",
+                      cell_ratio,
+                      "The box has this multiple of the number of cells in "
+                      "each direction. Unit: none.",
+                      Patterns::List(Patterns::Integer(1), 2, 3));
+    prm.add_parameter("Density",
+                      density,
+                      "Density as an expression of x, y, z; not negative, zero "
+                      "in holes, as in if(x<0.5,1,0). Unit: kg/m^dim.");
+    prm.add_parameter(
+      "Acceleration",
+      acceleration,
+      "The force is density times this expression of x, y, z, which is then "
+      "the solution, up to its projection. Unit: m/s^2.");
+    prm.add_parameter("Clamped walls",
+                      clamped,
+                      "Where the solution is zero, for operators with "
+                      "derivatives: Left, Right (x), Bottom, Top (y), Back, "
+                      "Front (z). Empty: all walls for laplace, and the floor "
+                      "(the lower wall in the last direction) for elasticity.",
+                      Patterns::List(Patterns::Selection(
+                                       "Left|Right|Bottom|Top|Back|Front"),
+                                     0));
+    prm.add_parameter(
+      "Points",
+      bodies,
+      "Bodies of material points with this density, one after the other: box "
+      "fills the grid, column stands on the floor (the lower wall in the last "
+      "direction) away from all other walls, disk (2D) and ball (3D) are "
+      "round, in the middle, and touch no wall; others have a name of "
+      "'Shapes'. Empty: the box by Gauss quadrature, without points.",
+      Patterns::List(Patterns::Anything(), 0));
+    prm.add_parameter(
+      "Shapes",
+      shapes,
+      "Bodies of 'Points' by formulas as those of 'Shape' of a simulation: "
+      "NAME: FORMULA, separated by ';'. What sticks out of the grid is cut "
+      "off. Unit: m.");
+    prm.add_parameter("Points per direction",
+                      points_per_direction,
+                      "Material points per cell in each direction; several "
+                      "numbers one after the other. Unit: none.",
+                      Patterns::List(Patterns::Integer(2, 4), 1));
+    prm.add_parameter(
+      "Jitter",
+      jitter,
+      "Each material point is moved at random by at most this part of half the "
+      "distance between points; 0: a lattice. Unit: none.",
+      Patterns::Double(0., 1.));
+    prm.add_parameter(
+      "Filling threshold",
+      filling_threshold,
+      "Cells of which material points fill this part are well-filled. "
+      "B-splines without a cell that is surrounded by such cells are extended "
+      "from those with one; 0: all cells with points count. Unit: none.",
+      Patterns::Double(0.));
+    prm.add_parameter("Extension",
+                      extend,
+                      "Extended B-splines for material points; without, the "
+                      "matrix of all functions that see a point.");
+  }
+
+
+
+  void
+  ProblemParameters::check(const unsigned int dim) const
+  {
+    AssertThrow(lower.size() >= dim && upper.size() >= dim &&
+                  cell_ratio.size() >= dim,
+                ExcMessage("'Problem/Lower corner', 'Problem/Upper corner' and "
+                           "'Problem/Cell ratio' need " +
+                           std::to_string(dim) + " numbers in " +
+                           std::to_string(dim) + "D."));
+    for (unsigned int d = 0; d < dim; ++d)
+      AssertThrow(lower[d] < upper[d],
+                  ExcMessage("'Problem/Lower corner' has to be below "
+                             "'Problem/Upper corner' in each direction."));
+    const auto  of_shapes = formulas();
+    std::string names     = dim == 2 ? "box|column|disk" : "box|column|ball";
+    for (const auto &shape : of_shapes)
+      {
+        if (names.find(shape.first) == std::string::npos)
+          names += "|" + shape.first;
+        if (dim == 2)
+          Shape<2>(shape.second, "Problem/Shapes");
+        else
+          Shape<3>(shape.second, "Problem/Shapes");
+      }
+    const auto known = Utilities::split_string_list(names, '|');
+    for (const std::string &body : bodies)
+      AssertThrow(std::count(known.begin(), known.end(), body) > 0,
+                  ExcMessage(
+                    "The parameter 'Problem/Points' is <" + body +
+                    ">; it has to be one of " + names + " in " +
+                    std::to_string(dim) + "D (see 'Benchmark/Dimensions')" +
+                    (of_shapes.empty() ? ", or a name of 'Problem/Shapes'."
+                                       : ".")));
+    const std::string walls =
+      dim == 2 ? "Left|Right|Bottom|Top" : "Left|Right|Bottom|Top|Back|Front";
+    for (const std::string &wall : clamped)
+      check_word(wall, "Problem/Clamped walls", walls);
+  }
+
+
+
+  std::map<std::string, std::string>
+  ProblemParameters::formulas() const
+  {
+    std::map<std::string, std::string> result;
+    for (const std::string &entry : Utilities::split_string_list(shapes, ';'))
+      {
+        const std::size_t colon = entry.find(':');
+        const std::string name  = Utilities::trim(entry.substr(0, colon));
+        AssertThrow(colon != std::string::npos && !name.empty() &&
+                      name.find_first_of(",|") == std::string::npos,
+                    ExcMessage("The entry <" + entry +
+                               "> of the parameter 'Problem/Shapes' has not "
+                               "the form NAME: FORMULA."));
+        AssertThrow(
+          result.emplace(name, Utilities::trim(entry.substr(colon + 1))).second,
+          ExcMessage("The parameter 'Problem/Shapes' has the name <" + name +
+                     "> twice."));
+      }
+    return result;
+  }
+
+
+
+  namespace
+  {
+    /**
+     * A body as a formula of Shape. Its surfaces cut cells.
+     */
+    template <int dim>
+    std::string
+    shape_of(const std::string &body, const Lattice<dim> &lattice)
+    {
+      std::ostringstream formula;
+      formula << std::setprecision(17);
+      const auto at = [&](const unsigned int d, const double part) {
+        return lattice.lower(d) + part * (lattice.upper(d) - lattice.lower(d));
+      };
+      if (body == "disk" || body == "ball")
+        {
+          double width = lattice.upper(0) - lattice.lower(0);
+          formula << "ball(";
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              formula << at(d, 0.5) << ", ";
+              width = std::min(width, lattice.upper(d) - lattice.lower(d));
+            }
+          formula << 0.4 * width << ")";
+        }
+      else
+        {
+          formula << "box(";
+          for (const bool upper : {false, true})
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                double part = upper;
+                if (body == "column")
+                  part =
+                    d + 1 < dim ? (upper ? 0.77 : 0.23) : (upper ? 0.67 : 0.);
+                formula << (upper || d > 0 ? ", " : "") << at(d, part);
+              }
+          formula << ")";
+        }
+      return formula.str();
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  PointPlacement
+  ProblemParameters::placement(const std::string  &body,
+                               const unsigned int  n,
+                               const Lattice<dim> &lattice) const
+  {
+    const auto     of_shapes = formulas();
+    const auto     formula   = of_shapes.find(body);
+    PointPlacement result;
+    result.clip  = formula != of_shapes.end();
+    result.shape = result.clip ? formula->second : shape_of(body, lattice);
+    result.points_per_direction = {n};
+    result.jitter               = jitter;
+    return result;
+  }
+
+
+
+  template PointPlacement
+  ProblemParameters::placement<2>(const std::string &,
+                                  const unsigned int,
+                                  const Lattice<2> &) const;
+  template PointPlacement
+  ProblemParameters::placement<3>(const std::string &,
+                                  const unsigned int,
+                                  const Lattice<3> &) const;
+} // namespace greville
