@@ -96,8 +96,7 @@ namespace greville
   make_level_solver(const std::string          &name,
                     const std::string          &operator_name,
                     const PMultigridParameters &multigrid,
-                    const SmootherParameters   &smoother,
-                    const unsigned int          row_length)
+                    const SmootherParameters   &smoother)
   {
     LevelSolver result;
     result.has_preconditioner = name != "cg";
@@ -117,16 +116,15 @@ namespace greville
       {
         result.multigrid                       = PMultigridParameters();
         result.smoother                        = SmootherParameters();
+        result.smoother.ordering               = "amd";
         result.multigrid.coarse_preconditioner = "direct";
         result.multigrid.coarse_tolerance      = 1.;
         if (is_elastic(operator_name))
           {
-            // The components are coupled: factors of all of them, by hypre.
+            // The components are coupled: factors of all of them.
             result.multigrid.smoother = "petsc";
             result.smoother.petsc_options =
-              "-pc_type hypre -pc_hypre_type pilut -pc_hypre_pilut_tol 1e-12 "
-              "-pc_hypre_pilut_factorrowsize " +
-              std::to_string(row_length);
+              "-pc_type asm -pc_asm_overlap 1 -sub_pc_type ilut";
           }
         return result;
       }

@@ -203,11 +203,7 @@ namespace greville
                   const SmootherParameters   &smoother) override
       {
         const LevelSolver solver =
-          make_level_solver(name,
-                            "elasticity",
-                            multigrid,
-                            smoother,
-                            dim * Utilities::fixed_power<dim>(2 * degree + 1));
+          make_level_solver(name, "elasticity", multigrid, smoother);
         TangentParameters tangent;
         tangent.method = solver.method == LevelMethod::fgmres ? "fgmres" : "cg";
         tangent.preconditioner =

@@ -146,11 +146,7 @@ namespace greville
       {
         const unsigned int p = space->degree();
         LevelSolver        solver =
-          make_level_solver(name,
-                            "laplace",
-                            multigrid,
-                            smoother,
-                            Utilities::fixed_power<dim>(2 * p + 1));
+          make_level_solver(name, "laplace", multigrid, smoother);
         if (!solver.has_preconditioner)
           solver.multigrid.coarsening = "none";
         return std::make_unique<LaplaceSystem<dim>>(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/linear_algebra/petsc_ilut.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
 
 #include <sstream>
@@ -12,6 +13,7 @@ namespace greville
   PetscPreconditioner::PetscPreconditioner(const Mat          matrix,
                                            const std::string &options)
   {
+    register_petsc_ilut();
     const MPI_Comm comm =
       PetscObjectComm(reinterpret_cast<PetscObject>(matrix));
 

@@ -154,14 +154,15 @@ namespace greville
 
   /**
    * The solver by its @p name, with @p multigrid and @p smoother where it takes
-   * them. @p row_length is the number of entries of a row of the matrix.
+   * them. "fgmres-tielen" is that of R. Tielen, M. Moeller, D. Goeddeke, C.
+   * Vuik (2020): ILUT, lumped L2 transfer between the orders one by one, and an
+   * exact solve at p = 1.
    */
   LevelSolver
   make_level_solver(const std::string          &name,
                     const std::string          &operator_name,
                     const PMultigridParameters &multigrid,
-                    const SmootherParameters   &smoother,
-                    const unsigned int          row_length);
+                    const SmootherParameters   &smoother);
 
 
 

@@ -14,7 +14,8 @@ namespace greville
 {
   /**
    * Any preconditioner of PETSc, described by PETSc's options without prefix,
-   * as in "-pc_type asm -pc_asm_overlap 1 -sub_pc_type ilu".
+   * as in "-pc_type asm -pc_asm_overlap 1 -sub_pc_type ilu", or ILUT, see
+   * register_petsc_ilut().
    */
   class PetscPreconditioner : public Preconditioner
   {
