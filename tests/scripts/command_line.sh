@@ -23,7 +23,7 @@ answers() {
   fi
 }
 
-scripts="run test fresh_machine"
+scripts="run test fresh_machine stiffness_tables"
 [ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision"
 for script in $scripts; do
   for option in -h --help; do
