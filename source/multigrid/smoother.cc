@@ -220,7 +220,7 @@ namespace greville
         void
         vmult(VectorType &dst, const VectorType &src) const
         {
-          level.vmult(dst, src);
+          level.vmult_in_cycle(dst, src);
         }
 
         const LevelOperator<dim> &level;

@@ -32,6 +32,7 @@ namespace greville
     extended_mass.reinit(space);
     mean.reinit(space);
     blocks.reinit(extended_mass.matrix());
+    single_blocks.reinit(extended_mass.matrix());
   }
 
 
@@ -92,7 +93,8 @@ namespace greville
   {
     if (mass_factor != 0.)
       blocks.add(mass_factor, extended_mass.matrix());
-    blocks.mean(mean.matrix());
+    blocks.diagonal_block(mean.matrix(), all_components(dim));
+    has_single_blocks = false;
 
     // Those of extended B-splines without what extended functions add.
     result             = 0.;
@@ -150,14 +152,30 @@ namespace greville
 
   template <int dim>
   void
-  TangentLevel<dim>::vmult(VectorType &dst, const VectorType &src) const
+  TangentLevel<dim>::vmult_in_cycle(VectorType       &dst,
+                                    const VectorType &src) const
+  {
+    if (!has_single_blocks)
+      single_blocks.copy(blocks);
+    has_single_blocks = true;
+    multiply(dst, src, single_blocks);
+  }
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  TangentLevel<dim>::multiply(VectorType                      &dst,
+                              const VectorType                &src,
+                              const BlockStencil<dim, Number> &matrix) const
   {
     read(source, src);
     extended_mass.multiply(result,
                            source,
                            dim,
                            [&](double *y, const double *x) {
-                             blocks.vmult(y, x);
+                             matrix.vmult(y, x);
                            });
     write(dst, result);
     for (const unsigned int f : inactive_functions)

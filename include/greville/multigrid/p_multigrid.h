@@ -105,7 +105,7 @@ namespace greville
     void
     compute_residual(const unsigned int l) const
     {
-      levels[l]->vmult(residual[l], x[l]);
+      levels[l]->vmult_in_cycle(residual[l], x[l]);
       residual[l].sadd(-1., 1., b[l]);
     }
 

@@ -15,9 +15,9 @@ namespace greville
    * StencilMatrix.
    *
    * Vectors on places are interleaved: component c of place i is entry i * dim
-   * + c.
+   * + c. They are double; entries are Numbers, double or float.
    */
-  template <int dim>
+  template <int dim, typename Number = double>
   class BlockStencil
   {
   public:
@@ -32,6 +32,13 @@ namespace greville
      */
     void
     clear();
+
+    /**
+     * Have the entries of another matrix on the same places.
+     */
+    template <typename OtherNumber>
+    void
+    copy(const BlockStencil<dim, OtherNumber> &other);
 
     /**
      * Add the matrix of an owned cell with n = (p + 1)^dim functions, numbered
@@ -50,14 +57,17 @@ namespace greville
     add(const double factor, const StencilMatrix<dim> &scalar);
 
     /**
-     * Set a scalar matrix to the mean of the diagonals of the blocks, which
-     * stands for each of the components: that of i and j >= i.
+     * Set a scalar matrix to the diagonal block of a component, or to the mean
+     * of those of several @p components (bits), for each of which it stands:
+     * that of i and j >= i.
      */
     void
-    mean(StencilMatrix<dim> &scalar) const;
+    diagonal_block(StencilMatrix<dim> &scalar,
+                   const unsigned int  components) const;
 
     /**
-     * y = B x, with x zero at all places without a row.
+     * y = B x, with x zero at all places without a row. Some numbers behind a
+     * place that a row reaches are read, and have to be finite.
      */
     void
     vmult(double *y, const double *x) const;
@@ -82,10 +92,13 @@ namespace greville
     std::size_t
     memory_consumption() const
     {
-      return n_rows * row_size * sizeof(double);
+      return n_rows * row_size * sizeof(Number);
     }
 
   private:
+    template <int, typename>
+    friend class BlockStencil;
+
     template <int n>
     void
     add_cell_of_order(const unsigned int cell, const double *values);
@@ -95,56 +108,61 @@ namespace greville
     multiply(double *y, const double *x) const;
 
     /**
-     * Entry (c, d) of block number @p k of a row.
+     * The entries of component c in the line number @p k of the neighbours of a
+     * row: (2 p + 1) * dim of them, [x][d].
      */
     std::size_t
-    index(const unsigned int k,
-          const unsigned int c,
-          const unsigned int d) const
+    line(const unsigned int k, const unsigned int c) const
     {
-      return (std::size_t(c) * n_blocks + k) * dim + d;
+      return (std::size_t(k) * dim + c) * line_size;
     }
 
-    double *
+    Number *
     row(const unsigned int place)
     {
       return values.data() + row_of[place] * row_size;
     }
 
-    const double *
+    const Number *
     row(const unsigned int place) const
     {
       return values.data() + row_of[place] * row_size;
     }
 
-    const StencilMatrix<dim> *places   = nullptr;
-    unsigned int              n_blocks = 0; // of a row
-    std::size_t               row_size = 0; // [c][block][d]
-    std::size_t               n_rows   = 0;
+    const StencilMatrix<dim> *places    = nullptr;
+    unsigned int              length    = 0; // 2 p + 1, blocks of a line
+    unsigned int              n_lines   = 0;
+    unsigned int              line_size = 0; // with zeros, for full vectors
+    std::size_t               row_size  = 0; // [line][c][x][d]
+    std::size_t               n_rows    = 0;
     ZeroedArray<std::size_t>  row_of; // by place
-    std::vector<double>       values;
+    std::vector<Number>       values;
   };
 
 
 
-  template <int dim>
+  template <int dim, typename Number>
   template <typename Visit>
   void
-  BlockStencil<dim>::for_each_block(const unsigned int i,
-                                    const Visit       &visit) const
+  BlockStencil<dim, Number>::for_each_block(const unsigned int i,
+                                            const Visit       &visit) const
   {
-    const double *entries = row(i);
+    const Number *entries = row(i);
     double        block[dim * dim];
-    unsigned int  k = 0;
+    unsigned int  k = 0, x = 0;
     places->for_each_place(i, [&](const unsigned int j, const std::size_t) {
       bool is_zero = true;
       for (unsigned int c = 0; c < dim; ++c)
         for (unsigned int d = 0; d < dim; ++d)
           {
-            block[c * dim + d] = entries[index(k, c, d)];
+            block[c * dim + d] = entries[line(k, c) + x * dim + d];
             is_zero            = is_zero && block[c * dim + d] == 0.;
           }
-      ++k;
+      if (++x == length)
+        {
+          x = 0;
+          ++k;
+        }
       if (!is_zero)
         visit(j, block);
     });

@@ -106,7 +106,17 @@ namespace greville
     }
 
     void
-    vmult(VectorType &dst, const VectorType &src) const override;
+    vmult(VectorType &dst, const VectorType &src) const override
+    {
+      multiply(dst, src, blocks);
+    }
+
+    /**
+     * With the entries in single precision, of which the first call makes a
+     * copy.
+     */
+    void
+    vmult_in_cycle(VectorType &dst, const VectorType &src) const override;
 
     /**
      * y = M~_e x.
@@ -166,6 +176,12 @@ namespace greville
     write(VectorType &x, const VectorType &unknowns) const;
 
   private:
+    template <typename Number>
+    void
+    multiply(VectorType                      &dst,
+             const VectorType                &src,
+             const BlockStencil<dim, Number> &matrix) const;
+
     /**
      * A solve with factors, of all components together.
      */
@@ -185,6 +201,8 @@ namespace greville
     DensityWeights<dim>              mass_weights;
     ExtendedMass<dim>                extended_mass;
     BlockStencil<dim>                blocks;
+    mutable BlockStencil<dim, float> single_blocks;
+    mutable bool                     has_single_blocks = false;
 
     // The mean of the diagonal blocks of K, with the same extension.
     mutable ExtendedMass<dim>                    mean;
