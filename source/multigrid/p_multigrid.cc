@@ -21,7 +21,9 @@ namespace greville
     algebraic_options()
     {
       static const std::map<std::string, std::string> options = {
-        {"gamg", "-pc_type gamg -pc_gamg_square_graph 0"},
+        {"gamg",
+         "-pc_type ksp -ksp_ksp_type chebyshev -ksp_ksp_max_it 2 "
+         "-ksp_pc_type gamg"},
         {"boomeramg",
          "-pc_type hypre -pc_hypre_type boomeramg "
          "-pc_hypre_boomeramg_strong_threshold 0.5"},

@@ -75,16 +75,16 @@ namespace greville
       "jacobi: the factor omega in units of 1 / lambda_max(D^-1 M), which is "
       "estimated; below 2 for convergence. Unit: none.",
       Patterns::Double(0.));
-    prm.add_parameter(
-      "Chebyshev degree",
-      chebyshev_degree,
-      "chebyshev, chebyshev-ic0: degree of the polynomial. Unit: none.",
-      Patterns::Integer(1, 100));
+    prm.add_parameter("Chebyshev degree",
+                      chebyshev_degree,
+                      "chebyshev, chebyshev-ic0 and chebyshev-component-ic0: "
+                      "degree of the polynomial. Unit: none.",
+                      Patterns::Integer(1, 100));
     prm.add_parameter(
       "Chebyshev range",
       chebyshev_range,
-      "chebyshev, chebyshev-ic0: eigenvalues of D^-1 M (of the IC(0) in place "
-      "of D) between lambda_max / range and lambda_max are smoothed. Unit: "
+      "The same: eigenvalues of D^-1 M (with the IC(0) in place of D) between "
+      "lambda_max / range and lambda_max are smoothed. Unit: "
       "none.",
       Patterns::Double(1.));
     prm.add_parameter(
@@ -170,14 +170,15 @@ namespace greville
 
 
     /**
-     * A factorization of one component for all of them: that of the level, or
-     * IC(0) of its matrix.
+     * Factorizations of the components or one for all of them: those of the
+     * level, or IC(0) of its matrix, which stands for all.
      */
     template <int dim>
     std::unique_ptr<Preconditioner>
     make_factorization(const SmootherParameters &p,
                        const LevelOperator<dim> &level,
-                       const bool                symmetric);
+                       const bool                symmetric,
+                       const bool                by_components = false);
 
 
 
@@ -193,7 +194,7 @@ namespace greville
         typename Chebyshev::AdditionalData data;
         data.degree              = parameters.chebyshev_degree;
         data.smoothing_range     = parameters.chebyshev_range;
-        data.eig_cg_n_iterations = 15;
+        data.eig_cg_n_iterations = 10;
         data.preconditioner      = inner;
         chebyshev.initialize(matrix, data);
         VectorType vector;
@@ -344,9 +345,10 @@ namespace greville
     std::unique_ptr<Preconditioner>
     make_factorization(const SmootherParameters &p,
                        const LevelOperator<dim> &level,
-                       const bool                symmetric)
+                       const bool                symmetric,
+                       const bool                by_components)
     {
-      if (auto factorization = level.factorization(p.shift))
+      if (auto factorization = level.factorization(p.shift, by_components))
         return factorization;
       auto one =
         schwarz_with<dim>([](const Mat m, const SmootherParameters &q) {
@@ -383,7 +385,9 @@ namespace greville
         return make_ilut(m, p.drop_tolerance, p.fill_factor);
       };
       const auto ilu0 = [](const Mat m, P p) { return make_ilu0(m, p.shift); };
-      const auto ic0  = make_factorization<dim>;
+      const auto ic0  = [](P p, L level, const bool symmetric) {
+        return make_factorization<dim>(p, level, symmetric);
+      };
       const auto jacobi = [](P p, L level, const bool) {
         return std::make_unique<JacobiSmoother<dim>>(level, p.damping);
       };
@@ -402,6 +406,11 @@ namespace greville
         return std::make_unique<ChebyshevSmoother<dim>>(
           level, p, make_factorization<dim>(p, level, symmetric));
       };
+      const auto chebyshev_component_ic0 =
+        [](P p, L level, const bool symmetric) {
+          return std::make_unique<ChebyshevSmoother<dim>>(
+            level, p, make_factorization<dim>(p, level, symmetric, true));
+        };
       const auto tensor_product = [](P, L level, const bool) {
         return std::make_unique<TensorProductPreconditioner<dim>>(
           level.space(), level.diagonal(), level.inactive());
@@ -422,6 +431,7 @@ namespace greville
         {"symmetric-gauss-seidel", true, true, symmetric_gauss_seidel},
         {"chebyshev", false, false, chebyshev},
         {"chebyshev-ic0", true, false, chebyshev_ic0},
+        {"chebyshev-component-ic0", true, false, chebyshev_component_ic0},
         {"tensor-product", false, true, tensor_product},
         {"petsc", true, false, petsc}};
       return list;

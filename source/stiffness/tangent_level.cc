@@ -30,7 +30,7 @@ namespace greville
     , mass_weights(space, 2 * space.degree() + 1)
   {
     extended_mass.reinit(space);
-    mean.reinit(space);
+    block.reinit(space);
     blocks.reinit(extended_mass.matrix());
     single_blocks.reinit(extended_mass.matrix());
   }
@@ -43,7 +43,7 @@ namespace greville
   {
     if (changed)
       spline_extension.reinit(spline_space, filling);
-    for (ExtendedMass<dim> *matrix : {&extended_mass, &mean})
+    for (ExtendedMass<dim> *matrix : {&extended_mass, &block})
       {
         matrix->begin(spline_extension, changed);
         if (changed)
@@ -93,7 +93,6 @@ namespace greville
   {
     if (mass_factor != 0.)
       blocks.add(mass_factor, extended_mass.matrix());
-    blocks.diagonal_block(mean.matrix(), all_components(dim));
     has_single_blocks = false;
 
     // Those of extended B-splines without what extended functions add.
@@ -239,21 +238,22 @@ namespace greville
   void
   TangentLevel<dim>::factorize(ExtendedMass<dim>   &matrix,
                                const double         shift,
+                               const unsigned int   components,
                                PartitionedCholesky &factors) const
   {
-    const auto         of_unknowns = matrix.held_unknowns();
-    std::vector<bool>  is_held_in_some(of_unknowns.size());
-    const unsigned int all = all_components(dim);
+    const auto        of_unknowns = matrix.held_unknowns();
+    std::vector<bool> is_held_in_some(of_unknowns.size());
     for (unsigned int u = 0; u < of_unknowns.size(); ++u)
-      is_held_in_some[u] =
-        (of_unknowns[u] & all) != 0 && (of_unknowns[u] & all) != all;
-    factors.factorize(matrix.local_entries(all),
+      is_held_in_some[u] = (of_unknowns[u] & components) != 0 &&
+                           (of_unknowns[u] & components) != components;
+    factors.factorize(matrix.local_entries(components),
                       matrix.unknown_layout(),
                       matrix.unknown_positions(),
                       is_held_in_some,
                       spline_space.degree(),
                       shift);
-    factors.hold(of_unknowns, factor_width<dim>);
+    if (components == all_components(dim))
+      factors.hold(of_unknowns, factor_width<dim>);
   }
 
 
@@ -262,52 +262,71 @@ namespace greville
   void
   TangentLevel<dim>::solve(const PartitionedCholesky &factors,
                            VectorType                &dst,
-                           const VectorType          &src) const
+                           const VectorType          &src,
+                           const unsigned int         component,
+                           const unsigned int         n_components) const
   {
-    constexpr unsigned int width     = factor_width<dim>;
-    const auto            &functions = extended_mass.unknown_functions();
+    const unsigned int width     = n_components == 1 ? 1 : factor_width<dim>;
+    const auto        &functions = extended_mass.unknown_functions();
+    const auto         for_free  = [&](const auto &visit) {
+      for (unsigned int u = 0; u < functions.size(); ++u)
+        for (unsigned int c = 0; c < n_components; ++c)
+          if (!((held[functions[u]] >> (component + c)) & 1))
+            visit(u * width + c, functions[u] * dim + component + c);
+    };
     work.assign(functions.size() * width, 0.);
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      for (unsigned int c = 0; c < dim; ++c)
-        if (!((held[functions[u]] >> c) & 1))
-          work[u * width + c] = src.local_element(functions[u] * dim + c);
+    for_free([&](const unsigned int k, const unsigned int i) {
+      work[k] = src.local_element(i);
+    });
     factors.solve(work.data(), width);
-    dst = 0.;
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      for (unsigned int c = 0; c < dim; ++c)
-        if (!((held[functions[u]] >> c) & 1))
-          dst.local_element(functions[u] * dim + c) = work[u * width + c];
+    for (unsigned int i = 0; i < dst.locally_owned_size(); i += dim)
+      for (unsigned int c = 0; c < n_components; ++c)
+        dst.local_element(i + component + c) = 0.;
+    for_free([&](const unsigned int k, const unsigned int i) {
+      dst.local_element(i) = work[k];
+    });
   }
 
 
 
   template <int dim>
   std::unique_ptr<Preconditioner>
-  TangentLevel<dim>::factorization(const double shift) const
+  TangentLevel<dim>::factorization(const double shift,
+                                   const bool   by_components) const
   {
     /**
-     * The factors of the mean, for all components.
+     * The factors of the mean of all diagonal blocks, or of each of them.
      */
     class Factorization : public Preconditioner
     {
     public:
-      Factorization(const TangentLevel<dim> &level, const double shift)
+      Factorization(const TangentLevel<dim> &level,
+                    const double             shift,
+                    const bool               by_components)
         : level(level)
+        , factors(by_components ? dim : 1)
       {
-        level.factorize(level.mean, shift, factors);
+        for (unsigned int c = 0; c < factors.size(); ++c)
+          {
+            const unsigned int components =
+              by_components ? 1u << c : all_components(dim);
+            level.blocks.diagonal_block(level.block.matrix(), components);
+            level.factorize(level.block, shift, components, factors[c]);
+          }
       }
 
       void
       vmult(VectorType &dst, const VectorType &src) const override
       {
-        level.solve(factors, dst, src);
+        for (unsigned int c = 0; c < factors.size(); ++c)
+          level.solve(factors[c], dst, src, c, dim / factors.size());
       }
 
     private:
-      const TangentLevel<dim> &level;
-      PartitionedCholesky      factors;
+      const TangentLevel<dim>         &level;
+      std::vector<PartitionedCholesky> factors;
     };
-    return std::make_unique<Factorization>(*this, shift);
+    return std::make_unique<Factorization>(*this, shift, by_components);
   }
 
 
@@ -321,6 +340,7 @@ namespace greville
         mass_factors = std::make_unique<PartitionedCholesky>();
         factorize(const_cast<ExtendedMass<dim> &>(extended_mass),
                   0.,
+                  all_components(dim),
                   *mass_factors);
       }
     solve(*mass_factors, x, x);

@@ -116,12 +116,13 @@ namespace greville
     }
 
     /**
-     * A factorization of one component that stands for all of them, for
-     * smoothers: a symmetric positive definite B with dst = B src for all
-     * components. Null where there is none.
+     * Incomplete factorizations of the diagonal blocks of the components, or
+     * one of their mean that stands for all of them, for smoothers: a symmetric
+     * positive definite B with dst = B src for all components. Null where there
+     * is none.
      */
     virtual std::unique_ptr<Preconditioner>
-    factorization(const double /*shift*/) const
+    factorization(const double /*shift*/, const bool /*by_components*/) const
     {
       return nullptr;
     }

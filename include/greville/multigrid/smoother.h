@@ -65,6 +65,7 @@ namespace greville
    * - "chebyshev": deal.II's polynomial smoother on D^-1 A,
    * - "chebyshev-ic0": the same on B^-1 A with one IC(0) factorization B for
    * all components (LevelOperator::factorization(), or "ic0"),
+   * - "chebyshev-component-ic0": with one for each of them,
    * - "tensor-product": TensorProductPreconditioner,
    * - "petsc": the PETSc preconditioner that the options describe.
    * Those that work on LevelOperator::matrix() or on the space do so component

@@ -152,7 +152,7 @@ namespace greville
     condense(VectorType &x, const unsigned int component = 0) const override;
 
     std::unique_ptr<Preconditioner>
-    factorization(const double shift) const override;
+    factorization(const double shift, const bool by_components) const override;
 
     void
     apply_inverse_mass(VectorType &x) const override;
@@ -183,16 +183,22 @@ namespace greville
              const BlockStencil<dim, Number> &matrix) const;
 
     /**
-     * A solve with factors, of all components together.
+     * A solve for @p n_components from the given one on; @p dst may be @p src.
      */
     void
     solve(const PartitionedCholesky &factors,
           VectorType                &dst,
-          const VectorType          &src) const;
+          const VectorType          &src,
+          const unsigned int         component    = 0,
+          const unsigned int         n_components = dim) const;
 
+    /**
+     * Factorize a matrix that stands for @p components (bits).
+     */
     void
     factorize(ExtendedMass<dim>   &matrix,
               const double         shift,
+              const unsigned int   components,
               PartitionedCholesky &factors) const;
 
     const SplineSpace<dim>          &spline_space;
@@ -204,8 +210,8 @@ namespace greville
     mutable BlockStencil<dim, float> single_blocks;
     mutable bool                     has_single_blocks = false;
 
-    // The mean of the diagonal blocks of K, with the same extension.
-    mutable ExtendedMass<dim>                    mean;
+    // A diagonal block of A or their mean, with the same extension.
+    mutable ExtendedMass<dim>                    block;
     mutable std::unique_ptr<PartitionedCholesky> mass_factors;
 
     double                      largest = 0.;
