@@ -37,6 +37,7 @@ namespace greville
   void
   PMultigridParameters::declare(ParameterHandler &prm)
   {
+    const bool has_auto = smoother == "auto";
     prm.add_parameter(
       "Coarsening",
       coarsening,
@@ -64,11 +65,18 @@ namespace greville
                       weighting,
                       "The weight of the L2 products in the transfer.",
                       Patterns::Selection(OrderTransfer<2>::weightings()));
-    prm.add_parameter("Smoother",
-                      smoother,
-                      "The smoother of all levels but the coarsest, or of the "
-                      "only level where Coarsening is none.",
-                      Patterns::Selection(smoother_names()));
+    prm.add_parameter(
+      "Smoother",
+      smoother,
+      std::string("The smoother of all levels but the coarsest, or of "
+                  "the only level where Coarsening is none.") +
+        (has_auto ? " auto: chebyshev-ic0, and where "
+                    "Poisson's ratio is above 0.4 or "
+                    "0.475 chebyshev-component-ic0 with a "
+                    "degree raised by 1 or 3, and a range "
+                    "of 2 or 4 times the given one."
+                  : ""),
+      Patterns::Selection((has_auto ? "auto|" : "") + smoother_names()));
     prm.add_parameter(
       "Pre-smoothing steps",
       pre_smoothing,

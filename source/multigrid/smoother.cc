@@ -194,7 +194,7 @@ namespace greville
         typename Chebyshev::AdditionalData data;
         data.degree              = parameters.chebyshev_degree;
         data.smoothing_range     = parameters.chebyshev_range;
-        data.eig_cg_n_iterations = 10;
+        data.eig_cg_n_iterations = 15;
         data.preconditioner      = inner;
         chebyshev.initialize(matrix, data);
         VectorType vector;

@@ -73,6 +73,7 @@ namespace greville
     AssertDimension(state.bodies.size(), current.bodies.size());
     current = state;
     discretization.mass().forget();
+    integrator->forget();
     // It may be that of another simulation, which is gone before this one.
     for (Body<dim> &body : current.bodies)
       {

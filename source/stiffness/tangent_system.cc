@@ -5,6 +5,8 @@
 
 #include <greville/stiffness/tangent_system.h>
 
+#include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace greville
@@ -16,7 +18,7 @@ namespace greville
     multigrid.coarsening            = "direct";
     multigrid.prolongation          = "ic0-l2";
     multigrid.restriction           = "transpose";
-    multigrid.smoother              = "chebyshev-ic0";
+    multigrid.smoother              = "auto";
     multigrid.coarse_tolerance      = 1.;
     multigrid.coarse_preconditioner = "gamg";
     smoother.chebyshev_degree       = 3;
@@ -48,6 +50,13 @@ namespace greville
                       "A step whose linear systems need more is cut. Unit: "
                       "iterations.",
                       Patterns::Integer(1));
+    prm.add_parameter(
+      "Reuse",
+      reuse,
+      "The set-up of a preconditioner serves following systems, too, until the "
+      "iterations that they need beyond those of the first one add up to this "
+      "number. 0: each system has its own. Unit: iterations.",
+      Patterns::Integer(0));
   }
 
 
@@ -84,7 +93,6 @@ namespace greville
   void
   TangentSystem<dim>::set_points(const std::vector<TrialBody<dim>> &bodies)
   {
-    multigrid.reset();
     std::vector<const MaterialPoints<dim> *> points;
     for (const TrialBody<dim> &body : bodies)
       points.push_back(body.points);
@@ -92,6 +100,8 @@ namespace greville
     const bool changed =
       filling.update(filled_part, filling_threshold) || is_first;
     is_first = false;
+    if (changed)
+      forget();
     for (unsigned int l = 0; l < levels.size(); ++l)
       {
         levels[l]->begin(filling, changed);
@@ -101,6 +111,28 @@ namespace greville
       }
     finest().extended().initialize_vector(unknowns, dim);
   }
+
+
+
+  namespace
+  {
+    /**
+     * Add the moduli of compression, d P_ii / d f_ii, and of shear, d P_ij / d
+     * f_ij, times the volumes.
+     */
+    template <int dim>
+    void
+    add_moduli(const std::vector<TrialPoint<dim>> &points,
+               std::array<double, 2>              &moduli)
+    {
+      constexpr double n_shears = dim * (dim - 1);
+      for (const TrialPoint<dim> &point : points)
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            moduli[i == j ? 0 : 1] +=
+              point.volume * point.dP[i][j][i][j] / (i == j ? dim : n_shears);
+    }
+  } // namespace
 
 
 
@@ -116,8 +148,11 @@ namespace greville
     std::string problem;
     sums.back().clear();
     if (with_stiffness)
-      for (auto &level : levels)
-        level->begin_tangent();
+      {
+        moduli = {};
+        for (auto &level : levels)
+          level->begin_tangent();
+      }
     for (const TrialBody<dim> &body : bodies)
       {
         const PointReport report =
@@ -131,6 +166,8 @@ namespace greville
                          [&](const unsigned int cell, const auto &points) {
                            sums.back().add_force(cell, points);
                            if (with_stiffness)
+                             add_moduli<dim>(points, moduli);
+                           if (with_stiffness)
                              for (unsigned int l = 0; l < levels.size(); ++l)
                                levels[l]->stiffness().add_cell(
                                  cell, sums[l].stiffness(cell, points));
@@ -140,6 +177,10 @@ namespace greville
                     " of the body '" + body.name + "': " + report.bad_reason;
       }
     sums.back().take_force(force);
+    if (with_stiffness)
+      Utilities::MPI::sum(ArrayView<const double>(moduli.data(), 2),
+                          space().communicator(),
+                          ArrayView<double>(moduli.data(), 2));
     return problem;
   }
 
@@ -177,29 +218,82 @@ namespace greville
 
 
   template <int dim>
-  void
-  TangentSystem<dim>::set_operator(const double mass_factor,
-                                   const bool   is_symmetric)
+  bool
+  TangentSystem<dim>::is_reusable(const double mass_factor,
+                                  const bool   with_levels) const
   {
-    symmetric = is_symmetric;
-    multigrid.reset();
+    constexpr double much = 2.;
+    return multigrid && parameters.reuse > 0 && has_levels == with_levels &&
+           excess_iterations <= parameters.reuse &&
+           mass_factor <= much * mass_factor_of_set_up &&
+           mass_factor_of_set_up <= much * mass_factor;
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::choose_smoother(PMultigridParameters &cycle,
+                                      SmootherParameters   &smoother) const
+  {
+    if (cycle.smoother != "auto")
+      return;
+    // Poisson's ratios of 0.4 and 0.475.
+    constexpr double much = 6., most = 20.;
+    const double     ratio = moduli[1] > 0.
+                               ? moduli[0] / moduli[1]
+                               : std::numeric_limits<double>::infinity();
+    cycle.smoother =
+      ratio <= much ? "chebyshev-ic0" : "chebyshev-component-ic0";
+    if (ratio > much)
+      {
+        smoother.chebyshev_degree += ratio > most ? 3 : 1;
+        smoother.chebyshev_range *= ratio > most ? 4. : 2.;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::set_up(const bool with_levels)
+  {
+    PMultigridParameters             cycle    = parameters.multigrid;
+    SmootherParameters               smoother = parameters.smoother;
     typename PMultigrid<dim>::Levels operators;
-    levels.back()->finish_tangent(mass_factor);
-    PMultigridParameters cycle = parameters.multigrid;
-    if (!needs_levels(mass_factor))
+    choose_smoother(cycle, smoother);
+    if (!with_levels)
       cycle.coarsening = "none";
     else
       for (unsigned int l = 0; l + 1 < levels.size(); ++l)
-        {
-          levels[l]->finish_tangent(mass_factor);
-          operators.push_back(levels[l].get());
-        }
+        operators.push_back(levels[l].get());
     operators.push_back(levels.back().get());
-    multigrid =
-      std::make_unique<PMultigrid<dim>>(operators,
-                                        cycle,
-                                        parameters.smoother,
-                                        parameters.multigrid.coarse_tolerance);
+    multigrid.reset();
+    multigrid = std::make_unique<PMultigrid<dim>>(
+      operators, cycle, smoother, parameters.multigrid.coarse_tolerance);
+    has_levels            = with_levels;
+    mass_factor_of_set_up = mass_factor;
+    excess_iterations     = 0.;
+    is_fresh              = true;
+    ++set_ups;
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::set_operator(const double new_mass_factor,
+                                   const bool   is_symmetric)
+  {
+    symmetric   = is_symmetric;
+    mass_factor = new_mass_factor;
+    levels.back()->finish_tangent(mass_factor);
+    const bool with_levels = needs_levels(mass_factor);
+    if (with_levels)
+      for (unsigned int l = 0; l + 1 < levels.size(); ++l)
+        levels[l]->finish_tangent(mass_factor);
+    if (!is_reusable(mass_factor, with_levels))
+      set_up(with_levels);
   }
 
 
@@ -296,18 +390,51 @@ namespace greville
   SolveResult
   TangentSystem<dim>::solve(VectorType       &x,
                             const VectorType &b,
-                            const double      tolerance) const
+                            const double      tolerance)
   {
     const bool with_cg =
       parameters.method == "cg" || (parameters.method == "auto" && symmetric);
-    x = 0.;
-    return run_solver(
-      parameters.max_iterations, tolerance, b, [&](SolverControl &control) {
-        if (with_cg)
-          SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
+    const auto run = [&](const unsigned int max_iterations) {
+      x = 0.;
+      return run_solver(
+        max_iterations, tolerance, b, [&](SolverControl &control) {
+          if (with_cg)
+            SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
+          else
+            SolverFGMRES<VectorType>(control).solve(finest(), x, b, *multigrid);
+        });
+    };
+    // Digits that the residual loses.
+    const auto digits = [](const SolveResult &result) {
+      return std::max(0.5, -std::log10(std::max(result.reduction, 1e-16)));
+    };
+
+    unsigned int n_wasted = 0;
+    SolveResult  result;
+    if (!is_fresh)
+      {
+        const double expected = -std::log10(tolerance) * first_iterations;
+        result =
+          run(std::min<double>(parameters.max_iterations,
+                               std::ceil(expected + parameters.reuse + 1.)));
+        if (!result.converged)
+          {
+            n_wasted = *result.iterations;
+            set_up(has_levels);
+          }
         else
-          SolverFGMRES<VectorType>(control).solve(finest(), x, b, *multigrid);
-      });
+          excess_iterations +=
+            std::max(0.,
+                     *result.iterations - digits(result) * first_iterations);
+      }
+    if (is_fresh)
+      {
+        result           = run(parameters.max_iterations);
+        first_iterations = *result.iterations / digits(result);
+        is_fresh         = *result.iterations == 0;
+      }
+    *result.iterations += n_wasted;
+    return result;
   }
 
 

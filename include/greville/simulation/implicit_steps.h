@@ -44,6 +44,12 @@ namespace greville
     void
     advance(State<dim> &state, const double dt) override;
 
+    void
+    forget() override
+    {
+      system.forget();
+    }
+
   private:
     void
     check_parameters(const std::string &name, const State<dim> &initial) const;

@@ -44,6 +44,14 @@ namespace greville
      */
     virtual void
     advance(State<dim> &state, const double dt) = 0;
+
+    /**
+     * Forget what earlier steps have left, so that the next one depends on the
+     * state alone, to the bit.
+     */
+    virtual void
+    forget()
+    {}
   };
 
 

@@ -39,6 +39,7 @@ namespace greville
     std::string          method         = "auto";
     std::string          preconditioner = "auto";
     unsigned int         max_iterations = 200;
+    unsigned int         reuse          = 10;
     PMultigridParameters multigrid;
 
     TangentSmootherParameters smoother;
@@ -66,7 +67,9 @@ namespace greville
    * @f[ E^T (c \tilde M + K) E \, x = E^T b, @f]
    * with the stiffness K of points in a TrialStep. Krylov methods are
    * preconditioned by p-multigrid: PMultigrid on one TangentLevel for each
-   * order. All levels get the stiffness from the same points.
+   * order. All levels get the stiffness from the same points. The set-up of a
+   * preconditioner (factorizations, eigenvalues, algebraic multigrid) serves
+   * following systems, too, as long as it pays.
    *
    * Fields have a coefficient for each function of the space. Those of
    * functions that are held are given, and those of extended functions follow
@@ -155,6 +158,24 @@ namespace greville
     set_operator(const double mass_factor, const bool is_symmetric);
 
     /**
+     * Let the next operator have a set-up of its own.
+     */
+    void
+    forget()
+    {
+      multigrid.reset();
+    }
+
+    /**
+     * Set-ups so far.
+     */
+    unsigned int
+    n_set_ups() const
+    {
+      return set_ups;
+    }
+
+    /**
      * Collective. rows = E^T (force + M~ field), zero where held; with an empty
      * vector for no field. Vectors have the layout of LevelOperator.
      */
@@ -179,7 +200,7 @@ namespace greville
      * of zero.
      */
     SolveResult
-    solve(VectorType &x, const VectorType &b, const double tolerance) const;
+    solve(VectorType &x, const VectorType &b, const double tolerance);
 
     /**
      * Collective. The velocity with M~ v = momentum, with held coefficients as
@@ -201,6 +222,26 @@ namespace greville
     bool
     needs_levels(const double mass_factor) const;
 
+    /**
+     * Whether the set-up of the last operator is good for one with this mass
+     * factor.
+     */
+    bool
+    is_reusable(const double mass_factor, const bool with_levels) const;
+
+    /**
+     * Collective.
+     */
+    void
+    set_up(const bool with_levels);
+
+    /**
+     * Collective. The smoother, where it is 'auto', and its parameters.
+     */
+    void
+    choose_smoother(PMultigridParameters &cycle,
+                    SmootherParameters   &smoother) const;
+
     const TangentParameters                        &parameters;
     const double                                    filling_threshold;
     const bool                                      lump;
@@ -212,9 +253,21 @@ namespace greville
     TrialStep<dim>                                  trial;
     std::unique_ptr<PMultigrid<dim>>                multigrid;
     bool                                            symmetric = true;
-    std::vector<double>                             filled_part;
-    mutable VectorType                              unknowns;
-    bool                                            is_first = true;
+
+    // Sums of the moduli of compression and of shear of all points.
+    std::array<double, 2> moduli{};
+
+    // Of the set-up; iterations are those for a tenth of the residual.
+    bool         has_levels = false, is_fresh = false;
+    double       mass_factor_of_set_up = 0.;
+    double       mass_factor           = 0.; // of the operator
+    double       first_iterations      = 0.;
+    double       excess_iterations     = 0.;
+    unsigned int set_ups               = 0;
+
+    std::vector<double> filled_part;
+    mutable VectorType  unknowns;
+    bool                is_first = true;
   };
 } // namespace greville
 
