@@ -35,6 +35,13 @@ namespace greville
                       "A step that was cut doubles after one with at most so "
                       "many iterations of Newton's method. Unit: iterations.",
                       Patterns::Integer(0));
+    prm.add_parameter(
+      "Filling threshold",
+      filling,
+      "The 'Scheme/Filling threshold' of implicit steps. Cells that are half "
+      "full are better extended over: linear systems need fewer iterations. "
+      "Unit: none.",
+      Patterns::Double(0., 2.));
   }
 
 

@@ -30,7 +30,7 @@ namespace greville
           return held_components_at_walls(space, discretization.walls());
         },
         parameters.implicit_solver,
-        parameters.scheme.filling,
+        parameters.implicit.filling,
         parameters.scheme.mass == "lumped")
   {
     check_parameters(name, parts.initial);

@@ -87,7 +87,8 @@ namespace greville
       "(the exact mass matrix on extended B-splines), lumped, or fmpm-K (K = "
       "1, 2, ...).");
     add_parameter(prm, "Filling threshold", filling, Double(0., 2.))(
-      "Consistent mass: cells that points fill by this part of their volume or "
+      "Consistent mass of explicit steps: cells that points fill by this part "
+      "of their volume or "
       "more are well-filled; B-splines that see no well-filled cell inside the "
       "body are extended from such cells. 0: none is extended. Unit: none.");
     add_parameter(prm, "Filter", filter, Double(0., 100.))(

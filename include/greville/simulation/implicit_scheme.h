@@ -24,6 +24,7 @@ namespace greville
     double       spectral_radius = 0.8;
     double       smallest_step   = 1e-3;
     unsigned int easy_iterations = 6;
+    double       filling         = 0.55;
   };
 
 
