@@ -25,7 +25,7 @@ namespace
             return held_components_at_walls(space, walls);
           },
           parameters,
-          0.45,
+          0.55,
           false)
     {
       for (const Body<dim> &body : simulated->bodies())
@@ -103,6 +103,24 @@ namespace
       return result.converged ? *result.iterations : 1000;
     }
 
+    /**
+     * Set-ups of several systems with these mass factors.
+     */
+    unsigned int
+    n_set_ups(const std::vector<double> &factors)
+    {
+      const unsigned int before = system.n_set_ups();
+      for (const double factor : factors)
+        iterations(factor);
+      return system.n_set_ups() - before;
+    }
+
+    void
+    forget()
+    {
+      system.forget();
+    }
+
     // Of the size of the stiffness.
     const double mass_factor = 3e4;
     StepStress   stress      = StepStress::end;
@@ -143,6 +161,56 @@ namespace
       .with("Grid", {"Order = " + std::to_string(p)})
       .with("Body body", {"Points per direction = 2", "Jitter = 0.3"})
       .with("Walls", {"Back = fixed"});
+  }
+
+
+
+  Text
+  with_poissons_ratio(Text text, const std::string &ratio)
+  {
+    return text.with("Material solid", {"Poissons ratio = " + ratio});
+  }
+
+
+
+  /**
+   * Poisson's ratio chooses the smoother.
+   */
+  template <int dim>
+  void
+  check_nearly_incompressible(const std::string &name, const Text &text)
+  {
+    TangentParameters one_for_all;
+    one_for_all.multigrid.smoother = "chebyshev-ic0";
+    for (const auto &[ratio, most] :
+         std::map<std::string, unsigned int>{{"0.45", 12}, {"0.49", 19}})
+      {
+        const Text         stiff = with_poissons_ratio(text, ratio);
+        const unsigned int n     = Systems<dim>(stiff).iterations(0.);
+        check_range(name + ", Poisson's ratio " + ratio, n, 4, most);
+        check(name + ", one factorization for all, " + ratio,
+              Systems<dim>(stiff, one_for_all).iterations(0.) > 1.2 * n);
+      }
+  }
+
+
+
+  /**
+   * A set-up serves systems that differ little.
+   */
+  void
+  check_reuse()
+  {
+    const Text        text = column_2d(16, 2);
+    TangentParameters never;
+    never.reuse = 0;
+    Systems<2> systems(text), fresh(text, never);
+    check("one set-up", systems.n_set_ups({1e4, 1.1e4, 0.9e4, 1e4}) == 1);
+    check("another mass factor", systems.n_set_ups({1e2, 1e2}) == 1);
+    check("without mass", systems.n_set_ups({0., 0.}) == 1);
+    systems.forget();
+    check("forgotten", systems.n_set_ups({0., 0.}) == 1);
+    check("without reuse", fresh.n_set_ups({1e4, 1e4, 1e4}) == 3);
   }
 
 
@@ -202,4 +270,7 @@ main(int argc, char **argv)
       }
   check_range("with mass", Systems<2>(column_2d(32, 2)).iterations(1e4), 2, 10);
   check_range("3D", Systems<3>(column_3d(8, 2)).iterations(0.), 3, 14);
+  check_nearly_incompressible<2>("2D", column_2d(32, 3));
+  check_nearly_incompressible<3>("3D", column_3d(8, 2));
+  check_reuse();
 }
