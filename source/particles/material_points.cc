@@ -21,7 +21,12 @@ namespace greville
   PointLayout<dim>::add(const std::string &name,
                         const unsigned int n_components)
   {
-    Assert(!find(name), ExcMessage("There are two fields '" + name + "'."));
+    if (const PointField *field = find(name))
+      {
+        (void)field;
+        AssertDimension(field->n_components, n_components);
+        return;
+      }
     all_fields.push_back({name, size, n_components});
     size += n_components;
   }

@@ -102,6 +102,18 @@ namespace greville
 
 
   template <int dim>
+  WallTime
+  CentralDifferences<dim>::wall_time(const State<dim> &state) const
+  {
+    // A stage that ends moves nothing.
+    return {state.velocity_time + trial.velocity_step,
+            trial.step > 0. ? state.time : state.time - state.step,
+            state.time + trial.step};
+  }
+
+
+
+  template <int dim>
   void
   CentralDifferences<dim>::touch_obstacles(const State<dim> &state,
                                            const bool        with_force)
@@ -158,9 +170,18 @@ namespace greville
     discretization.sum(state, stress_first ? nullptr : &trial.force);
     trial.velocity = state.velocity;
     std::swap(trial.acceleration, state.acceleration);
-    walls.hold_velocity(trial.velocity, state.velocity_time);
+    const WallTime after  = wall_time(state);
+    WallTime       before = after;
+    before.t              = state.velocity_time;
+    if (state.step > 0.)
+      {
+        before.begin = state.time - state.step;
+        before.end   = state.time;
+      }
+    walls.hold_velocity(trial.velocity, before);
     walls.hold_acceleration(trial.acceleration,
-                            state.velocity_time,
+                            before,
+                            after,
                             trial.velocity_step);
     touch_obstacles(state, !stress_first);
     if (stress_first)
@@ -366,7 +387,7 @@ namespace greville
   {
     discretization.sum_momentum(state);
     work_field = trial.new_velocity;
-    walls.hold_velocity(work_field, state.velocity_time + trial.velocity_step);
+    walls.hold_velocity(work_field, wall_time(state));
     if (obstacles)
       obstacles->set_velocity(work_field, true);
     solve({&work_field}, {&discretization.momentum()});
@@ -400,6 +421,44 @@ namespace greville
 
   template <int dim>
   void
+  CentralDifferences<dim>::find_new_velocity(State<dim> &state)
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        trial.new_velocity[d] = trial.velocity[d];
+        trial.new_velocity[d].add(trial.velocity_step, trial.acceleration[d]);
+      }
+    filter_velocity();
+    add_contact(state);
+    take_held_residual();
+    add_work(state);
+    add_work_of_damping(state);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::finish(State<dim> &state)
+  {
+    // Nothing moves: what is left of the kick acts where the points are.
+    if (!half_steps || !(state.step > 0.))
+      return;
+    trial.step             = 0.;
+    trial.velocity_step    = 0.5 * state.step;
+    trial.deformation_step = state.step;
+    trial.motion           = PointMotion();
+    find_acceleration(state);
+    find_new_velocity(state);
+    update(state, &trial.acceleration, &trial.new_velocity, nullptr, false);
+    fail_on_all(trial.motion.problem, discretization.communicator());
+    state.velocity_time += trial.velocity_step;
+  }
+
+
+
+  template <int dim>
+  void
   CentralDifferences<dim>::advance(State<dim> &state, const double dt)
   {
     trial.step             = dt;
@@ -426,17 +485,7 @@ namespace greville
         step_size.remember(state, trial.acceleration, dt);
       }
 
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        trial.new_velocity[d] = trial.velocity[d];
-        trial.new_velocity[d].add(trial.velocity_step, trial.acceleration[d]);
-      }
-    filter_velocity();
-    add_contact(state);
-    take_held_residual();
-    add_work(state);
-    add_work_of_damping(state);
-
+    find_new_velocity(state);
     const VectorField<dim> *const a = &trial.acceleration;
     const VectorField<dim> *const v = &trial.new_velocity;
     switch (order)

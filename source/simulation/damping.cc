@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/simulation/damping.h>
+#include <greville/simulation/move_points.h>
 #include <greville/simulation/statistics.h>
 
 #include <cmath>
@@ -86,17 +87,7 @@ namespace greville
     // The energy is that of all processes.
     if (Utilities::MPI::this_mpi_process(discretization.communicator()) == 0)
       state.energy.add_damping(-kinetic);
-    for (Body<dim> *body : deformable_bodies(state.bodies))
-      {
-        const PointField *affine = body->points.layout().find("affine");
-        body->points.for_each([&](const unsigned int, PointRef<dim> p) {
-          for (unsigned int d = 0; d < dim; ++d)
-            p.velocity(d) = 0.;
-          if (affine)
-            for (unsigned int k = 0; k < dim * dim; ++k)
-              p[affine->first + k] = 0.;
-        });
-      }
+    stop_points(state.bodies);
     state.points_have_changed();
   }
 

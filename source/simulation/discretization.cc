@@ -49,14 +49,8 @@ namespace greville
      * Throw where parameters contradict each other.
      */
     void
-    check_parameters(const SimulationParameters &parameters,
-                     const unsigned int          dim)
+    check_parameters(const SimulationParameters &parameters)
     {
-      AssertThrow(parameters.general.dimension == dim &&
-                    parameters.grid.cells.size() == dim,
-                  ExcMessage("The parameters are those of a simulation in " +
-                             std::to_string(parameters.general.dimension) +
-                             "D, not " + std::to_string(dim) + "D."));
       AssertThrow(!(parameters.scheme.transfer == "APIC" &&
                     parameters.scheme.quadrature != "points"),
                   ExcMessage("'Scheme/Transfer' = APIC goes with "
@@ -86,12 +80,12 @@ namespace greville
     , comm(comm)
     , mesh(comm, Triangulation<dim>::none, mesh_settings<dim>)
     , grid_walls(parameters.walls)
-    , sums_over_points(parameters.scheme.quadrature == "points")
-    , reconstruction(parameters.grid.degree + 1,
-                     parameters.scheme.quadrature == "taylor-least-squares",
-                     parameters.scheme.full_cell)
   {
-    check_parameters(parameters, dim);
+    AssertThrow(parameters.general.dimension == dim &&
+                  parameters.grid.cells.size() == dim,
+                ExcMessage("The parameters are those of a simulation in " +
+                           std::to_string(parameters.general.dimension) +
+                           "D, not " + std::to_string(dim) + "D."));
     double n_cells = 1.;
     for (const unsigned int n : parameters.grid.cells)
       n_cells *= n;
@@ -106,15 +100,31 @@ namespace greville
                          to_point<dim>(parameters.grid.upper),
                          to_multi_index<dim>(parameters.grid.cells));
     balance_load(mesh, parameters, loads);
+    reinit();
+  }
 
-    grid_mass  = make_grid_mass<dim>(parameters.scheme.mass,
+
+
+  template <int dim>
+  void
+  Discretization<dim>::reinit()
+  {
+    check_parameters(parameters);
+    sums_over_points = parameters.scheme.quadrature == "points";
+    reconstruction.emplace(parameters.grid.degree + 1,
+                           parameters.scheme.quadrature ==
+                             "taylor-least-squares",
+                           parameters.scheme.full_cell);
+    stamp_of_sums = 0;
+    grid_walls    = Walls<dim>(parameters.walls);
+    grid_mass     = make_grid_mass<dim>(parameters.scheme.mass,
                                     parameters.grid.degree,
                                     mesh,
                                     parameters,
                                     grid_walls);
-    consistent = dynamic_cast<ConsistentMass<dim> *>(grid_mass.get());
+    consistent    = dynamic_cast<ConsistentMass<dim> *>(grid_mass.get());
     grid_walls.reinit(space());
-    grid_walls.check_paths(space(), parameters.time.end);
+    grid_walls.check_paths(space(), parameters.time.start, parameters.time.end);
     point_transfer.reinit(space());
     point_transport.reinit(mesh, space());
     space().initialize_vector(lumped);
@@ -158,7 +168,7 @@ namespace greville
         if (body.rigid_motion)
           continue;
         if (!sums_over_points && anew)
-          reconstruction.reconstruct(body.points, reconstructed[b]);
+          reconstruction->reconstruct(body.points, reconstructed[b]);
         summed.push_back(sums_over_points ? &body.points : &reconstructed[b]);
       }
     return summed;

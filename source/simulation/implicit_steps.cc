@@ -187,7 +187,15 @@ namespace greville
     sum_loads(state, state.time + scheme.load_time * dt, new_loads);
 
     velocity = state.velocity;
-    discretization.walls().hold_velocity(velocity, state.time);
+    // The velocity of walls at the begin, and at the end, from displacements
+    // of a small part of the step.
+    const double   small = 1e-3 * dt, begin = parameters.time.start;
+    const double   end    = state.time + dt;
+    const WallTime before = {state.time,
+                             std::max(state.time - small, begin),
+                             state.time + small};
+    const WallTime after  = {end, end - small, end};
+    discretization.walls().hold_velocity(velocity, before);
     for (VectorType &component : acceleration)
       component = 0.;
     if (scheme.is_static)
@@ -201,7 +209,10 @@ namespace greville
     solve(velocity, discretization.momentum());
     if (scheme.alpha_a != 0. || scheme.alpha_m != 0.)
       {
-        discretization.walls().hold_acceleration(acceleration, state.time, dt);
+        discretization.walls().hold_acceleration(acceleration,
+                                                 before,
+                                                 after,
+                                                 dt);
         for (unsigned int d = 0; d < dim; ++d)
           {
             work[d] = old_force[d];
@@ -360,10 +371,12 @@ namespace greville
   ImplicitSteps<dim>::advance(State<dim> &state, const double dt)
   {
     start_step(state, dt);
-    // The guess: the velocity goes on. Walls move by theirs in the middle.
+    // The guess: the velocity goes on. Walls move by their displacement, or by
+    // their velocity in the middle.
     for (unsigned int d = 0; d < dim; ++d)
       displacement[d].equ(dt, velocity[d]);
-    discretization.walls().hold_velocity(work, state.time + 0.5 * dt);
+    discretization.walls().hold_velocity(
+      work, {state.time + 0.5 * dt, state.time, state.time + dt});
     const auto &held = system.finest().held_components();
     for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim; ++i)
       for (unsigned int d = 0; d < dim; ++d)
@@ -463,7 +476,9 @@ namespace greville
                            discretization.cell_size(),
                            state.first_signal,
                            dt);
-    if (!scheme.is_static)
+    if (scheme.is_static)
+      stop_points(state.bodies);
+    else
       update_points(state.bodies,
                     discretization.transfer(),
                     kick,

@@ -103,6 +103,21 @@ namespace greville
       });
       signals.wave = std::max(signals.wave, c);
     }
+    /**
+     * What schemes and loads of all stages keep in points.
+     */
+    template <int dim>
+    void
+    add_fields(PointLayout<dim> &layout, SimulationParameters parameters)
+    {
+      for (unsigned int k = 0; k < parameters.n_stages(); ++k)
+        {
+          parameters.enter_stage(k);
+          if (parameters.scheme.transfer == "APIC")
+            layout.add("affine", dim * dim);
+          Loads<dim>(parameters).add_fields(layout);
+        }
+    }
   } // namespace
 
 
@@ -123,7 +138,7 @@ namespace greville
         Body<dim> body = make_body<dim>(name, parameters);
         make_points(body,
                     cells,
-                    loads.gravity(0.),
+                    loads.gravity(parameters.time.start),
                     PointLayout<dim>(body.material->state_names()));
         for (const unsigned int cell : body.points.cells())
           weights[cell] += 4 * body.points.n_points(cell);
@@ -139,6 +154,23 @@ namespace greville
 
 
   template <int dim>
+  Signals
+  initial_signals(const std::vector<Body<dim>> &bodies,
+                  const SplineSpace<dim>       &space)
+  {
+    Signals signals;
+    for (const Body<dim> &body : bodies)
+      add_signals(signals, body, space);
+    const MPI_Comm comm   = space.communicator();
+    signals.fastest       = Utilities::MPI::max(signals.fastest, comm);
+    signals.crossing_rate = Utilities::MPI::max(signals.crossing_rate, comm);
+    signals.wave          = Utilities::MPI::max(signals.wave, comm);
+    return signals;
+  }
+
+
+
+  template <int dim>
   State<dim>
   make_initial_state(const SimulationParameters &parameters,
                      const Loads<dim>           &loads,
@@ -147,29 +179,26 @@ namespace greville
     const MPI_Comm          comm  = discretization.communicator();
     const SplineSpace<dim> &space = discretization.space();
     State<dim>              state;
-    Signals                 signals;
     for (const std::string &name : parameters.general.bodies)
       {
         Body<dim>        body = make_body<dim>(name, parameters);
         PointLayout<dim> layout(body.material->state_names());
-        if (parameters.scheme.transfer == "APIC")
-          layout.add("affine", dim * dim);
-        loads.add_fields(layout);
-        const auto left  = make_points(body, space, loads.gravity(0.), layout);
+        add_fields(layout, parameters);
+        const auto left  = make_points(body,
+                                      space,
+                                      loads.gravity(parameters.time.start),
+                                      layout);
         const auto moved = discretization.transport().move(body.points, left);
         AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
                     ExcMessage("The parameter 'Body " + name +
                                "/Displacement' moves points out of the grid."));
         if (!body.rigid_motion)
           state.n_free += body.n_points;
-        add_signals(signals, body, space);
         state.bodies.push_back(std::move(body));
       }
-    signals.fastest       = Utilities::MPI::max(signals.fastest, comm);
-    signals.crossing_rate = Utilities::MPI::max(signals.crossing_rate, comm);
-    signals.wave          = Utilities::MPI::max(signals.wave, comm);
-    state.signals         = signals;
-    state.first_signal    = signals.fastest;
+    state.signals      = initial_signals(state.bodies, space);
+    state.first_signal = state.signals.fastest;
+    state.time = state.velocity_time = parameters.time.start;
     check_overlap(state.bodies, space);
     AssertThrow(state.n_free > 0,
                 ExcMessage("All bodies have an 'Imposed velocity': there is "
@@ -184,6 +213,8 @@ namespace greville
 
   template decltype(balance_load<2>)       balance_load<2>;
   template decltype(balance_load<3>)       balance_load<3>;
+  template decltype(initial_signals<2>)    initial_signals<2>;
+  template decltype(initial_signals<3>)    initial_signals<3>;
   template decltype(make_initial_state<2>) make_initial_state<2>;
   template decltype(make_initial_state<3>) make_initial_state<3>;
 } // namespace greville

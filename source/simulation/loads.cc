@@ -109,16 +109,13 @@ namespace greville
   void
   Loads<dim>::clear(std::vector<Body<dim>> &bodies) const
   {
-    if (!act_on_points())
-      return;
+    // Other stages may have loads.
     for (Body<dim> &body : bodies)
-      {
-        const unsigned int first = body.points.layout().first("load");
+      if (const PointField *load = body.points.layout().find("load"))
         body.points.for_each([&](const unsigned int, PointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
-            p[first + d] = 0.;
+            p[load->first + d] = 0.;
         });
-      }
   }
 
 

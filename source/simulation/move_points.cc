@@ -90,6 +90,25 @@ namespace greville
 
 
   template <int dim>
+  void
+  stop_points(std::vector<Body<dim>> &bodies)
+  {
+    for (Body<dim> *body : deformable_bodies(bodies))
+      {
+        const PointField *affine = body->points.layout().find("affine");
+        body->points.for_each([&](const unsigned int, PointRef<dim> p) {
+          for (unsigned int d = 0; d < dim; ++d)
+            p.velocity(d) = 0.;
+          if (affine)
+            for (unsigned int k = 0; k < dim * dim; ++k)
+              p[affine->first + k] = 0.;
+        });
+      }
+  }
+
+
+
+  template <int dim>
   PointMotion
   update_points(std::vector<Body<dim>> &bodies,
                 PointTransfer<dim>     &transfer,
@@ -150,6 +169,8 @@ namespace greville
 
 
 
+  template decltype(stop_points<2>)       stop_points<2>;
+  template decltype(stop_points<3>)       stop_points<3>;
   template decltype(impose_velocities<2>) impose_velocities<2>;
   template decltype(impose_velocities<3>) impose_velocities<3>;
   template decltype(update_points<2>)     update_points<2>;

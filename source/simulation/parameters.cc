@@ -22,6 +22,11 @@ namespace greville
       "Names of materials; each has a section 'Material NAME'.");
     add_parameter(prm, "Tractions", tractions)(
       "Names of tractions; each has a section 'Traction NAME'.");
+    add_parameter(prm, "Stages", stages)(
+      "Names of stages, one after the other; each has a section 'Stage NAME', "
+      "which contains those of the sections Time, Scheme, Walls, Loads, "
+      "Implicit and Newton in which it differs from the sections outside, with "
+      "what differs. Empty: one stage.");
   }
 
 
@@ -44,7 +49,11 @@ namespace greville
   void
   TimeParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "End", end, Double(0.))("Unit: s.");
+    add_parameter(prm, "Start", start)(
+      "The initial time, of the first stage: a later one begins where the last "
+      "one ends, and has no 'Start'. Unit: s.");
+    add_parameter(prm, "End", end)(
+      "Stages end one after the other: time runs on over them. Unit: s.");
     add_parameter(prm, "Step", step)(
       "A formula of the smallest edge h of a cell (m) and the order p. Empty: "
       "from the CFL number and the critical step. Unit: s.");
@@ -173,11 +182,17 @@ namespace greville
                       type[w],
                       Selection("free|fixed|sliding|moving|friction"))(
           "The wall of " + std::string(places[w]) +
-          ": free, fixed (sticks), sliding (without friction), moving (at the "
-          "velocity below) or friction (sliding with the coefficient below).");
+          ": free, fixed (sticks), sliding (without friction), moving (with "
+          "the "
+          "velocity or displacement below) or friction (sliding with the "
+          "coefficient below).");
         add_parameter(prm, names[w] + " velocity", velocity[w])(
           "Of a moving wall: formulas of t separated by semicolons. Unit: m / "
           "s.");
+        add_parameter(prm, names[w] + " displacement", displacement[w])(
+          "Of a moving wall, in place of its velocity: formulas of t separated "
+          "by semicolons, d(t). A step moves the wall by d(t + dt) - d(t). "
+          "Unit: m.");
         add_parameter(prm, names[w] + " friction", friction[w], Double(0.))(
           "Coefficient of Coulomb friction of a friction wall. Unit: none.");
       }
@@ -201,6 +216,29 @@ namespace greville
       "has a maximum.");
     add_parameter(prm, "Damping end", damping_end)(
       "Damping of both kinds ends at this time; negative: never. Unit: s.");
+  }
+
+
+
+  void
+  StageSections::declare_sections(ParameterHandler &prm)
+  {
+    declare_section(prm, "Time", time);
+    declare_section(prm, "Scheme", scheme);
+    declare_section(prm, "Walls", walls);
+    declare_section(prm, "Loads", loads);
+    declare_section(prm, "Implicit", implicit);
+    declare_section(prm, "Newton", newton);
+  }
+
+
+
+  void
+  StageParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Reset displacements", reset_displacements)(
+      "Displacements are counted from the begin of this stage: where points "
+      "are then is their initial position X, Y (, Z), in files and formulas.");
   }
 
 

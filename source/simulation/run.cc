@@ -59,16 +59,18 @@ namespace greville
              simulation.bodies(),
              directory + "/probes.csv",
              comm)
+    , next_fields(simulation.state().time)
+    , next_statistics(simulation.state().time)
     , is_terminal(isatty(STDOUT_FILENO) == 1)
   {
     for (const Body<dim> &body : simulation.bodies())
       n_points += body.n_points;
-    statistics_file.open(directory + "/statistics.csv",
-                         Statistics<dim>::names(),
-                         14,
-                         comm);
+    auto columns = Statistics<dim>::names();
+    if (!parameters.stages.empty())
+      columns.push_back("stage");
+    statistics_file.open(directory + "/statistics.csv", columns, 14, comm);
     // A formula that fails is better found now than at the end.
-    const double end = parameters.time.end;
+    const double end = parameters.end_of_run();
     exact.errors(simulation.bodies(), end, end, comm);
   }
 
@@ -99,6 +101,12 @@ namespace greville
                                 comm);
             throw;
           }
+        if (simulation.state().stage != last_stage)
+          {
+            last_stage = simulation.state().stage;
+            out << '\n';
+            print_stage();
+          }
         for (const std::string &warning : simulation.take_warnings())
           out << "Warning: " << warning << std::endl;
         const bool is_last = simulation.is_finished();
@@ -108,12 +116,10 @@ namespace greville
 
     RunSummary summary;
     summary.wall_time = seconds_since(begin);
-    // Velocities at half steps are those of the middle of the last step.
-    const double t    = simulation.state().time;
-    const double half = parameters.time.velocities == "half steps"
-                          ? 0.5 * simulation.state().step
-                          : 0.;
-    summary.errors    = exact.errors(simulation.bodies(), t, t - half, comm);
+    summary.errors    = exact.errors(simulation.bodies(),
+                                  simulation.state().time,
+                                  simulation.state().velocity_time,
+                                  comm);
     summary.front     = largest_front;
     if (measured.has_surface())
       summary.surface =
@@ -135,22 +141,30 @@ namespace greville
   SimulationRun<dim>::write_due(const bool is_last)
   {
     const OutputParameters &output = parameters.output;
-    const double            now    = simulation.state().time * (1. + 1e-12);
-    if (is_last || now >= next_statistics)
+    const double            time   = simulation.state().time;
+    const double            now =
+      time + 1e-12 * std::max({std::abs(time),
+                               std::abs(parameters.time.start),
+                               std::abs(parameters.end_of_run())});
+    // The last state of a stage is the first one of the next.
+    const bool is_stage_end = is_last || simulation.is_stage_finished();
+    if (is_stage_end || now >= next_statistics)
       {
         write_statistics();
-        next_statistics += output.statistics_every;
+        if (now >= next_statistics)
+          next_statistics += output.statistics_every;
       }
-    if (is_last || now >= next_fields)
+    if (is_stage_end || now >= next_fields)
       {
         fields.write(simulation.state().time,
                      simulation.bodies(),
                      simulation.space(),
                      simulation.state().velocity,
                      simulation.mass().lumped());
-        next_fields = output.fields_every > 0.
-                        ? next_fields + output.fields_every
-                        : std::numeric_limits<double>::infinity();
+        if (now >= next_fields)
+          next_fields = output.fields_every > 0.
+                          ? next_fields + output.fields_every
+                          : std::numeric_limits<double>::infinity();
       }
   }
 
@@ -164,7 +178,10 @@ namespace greville
     largest_front             = std::max(largest_front, row.front);
     measured.add(row);
     probes.write(simulation.state().time, simulation.bodies());
-    statistics_file.write(row.values());
+    auto values = row.values();
+    if (!parameters.stages.empty())
+      values.push_back(simulation.state().stage + 1);
+    statistics_file.write(values);
   }
 
 
@@ -181,12 +198,26 @@ namespace greville
           << std::setw(16) << body.parameters->material << std::right
           << std::setw(7) << body.n_points << '\n';
     out << "\n  grid: " << cells_text(parameters.grid.cells) << " cells, order "
-        << parameters.grid.degree << "\n  mass: " << parameters.scheme.mass;
-    if (simulation.mass().solver() != parameters.scheme.mass)
+        << parameters.grid.degree << '\n';
+    print_stage();
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::print_stage()
+  {
+    const SchemeParameters &scheme = simulation.stage_parameters().scheme;
+    const TimeParameters   &time   = simulation.stage_parameters().time;
+    if (!parameters.stages.empty())
+      out << "  " << parameters.stage_text(last_stage) << "t = " << time.start
+          << " to " << time.end << " s\n";
+    out << "  mass: " << scheme.mass;
+    if (simulation.mass().solver() != scheme.mass)
       out << " (" << simulation.mass().solver() << ")";
-    out << ", " << parameters.scheme.stress_update << ", "
-        << parameters.scheme.transfer << ", quadrature by "
-        << parameters.scheme.quadrature << "\n\n";
+    out << ", " << scheme.stress_update << ", " << scheme.transfer
+        << ", quadrature by " << scheme.quadrature << "\n\n";
 
     const auto &hierarchy = simulation.mass().hierarchy();
     const bool  all =
@@ -212,9 +243,10 @@ namespace greville
   {
     if (!parameters.output.print_times)
       return;
-    const double end     = parameters.time.end;
+    const double start   = parameters.time.start;
+    const double end     = parameters.end_of_run();
     const double elapsed = seconds_since(begin);
-    const double part    = simulation.state().time / end;
+    const double part    = (simulation.state().time - start) / (end - start);
     // A terminal is refreshed five times a second, a file gets ten lines.
     if (!is_last && (is_terminal ? seconds_since(last_shown) < 0.2
                                  : part < last_shown_time + 0.1))
@@ -222,9 +254,9 @@ namespace greville
     last_shown      = std::chrono::steady_clock::now();
     last_shown_time = std::floor(10. * part) / 10.;
     std::ostringstream line;
-    line << std::setprecision(4) << "step " << simulation.state().n_steps
-         << ", t = " << simulation.state().time << " of " << end
-         << " s, dt = " << simulation.state().step << " s";
+    line << std::setprecision(4) << parameters.stage_text(last_stage) << "step "
+         << simulation.state().n_steps << ", t = " << simulation.state().time
+         << " of " << end << " s, dt = " << simulation.state().step << " s";
     if (simulation.state().n_iterations > 0)
       line << ", " << simulation.state().n_iterations << " iterations";
     line << ", " << std::setprecision(3)

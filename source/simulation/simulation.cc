@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/move_points.h>
 #include <greville/simulation/simulation.h>
 #include <greville/simulation/step_size.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace greville
@@ -19,6 +21,15 @@ namespace greville
 
     // Times that a step is rejected.
     constexpr unsigned int most_rejections = 20;
+
+
+
+    SimulationParameters
+    first_stage_of(SimulationParameters parameters)
+    {
+      parameters.enter_stage(0);
+      return parameters;
+    }
 
 
 
@@ -36,7 +47,7 @@ namespace greville
   template <int dim>
   Simulation<dim>::Simulation(const SimulationParameters &given,
                               const MPI_Comm              comm)
-    : parameters(given) // what others refer to
+    : parameters(first_stage_of(given)) // what others refer to
     , comm(comm)
     , loads(parameters)
     , discretization(parameters, loads, log, comm)
@@ -47,7 +58,15 @@ namespace greville
         parameters.scheme.stress_update,
         {parameters, discretization, loads, current, log}))
   {
-    loads.find_points(current.bodies, comm);
+    // All stages, the first one last: what is wrong with one is found now.
+    for (unsigned int k = parameters.n_stages(); k-- > 0;)
+      {
+        if (parameters.n_stages() > 1)
+          enter_stage(k);
+        loads.find_points(current.bodies, comm);
+      }
+    if (!parameters.stages.empty())
+      start_stage();
     energy_guard.start(current);
     good.take(current);
   }
@@ -58,10 +77,103 @@ namespace greville
   bool
   Simulation<dim>::is_finished() const
   {
-    return current.time >= parameters.time.end * (1. - 1e-12) ||
+    return (is_stage_finished() &&
+            current.stage + 1 == parameters.n_stages()) ||
            current.n_free == 0 ||
            (parameters.time.max_steps > 0 &&
             current.n_steps >= parameters.time.max_steps);
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::is_stage_finished() const
+  {
+    const TimeParameters &time = parameters.time;
+    return current.time >= time.end - 1e-12 * std::max(std::abs(time.start),
+                                                       std::abs(time.end));
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::enter_stage(const unsigned int stage)
+  {
+    parameters.enter_stage(stage);
+    integrator.reset();
+    try
+      {
+        loads = Loads<dim>(parameters);
+        discretization.reinit();
+        for (Body<dim> &body : current.bodies)
+          body.points.set_space(discretization.space());
+        integrator = make_time_integrator<dim>(
+          parameters.scheme.stress_update,
+          {parameters, discretization, loads, current, log});
+      }
+    catch (const std::exception &exception)
+      {
+        AssertThrow(false,
+                    ExcMessage(parameters.stage_text(stage) +
+                               message_of(exception)));
+      }
+    current.stage = stage;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::next_stage()
+  {
+    current.n_rejections = 0;
+    integrator->finish(current);
+    enter_stage(current.stage + 1);
+    start_stage();
+    good.take(current);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::start_stage()
+  {
+    // What one integrator knows of the last steps is nothing to the next one.
+    discretization.initialize(current.velocity);
+    discretization.initialize(current.acceleration);
+    current.velocity_time = current.time;
+    current.step = current.velocity_step = 0.;
+    current.step_fraction                = 1.;
+    current.last_kinetic                 = 0.;
+    current.estimates                    = StepEstimates<dim>();
+    current.history                      = AccelerationHistory<dim>();
+    current.slid.clear();
+
+    loads.clear(current.bodies);
+    const bool reset = !parameters.stages.empty() &&
+                       parameters.stages[current.stage].reset_displacements;
+    const bool apic = parameters.scheme.transfer == "APIC";
+    for (Body<dim> &body : current.bodies)
+      {
+        const PointField *affine = body.points.layout().find("affine");
+        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+          if (reset)
+            for (unsigned int d = 0; d < dim; ++d)
+              p.reference(d) = p.position(d);
+          if (affine && !apic)
+            for (unsigned int k = 0; k < dim * dim; ++k)
+              p[affine->first + k] = 0.;
+        });
+      }
+    current.points_have_changed();
+
+    const Signals last      = current.signals;
+    current.signals         = initial_signals(current.bodies, space());
+    current.signals.wave    = std::max(last.wave, current.signals.wave);
+    current.signals.fastest = std::max(last.fastest, current.signals.fastest);
   }
 
 
@@ -71,6 +183,8 @@ namespace greville
   Simulation<dim>::set_state(const State<dim> &state)
   {
     AssertDimension(state.bodies.size(), current.bodies.size());
+    if (state.stage != current.stage)
+      enter_stage(state.stage);
     current = state;
     discretization.mass().forget();
     integrator->forget();
@@ -80,6 +194,7 @@ namespace greville
         body.parameters = &parameters.bodies.at(body.name);
         body.material =
           parameters.materials.at(body.parameters->material).get();
+        body.points.set_space(discretization.space());
       }
     good.take(current);
   }
@@ -92,7 +207,9 @@ namespace greville
   {
     discretization.sum(current);
     discretization.walls().hold_velocity(current.velocity,
-                                         current.velocity_time);
+                                         {current.velocity_time,
+                                          current.time - current.step,
+                                          current.time});
     try
       {
         const unsigned int n =
@@ -142,6 +259,9 @@ namespace greville
     double dt = current.step;
     try
       {
+        if (is_stage_finished())
+          next_stage();
+        const bool is_first = current.step == 0.;
         advance(dt);
         {
           const PartTimer timer(log, "volume of fluids");
@@ -149,7 +269,7 @@ namespace greville
                        discretization.transfer(),
                        discretization.cell_size());
         }
-        if (current.n_steps == 1)
+        if (is_first)
           check_fragments();
         energy_guard.check(current, is_finished());
       }

@@ -75,6 +75,10 @@ namespace greville
         if (line.section.compare(0, kind.size() + 1, kind + " ") == 0)
           {
             sections.push_back(line.section.substr(kind.size() + 1));
+            // Stages contain sections.
+            if (kind == "Stage")
+              sections.back() =
+                sections.back().substr(0, sections.back().find('/'));
             AssertThrow(
               std::count(names.begin(), names.end(), sections.back()) == 1,
               ExcMessage(line.place + ": there is a section '" + line.section +
@@ -130,17 +134,43 @@ namespace greville
 
     void
     check_friction(const WallParameters             &walls,
-                   const std::vector<ParameterLine> &lines)
+                   const std::vector<ParameterLine> &lines,
+                   const std::string                &stage)
     {
       for (unsigned int w = 0; w < 6; ++w)
-        AssertThrow(
-          walls.type[w] != "friction" ||
-            !value_of(lines, "Walls", WallParameters::names[w] + " friction")
-               .empty(),
-          ExcMessage("The wall '" + WallParameters::names[w] +
-                     "' is friction and needs a coefficient: the parameter "
-                     "'Walls/" +
-                     WallParameters::names[w] + " friction'."));
+        {
+          const std::string name = WallParameters::names[w] + " friction";
+          AssertThrow(walls.type[w] != "friction" ||
+                        !value_of(lines, "Walls", name).empty() ||
+                        (!stage.empty() &&
+                         !value_of(lines, stage + "/Walls", name).empty()),
+                      ExcMessage(
+                        "The wall '" + WallParameters::names[w] +
+                        "' is friction and needs a coefficient: the parameter "
+                        "'Walls/" +
+                        name + "'."));
+        }
+    }
+
+
+
+    /**
+     * The lines of some sections, which begin with a name that is cut off.
+     */
+    std::vector<ParameterLine>
+    lines_of_stage(const std::vector<ParameterLine> &lines,
+                   const std::string                &begin)
+    {
+      std::vector<ParameterLine> result;
+      for (const ParameterLine &line : lines)
+        for (const std::string section :
+             {"Time", "Scheme", "Walls", "Loads", "Implicit", "Newton"})
+          if (line.section == begin + section && !line.name.empty())
+            {
+              result.push_back(line);
+              result.back().section = section;
+            }
+      return result;
     }
   } // namespace
 
@@ -172,10 +202,12 @@ namespace greville
     check_sections(lines, "Body", "Bodies", body_names);
     check_sections(lines, "Material", "Materials", law_names);
     check_sections(lines, "Traction", "Tractions", traction_names);
+    check_sections(lines, "Stage", "Stages", names_of(lines, "Stages"));
     for (const std::string &name : body_names)
       bodies[name];
     for (const std::string &name : traction_names)
       tractions[name];
+    make_stages(lines);
 
     ParameterHandler prm;
     declare(prm);
@@ -194,13 +226,29 @@ namespace greville
     parse_parameter_file(prm, file, lines);
     if (general.name.empty())
       general.name = std::filesystem::path(file).stem().string();
+    for (StageParameters &stage : stages)
+      {
+        AssertThrow(stage.time.start == time.start &&
+                      stage.time.max_steps == time.max_steps,
+                    ExcMessage("'Stage " + stage.name +
+                               "/Time' has a 'Start' or 'Maximum steps'. They "
+                               "belong to the whole run, and to the section "
+                               "'Time' outside of stages: a stage begins where "
+                               "the one before ends."));
+        if (stage.scheme.mass == "auto")
+          stage.scheme.mass = default_mass(stage.scheme);
+      }
+    if (!stages.empty())
+      enter_stage(0);
     if (scheme.mass == "auto")
-      scheme.mass = default_mass();
+      scheme.mass = default_mass(scheme);
     for (std::string &mass : sweep.masses)
       if (mass == "auto")
-        mass = default_mass();
+        mass = default_mass(scheme);
     check();
-    check_friction(walls, lines);
+    check_friction(walls, lines, "");
+    for (const StageParameters &stage : stages)
+      check_friction(stage.walls, lines, "Stage " + stage.name);
 
     // What is used lies elsewhere: it has absolute names of files.
     const auto set = [&](const std::string &section,
@@ -235,14 +283,79 @@ namespace greville
 
 
   void
+  SimulationParameters::make_stages(const std::vector<ParameterLine> &lines)
+  {
+    const auto names = names_of(lines, "Stages");
+    if (names.empty())
+      return;
+    // Where all stages come from: the sections outside.
+    StageParameters  common;
+    ParameterHandler prm;
+    common.declare_sections(prm);
+    const auto outside = lines_of_stage(lines, "");
+    check_parameter_lines(prm, outside);
+    for (const ParameterLine &line : outside)
+      {
+        prm.enter_subsection(line.section);
+        prm.set(line.name, line.value);
+        prm.leave_subsection();
+      }
+    for (const std::string &name : names)
+      {
+        stages.push_back(common);
+        stages.back().name    = name;
+        WallParameters &walls = stages.back().walls;
+        // What belongs to a wall of another type is not taken over.
+        for (const ParameterLine &line :
+             lines_of_stage(lines, "Stage " + name + "/"))
+          for (unsigned int w = 0; w < 6; ++w)
+            if (line.section == "Walls")
+              {
+                const std::string &wall = WallParameters::names[w];
+                if (line.name == wall && line.value != walls.type[w])
+                  {
+                    walls.velocity[w] = walls.displacement[w] = "";
+                    walls.friction[w]                         = 0.;
+                  }
+                else if (line.name == wall + " velocity")
+                  walls.displacement[w] = "";
+                else if (line.name == wall + " displacement")
+                  walls.velocity[w] = "";
+              }
+      }
+  }
+
+
+
+  void
+  SimulationParameters::enter_stage(const unsigned int stage)
+  {
+    if (stages.empty())
+      return;
+    AssertIndexRange(stage, stages.size());
+    static_cast<StageSections &>(*this) = stages[stage];
+    if (stage > 0)
+      time.start = stages[stage - 1].time.end;
+  }
+
+
+
+  std::string
+  SimulationParameters::stage_text(const unsigned int stage) const
+  {
+    return stages.empty() ? ""
+                          : "Stage " + std::to_string(stage + 1) + " (" +
+                              stages[stage].name + "): ";
+  }
+
+
+
+  void
   SimulationParameters::declare(ParameterHandler &prm)
   {
     declare_section(prm, "Simulation", general);
     declare_section(prm, "Grid", grid);
-    declare_section(prm, "Time", time);
-    declare_section(prm, "Scheme", scheme);
-    declare_section(prm, "Walls", walls);
-    declare_section(prm, "Loads", loads);
+    declare_sections(prm);
     declare_section(prm, "Exact solution", exact);
     declare_section(prm, "Sweep", sweep);
     declare_section(prm, "Reference", reference);
@@ -250,8 +363,6 @@ namespace greville
     declare_section(prm, "Solver", solver);
     declare_section(prm, "p-multigrid", multigrid);
     declare_section(prm, "Smoother", smoother);
-    declare_section(prm, "Implicit", implicit);
-    declare_section(prm, "Newton", newton);
     declare_section(prm, "Implicit solver", implicit_solver);
     declare_section(prm, "Implicit p-multigrid", implicit_solver.multigrid);
     declare_section(prm, "Implicit smoother", implicit_solver.smoother);
@@ -259,6 +370,14 @@ namespace greville
       declare_section(prm, "Body " + body.first, body.second);
     for (auto &traction : tractions)
       declare_section(prm, "Traction " + traction.first, traction.second);
+    for (StageParameters &stage : stages)
+      {
+        const std::string section = "Stage " + stage.name;
+        declare_section(prm, section, stage);
+        prm.enter_subsection(section);
+        stage.declare_sections(prm);
+        prm.leave_subsection();
+      }
   }
 
 
@@ -271,6 +390,8 @@ namespace greville
     parameters.tractions["NAME"];
     ParameterHandler prm;
     parameters.declare(prm);
+    StageParameters stage;
+    declare_section(prm, "Stage NAME", stage);
     declare_model(prm, "Material NAME", "");
     std::vector<std::unique_ptr<Material>> laws;
     for (const std::string &model :
@@ -285,7 +406,7 @@ namespace greville
 
 
   std::string
-  SimulationParameters::default_mass() const
+  SimulationParameters::default_mass(const SchemeParameters &scheme) const
   {
     if (scheme.transfer == "APIC")
       return "lumped";
@@ -320,14 +441,6 @@ namespace greville
                              "'Grid/Lower corner' in all directions, but " +
                              text_of(grid.upper[d]) + " is not above " +
                              text_of(grid.lower[d]) + "."));
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      AssertThrow((walls.type[w] == "moving") == !walls.velocity[w].empty(),
-                  ExcMessage("The wall '" + WallParameters::names[w] + "' is " +
-                             walls.type[w] + ", and '" +
-                             WallParameters::names[w] + " velocity' is <" +
-                             walls.velocity[w] +
-                             ">: a moving wall has one, others have none."));
-
     // What is written stays below the folder that a file names.
     AssertThrow(general.name.find('/') == std::string::npos &&
                   general.name != "..",
@@ -340,7 +453,6 @@ namespace greville
                   ExcMessage("The parameter 'Output/Directory' is <" +
                              output.directory +
                              ">: write the folder without '..'."));
-    check_mass_name(scheme.mass, "Scheme/Mass");
     for (const std::string &name : sweep.masses)
       check_mass_name(name, "Sweep/Masses");
     check_different(sweep.cells, "Sweep/Cells");
@@ -348,17 +460,6 @@ namespace greville
     check_different(sweep.masses, "Sweep/Masses");
     check_different(sweep.quadratures, "Sweep/Quadratures");
     smoother.check();
-    AssertThrow(scheme.transfer == "FLIP" || scheme.flip == 1.,
-                ExcMessage("The parameter 'Scheme/FLIP share' is " +
-                           text_of(scheme.flip) +
-                           ", but 'Scheme/Transfer' is " + scheme.transfer +
-                           ": a share belongs to FLIP."));
-    AssertThrow(!time.step.empty() || (time.cfl > 0. && time.safety > 0.),
-                ExcMessage("Without a 'Time/Step', the parameters 'Time/CFL "
-                           "number' and 'Time/Safety' have to be above zero; "
-                           "they are " +
-                           text_of(time.cfl) + " and " + text_of(time.safety) +
-                           "."));
     for (const auto &traction : tractions)
       AssertThrow(traction.second.area > 0.,
                   ExcMessage("The parameter 'Traction " + traction.first +
@@ -366,13 +467,6 @@ namespace greville
     AssertThrow(reference.time_unit > 0. && reference.value_unit > 0.,
                 ExcMessage("'Reference/Time unit' and 'Reference/Value unit' "
                            "have to be positive."));
-    for (unsigned int w = 0; w < 6; ++w)
-      AssertThrow((walls.friction[w] == 0. || walls.type[w] == "friction") &&
-                    (w < 2 * dim || walls.type[w] == "free"),
-                  ExcMessage("The wall '" + WallParameters::names[w] + "' is " +
-                             walls.type[w] +
-                             (w < 2 * dim ? ", but has a friction."
-                                          : ", but there is none in 2D.")));
     for (const auto &body : bodies)
       AssertThrow((body.second.K0 >= 0.) == !body.second.surface.empty(),
                   ExcMessage("'Body " + body.first +
@@ -388,5 +482,75 @@ namespace greville
                       boost::algorithm::join(general.materials, ", ") + "." +
                       did_you_mean(body.second.material, general.materials)));
       }
+    if (stages.empty())
+      check_stage();
+    for (unsigned int k = 0; k < stages.size(); ++k)
+      {
+        SimulationParameters parameters = *this;
+        parameters.enter_stage(k);
+        const double start = parameters.time.start, end = parameters.time.end;
+        AssertThrow(start < end,
+                    ExcMessage(stage_text(k) + "'Time/End' is " + text_of(end) +
+                               " s, but the stage begins at " + text_of(start) +
+                               " s. Time runs on over the stages: each has an "
+                               "'End' behind that of the one before."));
+        try
+          {
+            parameters.check_stage();
+          }
+        catch (const std::exception &exception)
+          {
+            AssertThrow(false,
+                        ExcMessage(stage_text(k) + message_of(exception)));
+          }
+      }
+  }
+
+
+
+  void
+  SimulationParameters::check_stage() const
+  {
+    const unsigned int dim = general.dimension;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      {
+        const std::string &name = WallParameters::names[w];
+        const std::string &v    = walls.velocity[w];
+        const std::string &d    = walls.displacement[w];
+        AssertThrow(v.empty() || d.empty(),
+                    ExcMessage("The wall '" + name + "' has both of '" + name +
+                               " velocity' (<" + v + ">) and '" + name +
+                               " displacement' (<" + d +
+                               ">): one of them is enough."));
+        AssertThrow((walls.type[w] == "moving") == !(v + d).empty(),
+                    ExcMessage("The wall '" + name + "' is " + walls.type[w] +
+                               ", and '" + name +
+                               (d.empty() ? " velocity' is <" + v
+                                          : " displacement' is <" + d) +
+                               ">: a moving wall has one, others have none."));
+      }
+    check_mass_name(scheme.mass, "Scheme/Mass");
+    AssertThrow(scheme.transfer == "FLIP" || scheme.flip == 1.,
+                ExcMessage("The parameter 'Scheme/FLIP share' is " +
+                           text_of(scheme.flip) +
+                           ", but 'Scheme/Transfer' is " + scheme.transfer +
+                           ": a share belongs to FLIP."));
+    AssertThrow(time.start <= time.end,
+                ExcMessage("'Time/Start' is " + text_of(time.start) +
+                           " s, behind 'Time/End', " + text_of(time.end) +
+                           " s."));
+    AssertThrow(!time.step.empty() || (time.cfl > 0. && time.safety > 0.),
+                ExcMessage("Without a 'Time/Step', the parameters 'Time/CFL "
+                           "number' and 'Time/Safety' have to be above zero; "
+                           "they are " +
+                           text_of(time.cfl) + " and " + text_of(time.safety) +
+                           "."));
+    for (unsigned int w = 0; w < 6; ++w)
+      AssertThrow((walls.friction[w] == 0. || walls.type[w] == "friction") &&
+                    (w < 2 * dim || walls.type[w] == "free"),
+                  ExcMessage("The wall '" + WallParameters::names[w] + "' is " +
+                             walls.type[w] +
+                             (w < 2 * dim ? ", but has a friction."
+                                          : ", but there is none in 2D.")));
   }
 } // namespace greville

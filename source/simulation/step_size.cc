@@ -70,7 +70,8 @@ namespace greville
                            " are allowed without 'Time/Maximum steps'. " +
                            reason()));
     const double shortest =
-      std::numeric_limits<double>::epsilon() * parameters.end;
+      std::numeric_limits<double>::epsilon() *
+      std::max(std::abs(parameters.start), std::abs(parameters.end));
     AssertThrow(step > shortest,
                 ExcMessage("A step of " + text_of(step) +
                            " s is lost to rounding in times near 'Time/End', " +

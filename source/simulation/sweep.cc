@@ -69,6 +69,13 @@ namespace greville
                 row.parameters.grid.degree       = degree;
                 row.parameters.scheme.mass       = mass;
                 row.parameters.scheme.quadrature = quadrature;
+                for (StageParameters &stage : row.parameters.stages)
+                  {
+                    if (!sweep.masses.empty())
+                      stage.scheme.mass = mass;
+                    if (!sweep.quadratures.empty())
+                      stage.scheme.quadrature = quadrature;
+                  }
                 for (unsigned int &cells : row.parameters.grid.cells)
                   {
                     const std::uint64_t product = std::uint64_t(cells) * n;

@@ -14,12 +14,15 @@ namespace greville
   {
     for (unsigned int w = 0; w < 2 * dim; ++w)
       {
-        type[w]     = parameters.type[w];
-        friction[w] = parameters.friction[w];
-        if (type[w] == "moving")
-          velocity[w] = {parameters.velocity[w],
-                         "Walls/" + WallParameters::names[w] + " velocity",
-                         {"t"}};
+        type[w]                = parameters.type[w];
+        friction[w]            = parameters.friction[w];
+        const std::string name = "Walls/" + WallParameters::names[w];
+        if (!parameters.velocity[w].empty())
+          velocity[w] = {parameters.velocity[w], name + " velocity", {"t"}};
+        if (!parameters.displacement[w].empty())
+          displacement[w] = {parameters.displacement[w],
+                             name + " displacement",
+                             {"t"}};
       }
   }
 
@@ -59,9 +62,12 @@ namespace greville
 
   template <int dim>
   void
-  Walls<dim>::check_paths(const SplineSpace<dim> &space, const double end) const
+  Walls<dim>::check_paths(const SplineSpace<dim> &space,
+                          const double            start,
+                          const double            end) const
   {
-    constexpr unsigned int n = 1000; // steps of the trapezoidal rule
+    constexpr unsigned int n  = 1000; // steps of the trapezoidal rule
+    const double           dt = (end - start) / n;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       if (type[w] == "moving")
         {
@@ -70,16 +76,19 @@ namespace greville
           double             path = 0., last = 0.;
           for (unsigned int k = 0; k <= n; ++k)
             {
-              const double t = end * k / n;
+              const double t = start + dt * k;
               const double v = velocity[w](t)[d];
               if (k > 0)
-                path += 0.5 * end / n * (last + v);
+                path += 0.5 * dt * (last + v);
               last = v;
+              if (!displacement[w].is_zero())
+                path = displacement[w](t)[d] - displacement[w](start)[d];
               AssertThrow(
                 std::abs(path) <= 0.1 * h,
                 ExcMessage(
                   "The parameter 'Walls/" + WallParameters::names[w] +
-                  " velocity' moves the wall along its normal: by " +
+                  (displacement[w].is_zero() ? " velocity" : " displacement") +
+                  "' moves the wall along its normal: by " +
                   std::to_string(path) + " m until t = " + std::to_string(t) +
                   " s. Walls of the grid can move along themselves only (or a "
                   "tenth of a cell, " +
@@ -152,10 +161,24 @@ namespace greville
 
 
   template <int dim>
-  void
-  Walls<dim>::hold_velocity(VectorField<dim> &field, const double t) const
+  Tensor<1, dim>
+  Walls<dim>::velocity_at(const unsigned int wall, const WallTime &time) const
   {
-    hold(field, [&](const unsigned int w) { return velocity[w](t); });
+    const VectorExpression<dim> &d = displacement[wall];
+    if (d.is_zero())
+      return velocity[wall](time.t);
+    if (time.begin == time.end)
+      return Tensor<1, dim>();
+    return (d(time.end) - d(time.begin)) / (time.end - time.begin);
+  }
+
+
+
+  template <int dim>
+  void
+  Walls<dim>::hold_velocity(VectorField<dim> &field, const WallTime &time) const
+  {
+    hold(field, [&](const unsigned int w) { return velocity_at(w, time); });
   }
 
 
@@ -163,11 +186,12 @@ namespace greville
   template <int dim>
   void
   Walls<dim>::hold_acceleration(VectorField<dim> &field,
-                                const double      t,
+                                const WallTime   &before,
+                                const WallTime   &after,
                                 const double      dt) const
   {
     hold(field, [&](const unsigned int w) {
-      return dt > 0. ? (velocity[w](t + dt) - velocity[w](t)) / dt
+      return dt > 0. ? (velocity_at(w, after) - velocity_at(w, before)) / dt
                      : Tensor<1, dim>();
     });
   }

@@ -50,6 +50,16 @@ namespace greville
       return point_layout;
     }
 
+    /**
+     * Take another space on the same cells.
+     */
+    void
+    set_space(const SplineSpace<dim> &space)
+    {
+      AssertDimension(space.owned_cells().size(), heads.size());
+      spline_space = &space;
+    }
+
     const SplineSpace<dim> &
     space() const
     {

@@ -85,7 +85,7 @@ namespace greville
     PointLayout(const std::vector<std::string> &state_names = {});
 
     /**
-     * Add a field with a name that no other has.
+     * Add a field, unless there is one of this name.
      */
     void
     add(const std::string &name, const unsigned int n_components);

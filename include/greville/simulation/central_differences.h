@@ -60,7 +60,27 @@ namespace greville
     void
     advance(State<dim> &state, const double dt) override;
 
+    /**
+     * Velocities at half steps get the other half of their kick; USF deforms
+     * the points to the end of the last step.
+     */
+    void
+    finish(State<dim> &state) override;
+
   private:
+    /**
+     * When walls have their velocity at the end of the step.
+     */
+    WallTime
+    wall_time(const State<dim> &state) const;
+
+    /**
+     * The velocity that the acceleration leads to, with contact, and the work
+     * in the step.
+     */
+    void
+    find_new_velocity(State<dim> &state);
+
     /**
      * Points to grid, and the solves for velocity and acceleration.
      */

@@ -10,6 +10,8 @@
 #include <greville/simulation/state.h>
 #include <greville/simulation/step_log.h>
 
+#include <optional>
+
 namespace greville
 {
   /**
@@ -30,6 +32,14 @@ namespace greville
                    const Loads<dim>           &loads,
                    StepLog                    &log,
                    const MPI_Comm              comm);
+
+    /**
+     * Collective. Make walls, mass and quadrature anew from the parameters,
+     * which may have become those of another stage. Fields that have been
+     * initialized before, and the space of points, are those of the old space.
+     */
+    void
+    reinit();
 
     MPI_Comm
     communicator() const
@@ -168,8 +178,8 @@ namespace greville
     PointTransport<dim>            point_transport;
 
     // Points that integrals are summed over.
-    bool                                     sums_over_points;
-    Reconstruction<dim>                      reconstruction;
+    bool                                     sums_over_points = true;
+    std::optional<Reconstruction<dim>>       reconstruction;
     std::vector<MaterialPoints<dim>>         reconstructed;
     std::vector<const MaterialPoints<dim> *> summed;
 

@@ -18,10 +18,20 @@ namespace greville
                const Loads<dim>              &loads);
 
   /**
+   * Collective. The largest speeds, with waves as fast as those of bodies
+   * without stress.
+   */
+  template <int dim>
+  Signals
+  initial_signals(const std::vector<Body<dim>> &bodies,
+                  const SplineSpace<dim>       &space);
+
+  /**
    * Collective. The bodies with their points, at rest on the grid. Throws
    * dealii::ExcMessage where two bodies fill the same cells, by half a cell or
    * more, where an initial displacement moves points out of the grid, and where
-   * no body feels forces.
+   * no body feels forces. Points have the fields of all
+   * stages.
    */
   template <int dim>
   State<dim>

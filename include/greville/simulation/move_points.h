@@ -40,6 +40,13 @@ namespace greville
              const double            dt);
 
   /**
+   * Set the velocities of bodies that feel forces to zero.
+   */
+  template <int dim>
+  void
+  stop_points(std::vector<Body<dim>> &bodies);
+
+  /**
    * Give bodies that are moved their velocity at time @p t, s.
    */
   template <int dim>

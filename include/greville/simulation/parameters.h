@@ -34,6 +34,7 @@ namespace greville
     std::vector<std::string> bodies;
     std::vector<std::string> materials;
     std::vector<std::string> tractions;
+    std::vector<std::string> stages;
   };
 
 
@@ -62,7 +63,8 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    double       end = 1.;
+    double       start = 0.;
+    double       end   = 1.;
     std::string  step;
     double       cfl            = 0.5;
     double       safety         = 0.7;
@@ -126,6 +128,7 @@ namespace greville
     std::array<std::string, 6> type{
       {"free", "free", "free", "free", "free", "free"}};
     std::array<std::string, 6> velocity;
+    std::array<std::string, 6> displacement;
     std::array<double, 6>      friction{};
   };
 
@@ -198,11 +201,52 @@ namespace greville
 
 
   /**
-   * All parameters of a simulation: a value, which programs may copy and
-   * change. Bodies, materials and tractions have a section each, whose names
-   * the file itself gives.
+   * What may change from one stage of a simulation to the next.
    */
-  class SimulationParameters
+  struct StageSections
+  {
+    /**
+     * Each in its section.
+     */
+    void
+    declare_sections(dealii::ParameterHandler &prm);
+
+    TimeParameters     time;
+    SchemeParameters   scheme;
+    WallParameters     walls;
+    LoadParameters     loads;
+    ImplicitParameters implicit;
+    NewtonParameters   newton;
+  };
+
+
+
+  /**
+   * A stage of a simulation.
+   */
+  struct StageParameters : StageSections
+  {
+    /**
+     * The parameters that are not in the sections.
+     */
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string name;
+    bool        reset_displacements = false;
+  };
+
+
+
+  /**
+   * All parameters of a simulation: a value, which programs may copy and
+   * change. Bodies, materials, tractions and stages have a section each, whose
+   * names the file itself gives.
+   *
+   * A simulation with stages takes the sections of its stages in place of those
+   * that are members here.
+   */
+  class SimulationParameters : public StageSections
   {
   public:
     /// The defaults, without bodies.
@@ -222,10 +266,6 @@ namespace greville
 
     GeneralParameters   general;
     GridParameters      grid;
-    TimeParameters      time;
-    SchemeParameters    scheme;
-    WallParameters      walls;
-    LoadParameters      loads;
     ExactParameters     exact;
     SweepParameters     sweep;
     ReferenceParameters reference;
@@ -235,14 +275,46 @@ namespace greville
     PMultigridParameters       multigrid;
     SmootherParameters         smoother;
 
-    ImplicitParameters implicit;
-    NewtonParameters   newton;
-    TangentParameters  implicit_solver;
+    TangentParameters implicit_solver;
+
+    /// One after the other; empty: one stage with the sections above.
+    std::vector<StageParameters> stages;
 
     // By name. Copies share materials, which do not change.
     std::map<std::string, BodyParameters>                  bodies;
     std::map<std::string, std::shared_ptr<const Material>> materials;
     std::map<std::string, TractionParameters>              tractions;
+
+    /**
+     * One with a file that names no stages.
+     */
+    unsigned int
+    n_stages() const
+    {
+      return stages.empty() ? 1 : stages.size();
+    }
+
+    /**
+     * The end of the last stage, s.
+     */
+    double
+    end_of_run() const
+    {
+      return stages.empty() ? time.end : stages.back().time.end;
+    }
+
+    /**
+     * Take the sections of a stage, which begins where the last one ends.
+     */
+    void
+    enter_stage(const unsigned int stage);
+
+    /**
+     * "Stage 2 (collapse): ", which messages of one of several stages begin
+     * with. Empty if there is one.
+     */
+    std::string
+    stage_text(const unsigned int stage) const;
 
     /**
      * Throw dealii::ExcMessage where parameters contradict each other or are
@@ -268,11 +340,24 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
 
     /**
+     * Read what the file gives of stages: all but what @p prm does with the
+     * same lines.
+     */
+    void
+    make_stages(const std::vector<ParameterLine> &lines);
+
+    /**
+     * check() of the parameters of one stage.
+     */
+    void
+    check_stage() const;
+
+    /**
      * What "auto" stands for: lumped mass where bodies spread into thin layers,
      * and with APIC; the consistent one otherwise.
      */
     std::string
-    default_mass() const;
+    default_mass(const SchemeParameters &scheme) const;
 
     std::string used_text;
   };

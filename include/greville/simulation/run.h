@@ -55,6 +55,12 @@ namespace greville
     void
     print_header();
 
+    /**
+     * How the stage at hand goes on, and its solvers.
+     */
+    void
+    print_stage();
+
     void
     print_progress(const bool is_last);
 
@@ -93,12 +99,13 @@ namespace greville
     FieldOutput<dim>           fields;
     Probes<dim>                probes;
     CsvWriter                  statistics_file;
-    double                     next_fields = 0., next_statistics = 0.;
+    double                     next_fields, next_statistics;
     double                     largest_front = -1e300;
     std::uint64_t              n_points      = 0;
 
     std::chrono::steady_clock::time_point begin, last_shown;
     double                                last_shown_time = 0.;
+    unsigned int                          last_stage      = 0;
     bool                                  is_terminal;
   };
 

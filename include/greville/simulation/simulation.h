@@ -13,7 +13,9 @@ namespace greville
 {
   /**
    * The material point method on a grid of B-splines: a State on a
-   * Discretization, which a TimeIntegrator takes from step to step.
+   * Discretization, which a TimeIntegrator takes from step to step. Each stage
+   * of the parameters has its own integrator, walls, mass and loads; State and
+   * mesh stay.
    */
   template <int dim>
   class Simulation
@@ -44,6 +46,22 @@ namespace greville
 
     bool
     is_finished() const;
+
+    /**
+     * Whether the stage has come to its end: the next step is the first of the
+     * next stage, if there is one.
+     */
+    bool
+    is_stage_finished() const;
+
+    /**
+     * The parameters with the sections of the stage.
+     */
+    const SimulationParameters &
+    stage_parameters() const
+    {
+      return parameters;
+    }
 
     /**
      * A copy of it is a state to go back to.
@@ -137,6 +155,24 @@ namespace greville
 
   private:
     /**
+     * Make all that depends on the sections of a stage.
+     */
+    void
+    enter_stage(const unsigned int stage);
+
+    /**
+     * Go on from the state at the end of a stage with the next one.
+     */
+    void
+    next_stage();
+
+    /**
+     * What the state has at the begin of a stage.
+     */
+    void
+    start_stage();
+
+    /**
      * Steps by the integrator, shorter ones while they are rejected; @p dt is
      * the one that is tried.
      */
@@ -155,7 +191,7 @@ namespace greville
     void
     check_fragments();
 
-    const SimulationParameters           parameters;
+    SimulationParameters                 parameters;
     MPI_Comm                             comm;
     StepLog                              log;
     Loads<dim>                           loads;

@@ -87,6 +87,9 @@ namespace greville
     /// Lengths of the last step: of t, and of the velocities, s.
     double step = 0., velocity_step = 0.;
 
+    /// The stage, see SimulationParameters::stages.
+    unsigned int stage = 0;
+
     unsigned int  n_steps   = 0;
     std::uint64_t n_removed = 0; // points outside of the grid
     std::uint64_t n_free    = 0; // points of bodies that feel forces

@@ -52,6 +52,14 @@ namespace greville
     virtual void
     forget()
     {}
+
+    /**
+     * Collective. The state at the end of a stage, for an integrator of another
+     * kind: velocities belong to State::time. Throws StepFailed.
+     */
+    virtual void
+    finish(State<dim> &)
+    {}
   };
 
 

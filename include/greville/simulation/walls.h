@@ -10,6 +10,17 @@
 namespace greville
 {
   /**
+   * When moving walls have a velocity: at @p t, where their velocity is given;
+   * as the mean from @p begin to @p end, where their displacement is.
+   */
+  struct WallTime
+  {
+    double t, begin, end;
+  };
+
+
+
+  /**
    * The walls of the grid. On open knot vectors only the functions of the first
    * or last index of a direction do not vanish at a wall, and the value there
    * is that of their coefficients. So a wall holds these coefficients, of all
@@ -41,12 +52,14 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /**
-     * Throw dealii::ExcMessage where a moving wall leaves its place until the
-     * time @p end: it holds the coefficients at the edge of the grid, and lets
+     * Throw dealii::ExcMessage where a moving wall leaves its place between two
+     * times: it holds the coefficients at the edge of the grid, and lets
      * go of a body that is a cell away.
      */
     void
-    check_paths(const SplineSpace<dim> &space, const double end) const;
+    check_paths(const SplineSpace<dim> &space,
+                const double            start,
+                const double            end) const;
 
     /**
      * Local numbers of the owned coefficients of a component that are held, for
@@ -90,17 +103,19 @@ namespace greville
     }
 
     /**
-     * Set held coefficients to the velocity of their walls at time @p t.
+     * Set held coefficients to the velocity of their walls.
      */
     void
-    hold_velocity(VectorField<dim> &velocity, const double t) const;
+    hold_velocity(VectorField<dim> &velocity, const WallTime &time) const;
 
     /**
-     * Set held coefficients to the mean acceleration between two times.
+     * Set held coefficients to the mean acceleration from the velocity at @p
+     * before to that at @p after, in the time @p dt.
      */
     void
     hold_acceleration(VectorField<dim> &acceleration,
-                      const double      t,
+                      const WallTime   &before,
+                      const WallTime   &after,
                       const double      dt) const;
 
     /**
@@ -122,6 +137,9 @@ namespace greville
     bool
     holds(const unsigned int wall, const unsigned int component) const;
 
+    dealii::Tensor<1, dim>
+    velocity_at(const unsigned int wall, const WallTime &time) const;
+
     /**
      * Set the held coefficients at each wall to the values of @p value(wall).
      */
@@ -132,6 +150,7 @@ namespace greville
     std::array<std::string, 2 * dim>           type;
     std::array<double, 2 * dim>                friction;
     std::array<VectorExpression<dim>, 2 * dim> velocity;
+    std::array<VectorExpression<dim>, 2 * dim> displacement;
 
     // Local numbers of the owned coefficients at each wall.
     std::array<std::vector<unsigned int>, 2 * dim> coefficients;
