@@ -147,12 +147,16 @@ namespace greville
                                std::abs(parameters.time.start),
                                std::abs(parameters.end_of_run())});
     // The last state of a stage is the first one of the next.
+    const auto next_multiple = [&](const double every, const double t) {
+      const double start = parameters.time.start;
+      return every > 0. ? start + every * (std::floor((t - start) / every) + 1.)
+                        : t;
+    };
     const bool is_stage_end = is_last || simulation.is_stage_finished();
     if (is_stage_end || now >= next_statistics)
       {
         write_statistics();
-        if (now >= next_statistics)
-          next_statistics += output.statistics_every;
+        next_statistics = next_multiple(output.statistics_every, now);
       }
     if (is_stage_end || now >= next_fields)
       {
@@ -161,10 +165,9 @@ namespace greville
                      simulation.space(),
                      simulation.state().velocity,
                      simulation.mass().lumped());
-        if (now >= next_fields)
-          next_fields = output.fields_every > 0.
-                          ? next_fields + output.fields_every
-                          : std::numeric_limits<double>::infinity();
+        next_fields = output.fields_every > 0.
+                        ? next_multiple(output.fields_every, now)
+                        : std::numeric_limits<double>::infinity();
       }
   }
 

@@ -128,8 +128,18 @@ namespace greville
   void
   Simulation<dim>::next_stage()
   {
+    const std::string scheme     = parameters.scheme.stress_update;
+    const std::string velocities = parameters.time.velocities;
+    const auto       &next       = parameters.stages[current.stage + 1];
+    const bool        goes_on =
+      scheme == next.scheme.stress_update && velocities == next.time.velocities;
     current.n_rejections = 0;
-    integrator->finish(current);
+    if (!goes_on)
+      {
+        integrator->finish(current);
+        current.velocity_time = current.time;
+        current.step = current.velocity_step = 0.;
+      }
     enter_stage(current.stage + 1);
     start_stage();
     good.take(current);
@@ -141,15 +151,13 @@ namespace greville
   void
   Simulation<dim>::start_stage()
   {
-    // What one integrator knows of the last steps is nothing to the next one.
+    // What has been found with other walls, mass or integrator.
     discretization.initialize(current.velocity);
     discretization.initialize(current.acceleration);
-    current.velocity_time = current.time;
-    current.step = current.velocity_step = 0.;
-    current.step_fraction                = 1.;
-    current.last_kinetic                 = 0.;
-    current.estimates                    = StepEstimates<dim>();
-    current.history                      = AccelerationHistory<dim>();
+    current.step_fraction = 1.;
+    current.last_kinetic  = 0.;
+    current.estimates     = StepEstimates<dim>();
+    current.history       = AccelerationHistory<dim>();
     current.slid.clear();
 
     loads.clear(current.bodies);
@@ -259,9 +267,9 @@ namespace greville
     double dt = current.step;
     try
       {
+        const bool is_first = current.n_steps == 0 || is_stage_finished();
         if (is_stage_finished())
           next_stage();
-        const bool is_first = current.step == 0.;
         advance(dt);
         {
           const PartTimer timer(log, "volume of fluids");

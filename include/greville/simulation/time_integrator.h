@@ -54,8 +54,8 @@ namespace greville
     {}
 
     /**
-     * Collective. The state at the end of a stage, for an integrator of another
-     * kind: velocities belong to State::time. Throws StepFailed.
+     * Collective. The state at the end of a stage, for one with another
+     * integrator: velocities belong to State::time. Throws StepFailed.
      */
     virtual void
     finish(State<dim> &)
