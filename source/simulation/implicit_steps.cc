@@ -101,9 +101,7 @@ namespace greville
     if (state.n_rejections > 0)
       state.step_fraction *= 0.5;
     if (state.step_fraction < parameters.implicit.smallest_step)
-      throw StepFailed("the step has been cut to " +
-                       text_of(2. * state.step_fraction) +
-                       " of 'Time/Step', and still " + rejection);
+      throw StepFailed(describe_failure(state), false);
     const double step = evaluate_step(*step_formula,
                                       parameters.time,
                                       discretization.cell_size(),
@@ -114,6 +112,57 @@ namespace greville
     });
     return left /
            std::max(1., std::ceil(left / (step * state.step_fraction) - 1e-9));
+  }
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::describe_failure(const State<dim> &state) const
+  {
+    // Each function needs the strains of some points.
+    const unsigned int least = std::max(2u, system.space().degree());
+    std::string        too_few;
+    for (const Body<dim> &body : state.bodies)
+      {
+        const auto &n = body.parameters->points_per_direction;
+        if (body.parameters->points_file.empty() &&
+            *std::min_element(n.begin(), n.end()) < least)
+          too_few =
+            "'Body " + body.name + "/Points per direction' is " +
+            text_of(*std::min_element(n.begin(), n.end())) +
+            ": with fewer than " + text_of(least) + " the stiffness of order " +
+            text_of(system.space().degree()) + " is singular, or close to it. ";
+      }
+    std::string text = too_few;
+    if (scheme.is_static && too_few.empty())
+      text = "no equilibrium has been found beyond t = " + text_of(state.time) +
+             " s. Where loads, walls or the strength of materials go on "
+             "changing, this is the limit of what the bodies bear; a dynamic "
+             "scheme goes beyond it. In detail, ";
+    text += "the step has been cut to " + text_of(2. * state.step_fraction) +
+            " of 'Time/Step', and still " + rejection;
+    return text;
+  }
+
+
+
+  template <int dim>
+  std::vector<SolverLevel>
+  ImplicitSteps<dim>::solver_levels() const
+  {
+    std::vector<SolverLevel>    result;
+    const TangentParameters    &solver    = parameters.implicit_solver;
+    const OrderHierarchy<dim>  &hierarchy = system.hierarchy();
+    const PMultigridParameters &cycle     = solver.multigrid;
+    for (unsigned int l = 0; l < hierarchy.n_levels(); ++l)
+      if (l + 1 == hierarchy.n_levels() || solver.preconditioner != "smoother")
+        result.push_back({hierarchy[l].degree(),
+                          dim * std::uint64_t(hierarchy[l].n_dofs()),
+                          l == 0 && hierarchy.n_levels() > 1
+                            ? cycle.coarse_preconditioner
+                            : cycle.smoother});
+    return result;
   }
 
 
@@ -297,7 +346,8 @@ namespace greville
         const auto i =
           multi_index<dim>(space.owned_functions()[place], space.n_functions());
         std::ostringstream message;
-        message << "; the largest residual, " << all << " N, is at (";
+        message << "; the largest residual, " << all
+                << (dim == 2 ? " N / m" : " N") << ", is at (";
         for (unsigned int d = 0; d < dim; ++d)
           message << (d == 0 ? "" : ", ")
                   << space.knots(d).greville_abscissa(i[d]);

@@ -222,6 +222,17 @@ namespace greville
     out << ", " << scheme.stress_update << ", " << scheme.transfer
         << ", quadrature by " << scheme.quadrature << "\n\n";
 
+    const std::vector<SolverLevel> levels = simulation.solver_levels();
+    if (!levels.empty())
+      {
+        out << "  level  order       unknowns   used\n";
+        for (unsigned int l = levels.size(); l-- > 0;)
+          out << std::setw(7) << l << std::setw(7) << levels[l].degree
+              << std::setw(15) << levels[l].n_unknowns << "   "
+              << levels[l].method << '\n';
+        out << std::endl;
+        return;
+      }
     const auto &hierarchy = simulation.mass().hierarchy();
     const bool  all =
       MassSolver<dim>::uses_multigrid(simulation.mass().solver());
@@ -302,11 +313,16 @@ namespace greville
     const ConsistentMass<dim> *const mass = simulation.consistent_mass();
     if (mass && state.n_steps > 0)
       {
-        const auto functions = mass->extension().counts();
-        out << "  mass: " << std::setprecision(3)
+        const auto functions   = mass->extension().counts();
+        const bool is_implicit = !simulation.solver_levels().empty();
+        out << (is_implicit ? "  linear systems of Newton's method: "
+                            : "  mass: ")
+            << std::setprecision(3)
             << double(state.n_all_iterations) / state.n_steps
-            << " iterations per step, " << mass->n_factorizations()
-            << " factorizations; at the end " << functions.stable << " stable, "
+            << " iterations per step";
+        if (!is_implicit)
+          out << ", " << mass->n_factorizations() << " factorizations";
+        out << "; at the end " << functions.stable << " stable, "
             << functions.extended << " extended, " << functions.lumped
             << " lumped functions, " << mass->n_fragments()
             << " cells of fragments\n";

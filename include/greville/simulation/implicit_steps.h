@@ -50,6 +50,9 @@ namespace greville
       system.forget();
     }
 
+    std::vector<SolverLevel>
+    solver_levels() const override;
+
   private:
     void
     check_parameters(const std::string &name, const State<dim> &initial) const;
@@ -81,6 +84,12 @@ namespace greville
                   const VectorType &x,
                   const double      dt,
                   const bool        with_stiffness);
+
+    /**
+     * Why steps that have been cut to the smallest one still fail.
+     */
+    std::string
+    describe_failure(const State<dim> &state) const;
 
     /**
      * Where the last residual is largest.

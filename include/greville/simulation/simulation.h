@@ -123,6 +123,15 @@ namespace greville
     }
 
     /**
+     * See TimeIntegrator::solver_levels().
+     */
+    std::vector<SolverLevel>
+    solver_levels() const
+    {
+      return integrator->solver_levels();
+    }
+
+    /**
      * Null with other masses.
      */
     const ConsistentMass<dim> *

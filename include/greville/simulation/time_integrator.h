@@ -10,6 +10,18 @@
 namespace greville
 {
   /**
+   * A level of the solver of an integrator.
+   */
+  struct SolverLevel
+  {
+    unsigned int  degree;
+    std::uint64_t n_unknowns;
+    std::string   method;
+  };
+
+
+
+  /**
    * A scheme that takes a State from t to t + dt. It owns what it needs to try
    * a step; all that a step hands to the next one is in the state, so that a
    * copy of the state is enough to go back.
@@ -60,6 +72,16 @@ namespace greville
     virtual void
     finish(State<dim> &)
     {}
+
+    /**
+     * The levels of its solver, the coarsest first; none where it solves with
+     * the mass of the Discretization only.
+     */
+    virtual std::vector<SolverLevel>
+    solver_levels() const
+    {
+      return {};
+    }
   };
 
 
