@@ -462,11 +462,30 @@ namespace greville
         n_all_linear += *result.iterations;
         return result;
       };
-    NewtonResult result = solve_newton(x, problem, parameters.newton);
+    const auto newton = [&]() {
+      // Tangents of bodies that fail are indefinite, and some have no
+      // factorization. Where there are other processes, they wait for this one.
+      try
+        {
+          return solve_newton(x, problem, parameters.newton);
+        }
+      catch (const ExcMessage &exception)
+        {
+          if (Utilities::MPI::n_mpi_processes(discretization.communicator()) >
+              1)
+            throw;
+          NewtonResult failed;
+          failed.iterations.emplace_back();
+          failed.reason =
+            "the tangent has no preconditioner: " + message_of(exception);
+          return failed;
+        }
+    };
+    NewtonResult result = newton();
     if (!result.converged && result.iterations.empty())
       {
         x      = 0.;
-        result = solve_newton(x, problem, parameters.newton);
+        result = newton();
       }
     print(state, dt, result);
     if (!result.converged)

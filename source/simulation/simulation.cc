@@ -260,7 +260,10 @@ namespace greville
   void
   Simulation<dim>::step()
   {
-    if (current.n_steps > 0 && current.n_steps % remember_every == 0)
+    // Implicit steps are few, and go until there is no solution.
+    const bool is_implicit = !integrator->solver_levels().empty();
+    if (current.n_steps > 0 &&
+        (is_implicit || current.n_steps % remember_every == 0))
       good.take(current);
     // Programs may have changed them.
     current.points_have_changed();
