@@ -10,8 +10,7 @@
 #include <greville/multigrid/mass_solver.h>
 #include <greville/particles/body.h>
 #include <greville/simulation/comparison_parameters.h>
-#include <greville/simulation/implicit_scheme.h>
-#include <greville/simulation/newton.h>
+#include <greville/simulation/stage_parameters.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <map>
@@ -56,51 +55,6 @@ namespace greville
 
 
   /**
-   * The time stepping.
-   */
-  struct TimeParameters
-  {
-    void
-    declare(dealii::ParameterHandler &prm);
-
-    double       start = 0.;
-    double       end   = 1.;
-    std::string  step;
-    double       cfl            = 0.5;
-    double       safety         = 0.7;
-    std::string  too_large_step = "refuse";
-    unsigned int estimate_every = 20;
-    std::string  velocities     = "half steps";
-    unsigned int max_steps      = 0;
-  };
-
-
-
-  /**
-   * How points and grid exchange what they know.
-   */
-  struct SchemeParameters
-  {
-    void
-    declare(dealii::ParameterHandler &prm);
-
-    std::string mass             = "auto";
-    double      filling          = 0.45;
-    double      filter           = 0.4;
-    std::string energy_gain      = "stop";
-    double      energy_tolerance = 0.1;
-    double      flip_time        = 0.;
-    std::string stress_update    = "USL";
-    std::string transfer         = "FLIP";
-    double      flip             = 1.;
-    std::string quadrature       = "points";
-    double      full_cell        = 0.5;
-    std::string outside          = "error";
-  };
-
-
-
-  /**
    * The solver of the consistent mass.
    */
   struct ConsistentSolverParameters : SolverParameters
@@ -110,43 +64,6 @@ namespace greville
 
     /// One of ConsistentMass::methods().
     std::string method = "cg-ic0";
-  };
-
-
-
-  /**
-   * The walls of the grid.
-   */
-  struct WallParameters
-  {
-    void
-    declare(dealii::ParameterHandler &prm);
-
-    /// In the order of the faces of a cell of deal.II.
-    static const std::array<std::string, 6> names;
-
-    std::array<std::string, 6> type{
-      {"free", "free", "free", "free", "free", "free"}};
-    std::array<std::string, 6> velocity;
-    std::array<std::string, 6> displacement;
-    std::array<double, 6>      friction{};
-  };
-
-
-
-  /**
-   * Forces on points, and damping.
-   */
-  struct LoadParameters
-  {
-    void
-    declare(dealii::ParameterHandler &prm);
-
-    std::string gravity;
-    std::string body_force;
-    double      cundall     = 0.;
-    bool        kinetic     = false;
-    double      damping_end = -1.;
   };
 
 
@@ -196,44 +113,6 @@ namespace greville
     bool        grid_fields      = true;
     std::string probes;
     bool        print_times = true;
-  };
-
-
-
-  /**
-   * What may change from one stage of a simulation to the next.
-   */
-  struct StageSections
-  {
-    /**
-     * Each in its section.
-     */
-    void
-    declare_sections(dealii::ParameterHandler &prm);
-
-    TimeParameters     time;
-    SchemeParameters   scheme;
-    WallParameters     walls;
-    LoadParameters     loads;
-    ImplicitParameters implicit;
-    NewtonParameters   newton;
-  };
-
-
-
-  /**
-   * A stage of a simulation.
-   */
-  struct StageParameters : StageSections
-  {
-    /**
-     * The parameters that are not in the sections.
-     */
-    void
-    declare(dealii::ParameterHandler &prm);
-
-    std::string name;
-    bool        reset_displacements = false;
   };
 
 

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_simulation_stage_parameters_h
+#define greville_simulation_stage_parameters_h
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <greville/simulation/implicit_scheme.h>
+#include <greville/simulation/newton.h>
+
+#include <array>
+#include <string>
+
+namespace greville
+{
+  /**
+   * The time stepping.
+   */
+  struct TimeParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    double       start = 0.;
+    double       end   = 1.;
+    std::string  step;
+    double       cfl            = 0.5;
+    double       safety         = 0.7;
+    std::string  too_large_step = "refuse";
+    unsigned int estimate_every = 20;
+    std::string  velocities     = "half steps";
+    unsigned int max_steps      = 0;
+  };
+
+
+
+  /**
+   * How points and grid exchange what they know.
+   */
+  struct SchemeParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string mass             = "auto";
+    double      filling          = 0.45;
+    double      filter           = 0.4;
+    std::string energy_gain      = "stop";
+    double      energy_tolerance = 0.1;
+    double      flip_time        = 0.;
+    std::string stress_update    = "USL";
+    std::string transfer         = "FLIP";
+    double      flip             = 1.;
+    std::string quadrature       = "points";
+    double      full_cell        = 0.5;
+    std::string outside          = "error";
+  };
+
+
+
+  /**
+   * The walls of the grid.
+   */
+  struct WallParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    /// In the order of the faces of a cell of deal.II.
+    static const std::array<std::string, 6> names;
+
+    std::array<std::string, 6> type{
+      {"free", "free", "free", "free", "free", "free"}};
+    std::array<std::string, 6> velocity;
+    std::array<std::string, 6> displacement;
+    std::array<double, 6>      friction{};
+  };
+
+
+
+  /**
+   * Forces on points, and damping.
+   */
+  struct LoadParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string gravity;
+    std::string body_force;
+    double      cundall     = 0.;
+    bool        kinetic     = false;
+    double      damping_end = -1.;
+  };
+
+
+
+  /**
+   * What may change from one stage of a simulation to the next.
+   */
+  struct StageSections
+  {
+    /**
+     * Each in its section.
+     */
+    void
+    declare_sections(dealii::ParameterHandler &prm);
+
+    TimeParameters     time;
+    SchemeParameters   scheme;
+    WallParameters     walls;
+    LoadParameters     loads;
+    ImplicitParameters implicit;
+    NewtonParameters   newton;
+  };
+
+
+
+  /**
+   * A stage of a simulation.
+   */
+  struct StageParameters : StageSections
+  {
+    /**
+     * The parameters that are not in the sections.
+     */
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string name;
+    bool        reset_displacements = false;
+  };
+} // namespace greville
+
+#endif
