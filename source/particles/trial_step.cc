@@ -138,8 +138,10 @@ namespace greville
         0.5 * (grad + transpose(grad) + transpose(grad) * grad);
       Tensor<2, dim> S      = 0.5 * (stress_before + end);
       const double   square = scalar_product(strain, strain);
-      // Smaller strains have a work that is exact to round-off.
-      if (square > 1e-24)
+      // The correction is of the order of the square of the strain, and
+      // round-off of the energy over the strain: smaller strains do without.
+      constexpr double smallest = 6e-6; // the third root of round-off
+      if (square > smallest * smallest)
         S += ((change_of_energy - scalar_product(S, strain)) / square) * strain;
       if (with_tangent)
         {
