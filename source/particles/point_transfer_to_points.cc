@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/particles/volume_projection.h>
+
 #include "point_kernels.h"
 #include <cmath>
 #include <sstream>
@@ -109,6 +111,7 @@ namespace greville
     update_points(MaterialPoints<dim>         &points,
                   const SpacePolynomials<dim> &tables,
                   const PointUpdate<dim>      &update,
+                  const double                *factors,
                   const double                *buffer,
                   PointReport                 &report)
     {
@@ -282,6 +285,15 @@ namespace greville
                           update.step * lane_is_used * gradient[i][j] +
                           (i == j ? 1. : 0.);
                     }
+                  if (factors)
+                    {
+                      Simd factor = 1.;
+                      for (unsigned int lane = 0; lane < count; ++lane)
+                        factor[lane] = *factors++;
+                      for (int i = 0; i < dim; ++i)
+                        for (int j = 0; j < dim; ++j)
+                          increment[i][j] *= factor;
+                    }
                   for (int i = 0; i < dim; ++i)
                     {
                       for (int j = 0; j < dim; ++j)
@@ -358,12 +370,17 @@ namespace greville
       for (unsigned int d = 0; d < dim; ++d)
         put_into_buffer((*fields[f])[d], n_fields, f * dim + d, buffer);
 
+    const double *factors =
+      deform && update.projection
+        ? update.projection->factors(points, *update.deformation, update.step)
+            .data()
+        : nullptr;
     PointReport report;
     with_order(space.degree(), [&](const auto size) {
       constexpr int n   = decltype(size)::value;
       const auto    run = [&](const auto kind) {
         update_points<dim, n, std::decay_t<decltype(kind)>>(
-          points, tables, update, buffer.data(), report);
+          points, tables, update, factors, buffer.data(), report);
       };
       if (kick && update.move && deform && same)
         update.apic ? run(Pass<true, true, true, true, true>())

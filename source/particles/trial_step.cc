@@ -2,7 +2,7 @@
 
 #include <greville/particles/trial_step.h>
 
-#include "point_kernels.h"
+#include "gradients.h"
 #include <cmath>
 #include <sstream>
 
@@ -13,54 +13,6 @@ namespace greville
 
   namespace
   {
-    /**
-     * Gradients of the functions of a cell at a point: [direction][function].
-     */
-    template <int dim, int n>
-    struct Gradients
-    {
-      static constexpr int n_functions = power(n, dim);
-
-      Gradients(const CellGeometry<dim, n> &cell, const Point<dim> &x)
-      {
-        double N[3][n], dN[3][n];
-        for (int d = 0; d < dim; ++d)
-          {
-            const double  t = (x[d] - cell.center[d]) * cell.inverse_h[d];
-            const double *c = cell.polynomials[d];
-            for (int a = 0; a < n; ++a)
-              {
-                double value = c[a * n + n - 1], slope = 0.;
-                for (int k = n - 2; k >= 0; --k)
-                  {
-                    slope = slope * t + value;
-                    value = value * t + c[a * n + k];
-                  }
-                N[d][a]  = value;
-                dN[d][a] = slope * cell.inverse_h[d];
-              }
-          }
-        for (int a_z = 0, a = 0; a_z < (dim == 3 ? n : 1); ++a_z)
-          for (int a_y = 0; a_y < n; ++a_y, a += n)
-            {
-              const double N_z  = dim == 3 ? N[2][a_z] : 1.;
-              const double yz   = N[1][a_y] * N_z;
-              const double dy_z = dN[1][a_y] * N_z;
-              for (int a_x = 0; a_x < n; ++a_x)
-                {
-                  values[0][a + a_x] = dN[0][a_x] * yz;
-                  values[1][a + a_x] = N[0][a_x] * dy_z;
-                  if constexpr (dim == 3)
-                    values[2][a + a_x] = N[0][a_x] * N[1][a_y] * dN[2][a_z];
-                }
-            }
-      }
-
-      double values[dim][n_functions];
-    };
-
-
-
     /**
      * The part of a 3D tensor in the plane of a 2D problem.
      */
@@ -212,6 +164,7 @@ namespace greville
                     const double                           strength_reduction,
                     const StepStress                       stress,
                     const bool                             with_tangents,
+                    const double                          *factors,
                     PointReport                           &report,
                     const typename TrialStep<dim>::Action &action)
     {
@@ -238,20 +191,18 @@ namespace greville
             trial.x      = p.position();
             trial.volume = p.volume();
             const Gradients<dim, n> gradients(geometry, trial.x);
-            Tensor<2, dim>          f = unit_symmetric_tensor<dim>();
-            for (int i = 0; i < dim; ++i)
-              for (int j = 0; j < dim; ++j)
-                for (int a = 0; a < n_functions; ++a)
-                  f[i][j] += coefficients[i][a] * gradients.values[j][a];
-            MaterialPoint state;
+            const Tensor<2, dim>    f =
+              increment_at<dim, n>(gradients, coefficients, 1.);
+            const Tensor<2, dim> projected = factors ? *factors++ * f : f;
+            MaterialPoint        state;
             load_material_point<dim>(p, layout, state);
             state.dt                 = dt;
             state.strength_reduction = strength_reduction;
             for (int i = 0; i < dim; ++i)
               for (int j = 0; j < dim; ++j)
-                state.increment[i][j] = f[i][j];
+                state.increment[i][j] = projected[i][j];
             state.F = state.increment * state.F;
-            state.J *= determinant(f);
+            state.J *= determinant(projected);
             trials.push_back(trial);
             increments.push_back(f);
             states.push_back(state);
@@ -320,8 +271,11 @@ namespace greville
                            const double               strength_reduction,
                            const StepStress           stress,
                            const bool                 with_tangents,
+                           VolumeProjection<dim>     *projection,
                            const Action              &action)
   {
+    const double *factors =
+      projection ? projection->factors(points, u, 1.).data() : nullptr;
     const SplineSpace<dim> &space = *tables.space;
     buffer.resize(
       (space.owned_functions().size() + space.ghost_functions().size()) * dim);
@@ -337,6 +291,7 @@ namespace greville
                                                   strength_reduction,
                                                   stress,
                                                   with_tangents,
+                                                  factors,
                                                   report,
                                                   action);
     });

@@ -368,6 +368,7 @@ namespace greville
     update.step          = move ? trial.step : trial.deformation_step;
     update.flip          = flip_share(state, trial.velocity_step);
     update.apic          = apic;
+    update.projection    = discretization.volume_projection();
 
     PointMotion motion = update_points(state.bodies,
                                        discretization.transfer(),

@@ -126,6 +126,12 @@ namespace greville
     grid_walls.reinit(space());
     grid_walls.check_paths(space(), parameters.time.start, parameters.time.end);
     point_transfer.reinit(space());
+    projection.reset();
+    if (parameters.scheme.volumetric_projection != "none")
+      {
+        projection = std::make_unique<VolumeProjection<dim>>();
+        projection->reinit(space(), mesh);
+      }
     point_transport.reinit(mesh, space());
     space().initialize_vector(lumped);
     initialize(point_momentum);

@@ -31,7 +31,8 @@ namespace greville
         },
         parameters.implicit_solver,
         parameters.implicit.filling,
-        parameters.scheme.mass == "lumped")
+        parameters.scheme.mass == "lumped",
+        discretization.volume_projection())
   {
     check_parameters(name, parts.initial);
     step_formula.emplace(parameters.time.step,
@@ -76,6 +77,12 @@ namespace greville
     refuse(!rigid_bodies(initial.bodies).empty(),
            "'Imposed velocity' of a body",
            "implicit steps do not know obstacles.");
+    refuse(scheme.stress == StepStress::energy_consistent &&
+             parameters.scheme.volumetric_projection != "none",
+           "'Scheme/Volumetric projection' = " +
+             parameters.scheme.volumetric_projection,
+           "the force of the projection does not conserve energy; take another "
+           "scheme.");
     refuse(parameters.scheme.transfer == "APIC",
            "'Scheme/Transfer' = APIC",
            "take FLIP or PIC.");
@@ -557,6 +564,7 @@ namespace greville
     move.deformation         = &displacement;
     move.move                = true;
     move.step                = dt;
+    move.projection          = discretization.volume_projection();
     const PointMotion motion = update_points(state.bodies,
                                              discretization.transfer(),
                                              move,

@@ -132,6 +132,13 @@ namespace greville
       "of their volume and no surface of the body cuts them. Others are "
       "integrated by points. Unit: none.");
     add_parameter(prm,
+                  "Volumetric projection",
+                  volumetric_projection,
+                  Selection("none|order p-1"))(
+      "Against locking of nearly incompressible bodies and of plastic flow: "
+      "order p-1 replaces the changes of volume of points by their projection "
+      "on B-splines of one order less (F-bar); means in cells for order 1.");
+    add_parameter(prm,
                   "Energy gain",
                   energy_gain,
                   Selection("stop|warn|ignore"))(

@@ -68,13 +68,15 @@ namespace greville
     const HeldFunctions           &held,
     const TangentParameters       &parameters,
     const double                   filling_threshold,
-    const bool                     lump)
+    const bool                     lump,
+    VolumeProjection<dim>         *projection)
     : parameters(parameters)
     , filling_threshold(filling_threshold)
     , lump(lump)
     , orders(triangulation, degree, parameters.multigrid.coarsening)
     , transfers(orders.n_levels())
     , sums(orders.n_levels())
+    , projection(projection)
   {
     filling.reinit(orders.finest());
     trial.reinit(orders.finest());
@@ -163,6 +165,7 @@ namespace greville
                          body.strength_reduction,
                          stress,
                          with_stiffness,
+                         projection,
                          [&](const unsigned int cell, const auto &points) {
                            sums.back().add_force(cell, points);
                            if (with_stiffness)
@@ -181,7 +184,50 @@ namespace greville
       Utilities::MPI::sum(ArrayView<const double>(moduli.data(), 2),
                           space().communicator(),
                           ArrayView<double>(moduli.data(), 2));
+    if (with_stiffness && projection)
+      last = {bodies, u, force, dt, stress};
     return problem;
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::multiply_by_differences(VectorType       &dst,
+                                              const VectorType &src)
+  {
+    // Of strains, between round-off and what is not linear.
+    constexpr double difference = 1e-7;
+    if (direction[0].size() == 0)
+      for (VectorField<dim> *field : {&direction, &moved, &moved_force})
+        for (VectorType &component : *field)
+          space().initialize_vector(component);
+    double largest = 0.;
+    for (VectorType &component : direction)
+      component = 0.;
+    extend(direction, src);
+    for (const VectorType &component : direction)
+      largest = std::max(largest, component.linfty_norm());
+    dst = 0.;
+    if (!(largest > 0.))
+      return;
+    double h = space().lattice().cell_size(0);
+    for (unsigned int d = 1; d < dim; ++d)
+      h = std::min(h, space().lattice().cell_size(d));
+    const double eps = difference * h / largest;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        moved[d] = last.u[d];
+        moved[d].add(eps, direction[d]);
+        direction[d] *= mass_factor;
+      }
+    evaluate(last.bodies, moved, last.dt, last.stress, false, moved_force);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        moved_force[d] -= last.force[d];
+        moved_force[d] *= 1. / eps;
+      }
+    restrict(dst, moved_force, mass_factor != 0. ? &direction : nullptr);
   }
 
 
@@ -392,16 +438,29 @@ namespace greville
                             const VectorType &b,
                             const double      tolerance)
   {
+    struct ByDifferences
+    {
+      void
+      vmult(VectorType &dst, const VectorType &src) const
+      {
+        system.multiply_by_differences(dst, src);
+      }
+
+      TangentSystem &system;
+    };
     const bool with_cg =
       parameters.method == "cg" || (parameters.method == "auto" && symmetric);
     const auto run = [&](const unsigned int max_iterations) {
       x = 0.;
       return run_solver(
         max_iterations, tolerance, b, [&](SolverControl &control) {
-          if (with_cg)
+          using Fgmres = SolverFGMRES<VectorType>;
+          if (projection)
+            Fgmres(control).solve(ByDifferences{*this}, x, b, *multigrid);
+          else if (with_cg)
             SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
           else
-            SolverFGMRES<VectorType>(control).solve(finest(), x, b, *multigrid);
+            Fgmres(control).solve(finest(), x, b, *multigrid);
         });
     };
     // Digits that the residual loses.

@@ -58,6 +58,9 @@ namespace greville
 
 
 
+  template <int dim>
+  class VolumeProjection;
+
   /**
    * How grid_to_points() moves points.
    */
@@ -80,6 +83,8 @@ namespace greville
     double flip = 1.;
     /// APIC: points have an affine matrix.
     bool apic = false;
+    /// The projection of the changes of volume, if there is one.
+    VolumeProjection<dim> *projection = nullptr;
     /// The law of the points: needed where they are deformed.
     const Material *material = nullptr;
     /// What it says at the end of the step, see Material.

@@ -3,7 +3,7 @@
 #ifndef greville_particles_trial_step_h
 #define greville_particles_trial_step_h
 
-#include <greville/particles/point_transfer.h>
+#include <greville/particles/volume_projection.h>
 
 #include <functional>
 
@@ -67,6 +67,9 @@ namespace greville
    * x_n) at both ends, and Delta W the change of the stored and the dissipated
    * energy per volume. So V_n P : grad u is the change of the energy of a
    * point, and the force has no moment. The derivative is that of S bar.
+   *
+   * With a VolumeProjection, the material sees the projected increment, and the
+   * derivative is that without the projection.
    */
   template <int dim>
   class TrialStep
@@ -82,6 +85,8 @@ namespace greville
      * Evaluate points of one body in a step of length @p dt (s) with the
      * displacement @p u (m) and a @p strength_reduction (see
      * Material::strength_reduction()), and give them cell by cell to @p action.
+     * The increments are multiplied by @p factors, see VolumeProjection, if
+     * they are given.
      */
     using Action =
       std::function<void(const unsigned int                  cell,
@@ -95,6 +100,7 @@ namespace greville
              const double               strength_reduction,
              const StepStress           stress,
              const bool                 with_tangents,
+             VolumeProjection<dim>     *projection,
              const Action              &action);
 
   private:

@@ -5,6 +5,7 @@
 
 #include <greville/particles/point_transport.h>
 #include <greville/particles/reconstruction.h>
+#include <greville/particles/volume_projection.h>
 #include <greville/simulation/consistent_mass.h>
 #include <greville/simulation/loads.h>
 #include <greville/simulation/state.h>
@@ -98,6 +99,15 @@ namespace greville
       return point_transfer;
     }
 
+    /**
+     * The projection of changes of volume, null where there is none.
+     */
+    VolumeProjection<dim> *
+    volume_projection()
+    {
+      return projection.get();
+    }
+
     PointTransport<dim> &
     transport()
     {
@@ -167,15 +177,16 @@ namespace greville
     const std::vector<const MaterialPoints<dim> *> &
     quadrature_points(const State<dim> &state, const bool anew);
 
-    const SimulationParameters    &parameters;
-    StepLog                       &log;
-    MPI_Comm                       comm;
-    DistributedTriangulation<dim>  mesh;
-    Walls<dim>                     grid_walls;
-    std::unique_ptr<GridMass<dim>> grid_mass;
-    ConsistentMass<dim>           *consistent = nullptr; // if it is one
-    PointTransfer<dim>             point_transfer;
-    PointTransport<dim>            point_transport;
+    const SimulationParameters            &parameters;
+    StepLog                               &log;
+    MPI_Comm                               comm;
+    DistributedTriangulation<dim>          mesh;
+    Walls<dim>                             grid_walls;
+    std::unique_ptr<GridMass<dim>>         grid_mass;
+    ConsistentMass<dim>                   *consistent = nullptr; // if it is one
+    PointTransfer<dim>                     point_transfer;
+    std::unique_ptr<VolumeProjection<dim>> projection;
+    PointTransport<dim>                    point_transport;
 
     // Points that integrals are summed over.
     bool                                     sums_over_points = true;

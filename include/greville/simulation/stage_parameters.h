@@ -42,18 +42,19 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    std::string mass             = "auto";
-    double      filling          = 0.45;
-    double      filter           = 0.4;
-    std::string energy_gain      = "stop";
-    double      energy_tolerance = 0.1;
-    double      flip_time        = 0.;
-    std::string stress_update    = "USL";
-    std::string transfer         = "FLIP";
-    double      flip             = 1.;
-    std::string quadrature       = "points";
-    double      full_cell        = 0.5;
-    std::string outside          = "error";
+    std::string mass                  = "auto";
+    double      filling               = 0.45;
+    double      filter                = 0.4;
+    std::string energy_gain           = "stop";
+    double      energy_tolerance      = 0.1;
+    double      flip_time             = 0.;
+    std::string stress_update         = "USL";
+    std::string transfer              = "FLIP";
+    double      flip                  = 1.;
+    std::string quadrature            = "points";
+    std::string volumetric_projection = "none";
+    double      full_cell             = 0.5;
+    std::string outside               = "error";
   };
 
 

@@ -71,6 +71,10 @@ namespace greville
    * preconditioner (factorizations, eigenvalues, algebraic multigrid) serves
    * following systems, too, as long as it pays.
    *
+   * With a VolumeProjection, which couples functions beyond their stencils, the
+   * operator is the derivative of the force by differences, and K without the
+   * projection serves the preconditioner.
+   *
    * Fields have a coefficient for each function of the space. Those of
    * functions that are held are given, and those of extended functions follow
    * from the others.
@@ -86,16 +90,18 @@ namespace greville
       std::function<std::vector<unsigned char>(const SplineSpace<dim> &space)>;
 
     /**
-     * Collective. Parameters are kept by reference. Cells are well-filled from
-     * the part @p filling on, see CellFilling. @p lump takes the row sums of
-     * the mass.
+     * Collective. Parameters are kept by reference, and so is the @p
+     * projection of changes of volume, if there is one. Cells are well-filled
+     * from the part @p filling on, see CellFilling. @p lump takes the row sums
+     * of the mass.
      */
     TangentSystem(const unsigned int             degree,
                   DistributedTriangulation<dim> &triangulation,
                   const HeldFunctions           &held,
                   const TangentParameters       &parameters,
                   const double                   filling,
-                  const bool                     lump);
+                  const bool                     lump,
+                  VolumeProjection<dim>         *projection = nullptr);
 
     const SplineSpace<dim> &
     space() const
@@ -217,6 +223,24 @@ namespace greville
 
   private:
     /**
+     * A displacement and what belongs to its internal force.
+     */
+    struct Linearization
+    {
+      std::vector<TrialBody<dim>> bodies;
+      VectorField<dim>            u, force;
+      double                      dt     = 0.;
+      StepStress                  stress = StepStress::end;
+    };
+
+    /**
+     * Collective. The derivative of the force and of the inertia in the
+     * direction of @p src, with the projection, by differences.
+     */
+    void
+    multiply_by_differences(VectorType &dst, const VectorType &src);
+
+    /**
      * Whether coarse levels pay for an operator with this mass factor.
      */
     bool
@@ -253,6 +277,9 @@ namespace greville
     TrialStep<dim>                                  trial;
     std::unique_ptr<PMultigrid<dim>>                multigrid;
     bool                                            symmetric = true;
+    VolumeProjection<dim>                          *projection;
+    Linearization                                   last; // for differences
+    VectorField<dim> direction, moved, moved_force;
 
     // Sums of the moduli of compression and of shear of all points.
     std::array<double, 2> moduli{};
