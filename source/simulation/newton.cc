@@ -53,6 +53,15 @@ namespace greville
 
 
 
+  namespace
+  {
+    // Iterations without a line search that may pass until the residual becomes
+    // smaller than it was before.
+    constexpr unsigned int watch = 4;
+  } // namespace
+
+
+
   NewtonResult
   solve_newton(VectorType             &x,
                const NewtonProblem    &problem,
@@ -80,6 +89,23 @@ namespace greville
     };
     add_row();
     double forcing = parameters.largest_forcing;
+
+    // Where the residual was smallest, and the steps without a line search
+    // since.
+    VectorType   best = x, best_r = r;
+    double       best_norm = norm;
+    unsigned int n_free    = 0;
+    bool         is_free   = true;
+    const auto   go_back   = [&]() {
+      x        = best;
+      r        = best_r;
+      norm     = best_norm;
+      is_free  = false;
+      n_free   = 0;
+      forcing  = parameters.largest_forcing;
+      row.step = 0.;
+      add_row();
+    };
     for (unsigned int k = 0;; ++k)
       {
         if (result.iterations.back().relative <= parameters.tolerance ||
@@ -102,11 +128,15 @@ namespace greville
         row.linear_iterations   = *solve.iterations;
         if (!solve.converged && !(solve.reduction < 0.5))
           {
+            if (n_free > 0)
+              {
+                go_back();
+                continue;
+              }
             result.reason = "the linear solver " + solve.reason;
             return result;
           }
 
-        // A step that makes the residual grow is cut.
         const double     old_norm = norm;
         constexpr double decrease = 1e-4;
         row.step                  = 1.;
@@ -116,11 +146,13 @@ namespace greville
             trial.add(row.step, dx);
             wrong = problem.residual(trial_r, trial);
             norm  = trial_r.l2_norm();
-            if (wrong.empty() && norm <= (1. - decrease * row.step) * old_norm)
+            if (wrong.empty() && norm <= (1. - decrease * row.step) * best_norm)
               break;
             // Round-off: it does not get better.
             if (wrong.empty() && std::isfinite(norm) &&
                 norm <= 10. * parameters.tolerance * problem.scale())
+              break;
+            if (is_free)
               break;
             if (cut == parameters.max_cuts)
               {
@@ -133,9 +165,22 @@ namespace greville
                 return result;
               }
           }
+        const bool is_good = wrong.empty() && std::isfinite(norm);
+        if (is_free && (!is_good || (norm > best_norm && ++n_free > watch)))
+          {
+            go_back();
+            continue;
+          }
         x.swap(trial);
         r.swap(trial_r);
         add_row();
+        if (norm < best_norm || !is_free)
+          {
+            best      = x;
+            best_r    = r;
+            best_norm = norm;
+            n_free    = 0;
+          }
         const double ratio = norm / old_norm;
         forcing =
           std::min(std::max({0.9 * ratio * ratio,

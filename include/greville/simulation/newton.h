@@ -60,7 +60,8 @@ namespace greville
   {
     /// Euclidean norm of r, and this norm as a fraction of the scale.
     double residual = 0., relative = 0.;
-    /// The fraction of dx that was taken, 1 in most cases.
+    /// The fraction of dx that was taken, 1 in most cases; 0: back to where the
+    /// residual was smallest.
     double       step              = 0.;
     unsigned int linear_iterations = 0;
   };
@@ -82,9 +83,14 @@ namespace greville
 
 
   /**
-   * Collective. Newton's method with a line search: the step is cut in halves
-   * where the residual does not become smaller or points break. Linear systems
-   * are solved to the relative tolerance 0.9 (|r_k| / |r_(k-1)|)^2 (S.
+   * Collective. Newton's method with full steps, and with a line search where
+   * they fail: points break, or the residual does not become smaller than it
+   * was in a few steps. Then it goes back to where the residual was smallest,
+   * and cuts steps in halves as long as it grows. (Nonmonotone steps are those
+   * of the watchdog technique of R. Chamberlain, M. Powell, C. Lemarechal and
+   * H. Pedersen, 1982. Bodies that hardly change their volume need them: each
+   * step turns them, which changes their volume to second order.) Linear
+   * systems are solved to the relative tolerance 0.9 (|r_k| / |r_(k-1)|)^2 (S.
    * Eisenstat and H. Walker, Choosing the forcing terms in an inexact Newton
    * method, 1996, choice 2) between the parameters' bounds, so that
    * convergence is quadratic. On entry @p x is the guess.
