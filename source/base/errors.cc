@@ -102,7 +102,7 @@ namespace greville
   throw_on_all(const std::string &message, const MPI_Comm comm)
   {
     const std::string first = first_of_all(message, comm);
-    AssertThrow(first.empty(), ExcMessage(first));
+    AssertThrow(first.empty(), ErrorOnAll(first));
   }
 
 

@@ -60,6 +60,34 @@ namespace greville
   PartitionedCholesky::factorize(
     const LowerTriangle                            &matrix,
     const std::shared_ptr<const InterleavedLayout> &new_layout,
+    const std::vector<std::array<int, 3>>          &positions,
+    const std::vector<bool>                        &may_leave_out,
+    const unsigned int                              reach,
+    const double                                    shift)
+  {
+    // Complements lose what IC(0) drops, and need not be positive.
+    constexpr double       smallest_shift = 1e-3;
+    constexpr unsigned int most_tries     = 12;
+    double                 tried_shift    = shift;
+    for (unsigned int k = 0; k < most_tries; ++k)
+      {
+        if (try_shift(
+              matrix, new_layout, positions, may_leave_out, reach, tried_shift))
+          return;
+        tried_shift = std::max(2. * tried_shift, smallest_shift);
+      }
+    throw_on_all("IC(0) finds no positive complement of the unknowns that "
+                 "processes share, with shifts up to " +
+                   text_of(0.5 * tried_shift) + ".",
+                 layout->communicator());
+  }
+
+
+
+  bool
+  PartitionedCholesky::try_shift(
+    const LowerTriangle                            &matrix,
+    const std::shared_ptr<const InterleavedLayout> &new_layout,
     std::vector<std::array<int, 3>>                 positions,
     std::vector<bool>                               may_leave_out,
     const unsigned int                              reach,
@@ -94,8 +122,8 @@ namespace greville
       },
       layout->communicator());
     next.reset();
-    if (has_interface)
-      make_next_level(rest, positions, may_leave_out, reach, shift);
+    return !has_interface ||
+           make_next_level(rest, positions, may_leave_out, reach, shift);
   }
 
 
@@ -244,7 +272,7 @@ namespace greville
 
 
 
-  void
+  bool
   PartitionedCholesky::make_next_level(
     const LowerTriangle                   &complement,
     const std::vector<std::array<int, 3>> &positions,
@@ -315,10 +343,16 @@ namespace greville
           const unsigned int i = local(entry.row), j = local(entry.column);
           rows[std::max(i, j)].emplace_back(std::min(i, j), entry.value);
         }
+    const LowerTriangle sum         = sum_entries(rows);
+    bool                is_negative = false;
+    for (unsigned int i = 0; i < n_managed; ++i)
+      is_negative = is_negative || !(sum.values[sum.row_begin[i + 1] - 1] > 0.);
+    if (Utilities::MPI::max<unsigned int>(is_negative, comm) > 0)
+      return false;
     next           = std::make_unique<PartitionedCholesky>();
     next->has_fill = true;
-    next->factorize(
-      sum_entries(rows),
+    return next->try_shift(
+      sum,
       std::make_shared<InterleavedLayout>(first, n_managed, ghosts, comm),
       next_positions,
       next_may_leave_out,

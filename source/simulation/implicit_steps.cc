@@ -449,50 +449,51 @@ namespace greville
       return find_residual(r, at, dt, false);
     };
     problem.scale     = [&]() { return force_scale; };
-    problem.linearize = [&](const VectorType &at) {
+    problem.linearize = [&](const VectorType &at) -> std::string {
       VectorType unused;
       find_residual(unused, at, dt, true);
       const PartTimer timer(log, "set-up");
-      system.set_operator(scheme.is_static
-                            ? 0.
-                            : (1. - scheme.alpha_m) * scheme.alpha_u /
-                                ((1. - scheme.alpha_f) * dt * dt),
-                          is_symmetric);
+      // Tangents of bodies that fail are indefinite, and some have no
+      // factorization.
+      try
+        {
+          system.set_operator(scheme.is_static
+                                ? 0.
+                                : (1. - scheme.alpha_m) * scheme.alpha_u /
+                                    ((1. - scheme.alpha_f) * dt * dt),
+                              is_symmetric);
+        }
+      catch (const ErrorOnAll &error)
+        {
+          return "the tangent has no preconditioner: " + message_of(error);
+        }
+      return "";
     };
     problem.solve =
       [&](VectorType &dx, const VectorType &r, const double tolerance) {
         const PartTimer timer(log, "solve");
         VectorType      b = r;
         b *= -1.;
-        const SolveResult result = system.solve(dx, b, tolerance);
-        n_linear                 = std::max(n_linear, *result.iterations);
+        SolveResult result;
+        result.iterations = 0;
+        result.reduction  = 1.;
+        try
+          {
+            result = system.solve(dx, b, tolerance);
+          }
+        catch (const ErrorOnAll &error)
+          {
+            result.reason = "has no preconditioner: " + message_of(error);
+          }
+        n_linear = std::max(n_linear, *result.iterations);
         n_all_linear += *result.iterations;
         return result;
       };
-    const auto newton = [&]() {
-      // Tangents of bodies that fail are indefinite, and some have no
-      // factorization. Where there are other processes, they wait for this one.
-      try
-        {
-          return solve_newton(x, problem, parameters.newton);
-        }
-      catch (const ExcMessage &exception)
-        {
-          if (Utilities::MPI::n_mpi_processes(discretization.communicator()) >
-              1)
-            throw;
-          NewtonResult failed;
-          failed.iterations.emplace_back();
-          failed.reason =
-            "the tangent has no preconditioner: " + message_of(exception);
-          return failed;
-        }
-    };
-    NewtonResult result = newton();
+    NewtonResult result = solve_newton(x, problem, parameters.newton);
     if (!result.converged && result.iterations.empty())
       {
         x      = 0.;
-        result = newton();
+        result = solve_newton(x, problem, parameters.newton);
       }
     print(state, dt, result);
     if (!result.converged)

@@ -123,17 +123,23 @@ namespace greville
             result.reason = text.str();
             return result;
           }
-        problem.linearize(x);
-        const SolveResult solve = problem.solve(dx, r, forcing);
-        row.linear_iterations   = *solve.iterations;
-        if (!solve.converged && !(solve.reduction < 0.5))
+        wrong = problem.linearize(x);
+        SolveResult solve;
+        if (wrong.empty())
+          {
+            solve                 = problem.solve(dx, r, forcing);
+            row.linear_iterations = *solve.iterations;
+            if (!solve.converged && !(solve.reduction < 0.5))
+              wrong = "the linear solver " + solve.reason;
+          }
+        if (!wrong.empty())
           {
             if (n_free > 0)
               {
                 go_back();
                 continue;
               }
-            result.reason = "the linear solver " + solve.reason;
+            result.reason = wrong;
             return result;
           }
 

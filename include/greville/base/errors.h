@@ -47,7 +47,16 @@ namespace greville
   first_of_all(const std::string &message, const MPI_Comm comm);
 
   /**
-   * Collective. Throw dealii::ExcMessage on all processes with the message of
+   * What throw_on_all() throws: all processes have it, and may go on together.
+   */
+  class ErrorOnAll : public dealii::ExcMessage
+  {
+  public:
+    using dealii::ExcMessage::ExcMessage;
+  };
+
+  /**
+   * Collective. Throw ErrorOnAll on all processes with the message of
    * the first process whose @p message is not empty, if there is one. Without
    * it an error of a single process leaves the others waiting.
    */

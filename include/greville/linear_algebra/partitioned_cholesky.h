@@ -58,14 +58,15 @@ namespace greville
      * unknowns of @p layout. The owned unknowns have @p positions in a lattice,
      * in which the matrix couples those whose positions differ by @p reach at
      * most, apart from few others. Some of them columns @p may_leave_out.
-     * Throws dealii::ExcMessage on all processes where
-     * IncompleteCholesky::factorize() does on one.
+     * A @p shift, see IncompleteCholesky, is raised where the diagonal of the
+     * interface would not be positive. Throws ErrorOnAll where
+     * IncompleteCholesky::factorize() throws on any process.
      */
     void
     factorize(const LowerTriangle                            &matrix,
               const std::shared_ptr<const InterleavedLayout> &layout,
-              std::vector<std::array<int, 3>>                 positions,
-              std::vector<bool>                               may_leave_out,
+              const std::vector<std::array<int, 3>>          &positions,
+              const std::vector<bool>                        &may_leave_out,
               const unsigned int                              reach,
               const double                                    shift);
 
@@ -88,6 +89,18 @@ namespace greville
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
 
     /**
+     * Collective. Factorize with a shift. False where that leaves an interface
+     * with a diagonal that is not positive.
+     */
+    bool
+    try_shift(const LowerTriangle                            &matrix,
+              const std::shared_ptr<const InterleavedLayout> &layout,
+              std::vector<std::array<int, 3>>                 positions,
+              std::vector<bool>                               may_leave_out,
+              const unsigned int                              reach,
+              const double                                    shift);
+
+    /**
      * What is known of owned unknowns, of ghosts as well.
      */
     void
@@ -106,9 +119,10 @@ namespace greville
                const unsigned int                     reach);
 
     /**
-     * Sum up the Schur complements, and make the next level of them.
+     * Sum up the Schur complements, and make the next level of them, as
+     * try_shift() does.
      */
-    void
+    bool
     make_next_level(const LowerTriangle                   &complement,
                     const std::vector<std::array<int, 3>> &positions,
                     const std::vector<bool>               &may_leave_out,

@@ -43,8 +43,8 @@ namespace greville
     std::function<std::string(VectorType &r, const VectorType &x)> residual;
     /// The size of the forces that the last residual is the sum of, N.
     std::function<double()> scale;
-    /// Make the derivative at the x of the last residual.
-    std::function<void(const VectorType &x)> linearize;
+    /// Make the derivative at x; what is wrong with it: empty if nothing is.
+    std::function<std::string(const VectorType &x)> linearize;
     /// Solve r'(x) dx = -r to a relative tolerance.
     std::function<
       SolveResult(VectorType &dx, const VectorType &r, const double tolerance)>
