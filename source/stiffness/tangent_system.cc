@@ -295,6 +295,9 @@ namespace greville
       {
         smoother.chebyshev_degree += ratio > most ? 3 : 1;
         smoother.chebyshev_range *= ratio > most ? 4. : 2.;
+        // Pivots fail where one direction is much stiffer than the others.
+        constexpr double smallest_shift = 1e-3;
+        smoother.shift = std::max(smoother.shift, smallest_shift);
       }
   }
 
