@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/materials/bingham.h>
+#include <greville/materials/decoupled_neo_hookean.h>
 #include <greville/materials/drucker_prager.h>
 #include <greville/materials/linear_elastic.h>
 #include <greville/materials/material.h>
@@ -36,6 +37,7 @@ namespace greville
     {
       static std::vector<Entry> list = {entry<LinearElastic>(),
                                         entry<NeoHookean>(),
+                                        entry<DecoupledNeoHookean>(),
                                         entry<VonMises>(),
                                         entry<DruckerPrager>(),
                                         entry<MohrCoulomb>(),

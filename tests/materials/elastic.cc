@@ -194,35 +194,41 @@ namespace
 
     // Uniaxial strain and simple shear.
     double     uniaxial = 0, shear = 0;
-    const bool hencky = name == "linear-elastic";
+    const bool hencky    = name == "linear-elastic";
+    const bool decoupled = name == "decoupled-neo-hookean";
     for (const double x : {0.5, 0.9, 1.2, 2.})
       {
         MaterialPoint point = rest(*material);
         Tensor2       F     = one_tensor();
         F[1][1]             = x;
         step(*material, point, F);
-        const double axial   = hencky
-                                 ? M * std::log(x) / x
+        const double p       = K / 2 * (x - 1 / x);
+        const double s_axial = 2. / 3. * G * (x * x - 1) / std::pow(x, 5. / 3.);
+        const double axial   = hencky ? M * std::log(x) / x
+                               : decoupled
+                                 ? p + s_axial
                                  : (lambda * std::log(x) + G * (x * x - 1)) / x;
-        const double lateral = lambda * std::log(x) / x;
-        uniaxial             = std::max({uniaxial,
-                                         std::abs(point.stress[1][1] - axial) / M,
-                                         std::abs(point.stress[0][0] - lateral) / M,
-                                         std::abs(point.stress[2][2] - lateral) / M});
+        const double lateral =
+          decoupled ? p - s_axial / 2 : lambda * std::log(x) / x;
+        uniaxial = std::max({uniaxial,
+                             std::abs(point.stress[1][1] - axial) / M,
+                             std::abs(point.stress[0][0] - lateral) / M,
+                             std::abs(point.stress[2][2] - lateral) / M});
 
         point   = rest(*material);
         F       = one_tensor();
         F[0][2] = x;
         step(*material, point, F);
         // The largest stretch of simple shear: log((x + sqrt(x^2 + 4)) / 2).
-        const double s  = std::asinh(x / 2) / std::sqrt(4 + x * x);
-        const double xz = hencky ? 4 * G * s : G * x;
-        const double xx = hencky ? 2 * G * x * s : G * x * x;
-        const double zz = hencky ? -2 * G * x * s : 0;
-        shear           = std::max({shear,
-                                    std::abs(point.stress[0][2] - xz) / M,
-                                    std::abs(point.stress[0][0] - xx) / M,
-                                    std::abs(point.stress[2][2] - zz) / M});
+        const double s    = std::asinh(x / 2) / std::sqrt(4 + x * x);
+        const double xz   = hencky ? 4 * G * s : G * x;
+        const double mean = decoupled ? G * x * x / 3 : 0;
+        const double xx   = hencky ? 2 * G * x * s : G * x * x - mean;
+        const double zz   = hencky ? -2 * G * x * s : -mean;
+        shear             = std::max({shear,
+                                      std::abs(point.stress[0][2] - xz) / M,
+                                      std::abs(point.stress[0][0] - xx) / M,
+                                      std::abs(point.stress[2][2] - zz) / M});
       }
     check("  uniaxial strain", uniaxial, 1e-14);
     check("  simple shear", shear, 1e-14);
@@ -271,7 +277,7 @@ namespace
     for (const unsigned int i : {0, 1})
       {
         point   = rest(*material);
-        F[0][0] = (hencky ? 0.7 : 1.3) + (i ? 1e-6 : -1e-6);
+        F[0][0] = (hencky || decoupled ? 0.7 : 1.3) + (i ? 1e-6 : -1e-6);
         step(*material, point, F);
         P[i] = first_piola_kirchhoff(point)[0][0];
       }
@@ -300,8 +306,12 @@ namespace
     for (const double p : {-1e7, -1e5, 5e5})
       stresses.push_back(p * unit_symmetric_tensor<3>());
     check_initialize(*material, stresses);
+    // Each stress is one of the decoupled law.
+    const double p = decoupled ? std::nan("") : 1e7;
+    if (decoupled)
+      check_initialize(*material, {1e7 * unit_symmetric_tensor<3>()});
     print_message(
-      [&]() { material->initialize(point, 1e7 * unit_symmetric_tensor<3>()); });
+      [&]() { material->initialize(point, p * unit_symmetric_tensor<3>()); });
   }
 } // namespace
 
@@ -314,6 +324,7 @@ main(int argc, char **argv)
   test_spectra();
   test("linear-elastic");
   test("neo-hookean");
+  test("decoupled-neo-hookean");
 
   // The law of one-dimensional manufactured solutions.
   const auto material =

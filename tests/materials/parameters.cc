@@ -93,6 +93,7 @@ main(int argc, char **argv)
                                             "Poissons ratio = 0.2"};
   test_effects("linear-elastic", {}, elastic);
   test_effects("neo-hookean", {}, elastic);
+  test_effects("decoupled-neo-hookean", {}, elastic);
   test_effects(
     "von-mises",
     {},
@@ -178,6 +179,7 @@ main(int argc, char **argv)
   print_message([]() { make_material("jelly", "Law"); });
   bad("linear-elastic", {"Poissons ratio = 0.5"});
   bad("neo-hookean", {"Poissons ratio = -1"});
+  bad("decoupled-neo-hookean", {"Poissons ratio = 0.5"});
   bad("drucker-prager", {"Dilatancy angle = 31"});
   bad("drucker-prager", {"Friction angle = 0"});
   bad("drucker-prager", {"Cohesion = 1e3", "Tension cut-off = 1e4"});

@@ -384,6 +384,7 @@ main(int argc, char **argv)
   };
   test("linear-elastic", elastic, 0.03, true);
   test("neo-hookean", elastic, 0.03, true);
+  test("decoupled-neo-hookean", elastic, 0.03, true);
   test("von-mises",
        with({"Yield stress = 2e4", "Hardening modulus = 5e4"}),
        0.01,
@@ -453,6 +454,7 @@ main(int argc, char **argv)
 
   for (const std::string name : {"linear-elastic",
                                  "neo-hookean",
+                                 "decoupled-neo-hookean",
                                  "von-mises",
                                  "newtonian-fluid",
                                  "bingham"})

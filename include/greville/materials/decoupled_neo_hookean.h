@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_materials_decoupled_neo_hookean_h
+#define greville_materials_decoupled_neo_hookean_h
+
+#include <greville/materials/elastic_constants.h>
+
+namespace greville
+{
+  /**
+   * The neo-Hookean law with an energy that is a sum of one of volume and one
+   * of shape (Simo, Taylor, Pister 1985; Simo, Hughes, Computational
+   * Inelasticity, section 9.2):
+   * @f{align*}{
+   *   W &= \tfrac{K}{4} (J^2 - 1 - 2 \ln J)
+   *        + \tfrac{\mu}{2} (\mathrm{tr}\, \bar b - 3),
+   *   \quad \bar b = J^{-2/3} F F^T, \\
+   *   J \sigma &= \tfrac{K}{2} (J^2 - 1) \, 1 + \mu \, \mathrm{dev}\, \bar b
+   * @f}
+   * with K and mu = G from E and nu; stresses in Pa. In plane strain bbar has
+   * its entry along z, too.
+   *
+   * A wave along a principal stretch s has rho c^2 = (K (J^2 + 1) / 2 + mu (5
+   * tr(bbar) - 3 J^(-2/3) s^2) / 9) / J, which is positive; wave_modulus takes
+   * for s^2 the lower bound tr(b) / 3 - sqrt(2 / 3) |dev(b)| of the eigenvalues
+   * of b = F F^T.
+   *
+   * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
+   * 0.5), initialize() for a stress that is not finite: one deformation has
+   * each other one.
+   */
+  class DecoupledNeoHookean : public MaterialLaw<DecoupledNeoHookean>
+  {
+  public:
+    static constexpr const char *name = "decoupled-neo-hookean";
+
+    void
+    declare(dealii::ParameterHandler &prm) override
+    {
+      Material::declare(prm);
+      elastic.declare(prm);
+    }
+
+    void
+    reinit(const std::string &section) override
+    {
+      elastic.reinit(section);
+    }
+
+    /**
+     * K (J^2 - 1) = 2 J p gives J. The principal values of bbar are m + e_a
+     * with e_a = J s_a / mu and the deviator s of sigma; m makes their product
+     * one. Newton's method for m comes from above, where the product is convex.
+     */
+    void
+    initialize(MaterialPoint                       &point,
+               const dealii::SymmetricTensor<2, 3> &stress) const override
+    {
+      check_stress(std::isfinite(stress.norm()),
+                   name,
+                   stress,
+                   "it has to be finite");
+      const Spectrum spectrum(stress);
+      const double   K = elastic.bulk, p = trace(stress) / 3.,
+                   root = std::hypot(p, K);
+      point.J           = p > 0. ? (p + root) / K : K / (root - p);
+
+      Principal e;
+      double    m = 1.;
+      for (unsigned int a = 0; a < 3; ++a)
+        {
+          e[a] = point.J * (spectrum.values[a] - p) / elastic.shear;
+          m    = std::max(m, 1. - e[a]);
+        }
+      for (unsigned int i = 0; i < 200; ++i)
+        {
+          const double x = m + e[0], y = m + e[1], z = m + e[2];
+          const double change = (x * y * z - 1.) / (x * y + y * z + z * x);
+          m -= change;
+          if (change <= 1e-16 * m)
+            break;
+        }
+      Principal stretch;
+      for (unsigned int a = 0; a < 3; ++a)
+        stretch[a] = std::cbrt(point.J) * std::sqrt(m + e[a]);
+      point.F = spectrum.tensor(stretch);
+      update_point(point);
+      point.stress = stress;
+    }
+
+    void
+    update_point(MaterialPoint &point) const
+    {
+      const double                  mu = elastic.shear * shape_factor(point.J);
+      const double                  inverse_J = 1. / point.J;
+      dealii::SymmetricTensor<2, 3> s    = left_cauchy_green_less_one(point.F);
+      const double                  mean = trace(s) / 3.;
+      for (unsigned int i = 0; i < 3; ++i)
+        s.access_raw_entry(i) -= mean;
+
+      point.wave_modulus =
+        inverse_J *
+        (0.5 * elastic.bulk * (point.J * point.J + 1.) +
+         mu * (4. / 3. * (1. + mean) + std::sqrt(2. / 27.) * s.norm()));
+      point.stress = mu * inverse_J * s;
+      for (unsigned int i = 0; i < 3; ++i)
+        point.stress.access_raw_entry(i) += pressure(point.J);
+    }
+
+    double
+    strain_energy(const MaterialPoint &point) const override
+    {
+      const double x = point.J - 1., log_J = std::log(point.J);
+      return 0.25 * elastic.bulk * (x * (x + 2.) - 2. * log_J) +
+             0.5 * elastic.shear *
+               (shape_factor(point.J) *
+                  trace(left_cauchy_green_less_one(point.F)) +
+                3. * std::expm1(-2. / 3. * log_J));
+    }
+
+    void
+    tangents(const dealii::ArrayView<const MaterialPoint> &points,
+             const dealii::ArrayView<MaterialTangent>     &result,
+             const unsigned int                            dim) const override
+    {
+      AssertDimension(points.size(), result.size());
+      for (std::size_t p = 0; p < points.size(); ++p)
+        {
+          // J D = K J^2 1 x 1 - J sigma x 1 + mu (change of bbar, deviator)
+          const double J  = points[p].J;
+          const double mu = elastic.shear * shape_factor(J) / J;
+          const auto   b  = left_cauchy_green_less_one(points[p].F) +
+                         dealii::unit_symmetric_tensor<3>();
+          const auto       s = deviator(b);
+          MaterialTangent &D = result[p];
+          D                  = 0.;
+          for (unsigned int k = 0; k < dim; ++k)
+            for (unsigned int l = 0; l < dim; ++l)
+              for (unsigned int i = 0; i < 3; ++i)
+                {
+                  D[i][k][k][l] += mu * b[i][l];
+                  D[k][i][k][l] += mu * b[i][l];
+                  D[i][i][k][l] -= 2. / 3. * mu * b[k][l];
+                  if (k == l)
+                    {
+                      D[i][i][k][k] += elastic.bulk * J - pressure(J);
+                      for (unsigned int j = 0; j < 3; ++j)
+                        D[i][j][k][k] -= 5. / 3. * mu * s[i][j];
+                    }
+                }
+        }
+    }
+
+    bool
+    has_symmetric_tangent() const override
+    {
+      return true;
+    }
+
+    Moduli
+    moduli() const override
+    {
+      return elastic.moduli();
+    }
+
+  private:
+    /**
+     * J^(-2/3), not a number where J is not positive.
+     */
+    static double
+    shape_factor(const double J)
+    {
+      return std::exp(-2. / 3. * std::log(J));
+    }
+
+    /**
+     * The mean Cauchy stress.
+     */
+    double
+    pressure(const double J) const
+    {
+      return 0.5 * elastic.bulk * (J - 1.) * (J + 1.) / J;
+    }
+
+    ElasticConstants elastic;
+  };
+} // namespace greville
+
+#endif
