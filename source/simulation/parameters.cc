@@ -194,7 +194,8 @@ namespace greville
           "velocity or displacement below) or friction (sliding with the "
           "coefficient below).");
         add_parameter(prm, names[w] + " velocity", velocity[w])(
-          "Of a moving wall: formulas of t separated by semicolons. Unit: m / "
+          "Of a moving wall: formulas of x, y (, z) and t separated by "
+          "semicolons. Unit: m / "
           "s.");
         add_parameter(prm, names[w] + " displacement", displacement[w])(
           "Of a moving wall, in place of its velocity: formulas of t separated "

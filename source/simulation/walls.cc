@@ -9,6 +9,35 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    template <int dim>
+    std::vector<std::string>
+    position_and_time()
+    {
+      std::vector<std::string> names = coordinate_names<dim>();
+      names.push_back("t");
+      return names;
+    }
+
+
+
+    template <int dim>
+    Tensor<1, dim>
+    value_at(const VectorExpression<dim> &formula,
+             const Point<dim>            &x,
+             const double                 t)
+    {
+      std::array<double, dim + 1> values;
+      for (unsigned int d = 0; d < dim; ++d)
+        values[d] = x[d];
+      values[dim] = t;
+      return formula(ArrayView<const double>(values.data(), dim + 1));
+    }
+  } // namespace
+
+
+
   template <int dim>
   Walls<dim>::Walls(const WallParameters &parameters)
   {
@@ -18,11 +47,13 @@ namespace greville
         friction[w]            = parameters.friction[w];
         const std::string name = "Walls/" + WallParameters::names[w];
         if (!parameters.velocity[w].empty())
-          velocity[w] = {parameters.velocity[w], name + " velocity", {"t"}};
+          velocity[w] = {parameters.velocity[w],
+                         name + " velocity",
+                         position_and_time<dim>()};
         if (!parameters.displacement[w].empty())
           displacement[w] = {parameters.displacement[w],
                              name + " displacement",
-                             {"t"}};
+                             position_and_time<dim>()};
       }
   }
 
@@ -55,7 +86,36 @@ namespace greville
   Walls<dim>::reinit(const SplineSpace<dim> &space)
   {
     for (unsigned int w = 0; w < 2 * dim; ++w)
-      coefficients[w] = coefficients_at(space, w);
+      {
+        coefficients[w] = coefficients_at(space, w);
+        places[w].clear();
+        for (const unsigned int i : coefficients[w])
+          {
+            const auto k =
+              multi_index<dim>(space.owned_functions()[i], space.n_functions());
+            Point<dim> x;
+            for (unsigned int d = 0; d < dim; ++d)
+              x[d] = space.knots(d).greville_abscissa(k[d]);
+            places[w].push_back(x);
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  Tensor<1, dim>
+  Walls<dim>::velocity_at(const unsigned int wall,
+                          const Point<dim>  &x,
+                          const WallTime    &time) const
+  {
+    const VectorExpression<dim> &d = displacement[wall];
+    if (d.is_zero())
+      return value_at(velocity[wall], x, time.t);
+    if (time.begin == time.end)
+      return Tensor<1, dim>();
+    return (value_at(d, x, time.end) - value_at(d, x, time.begin)) /
+           (time.end - time.begin);
   }
 
 
@@ -70,32 +130,45 @@ namespace greville
     const double           dt = (end - start) / n;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       if (type[w] == "moving")
-        {
-          const unsigned int d    = w / 2;
-          const double       h    = space.lattice().cell_size(d);
-          double             path = 0., last = 0.;
-          for (unsigned int k = 0; k <= n; ++k)
-            {
-              const double t = start + dt * k;
-              const double v = velocity[w](t)[d];
-              if (k > 0)
-                path += 0.5 * dt * (last + v);
-              last = v;
-              if (!displacement[w].is_zero())
-                path = displacement[w](t)[d] - displacement[w](start)[d];
-              AssertThrow(
-                std::abs(path) <= 0.1 * h,
-                ExcMessage(
-                  "The parameter 'Walls/" + WallParameters::names[w] +
-                  (displacement[w].is_zero() ? " velocity" : " displacement") +
-                  "' moves the wall along its normal: by " +
-                  std::to_string(path) + " m until t = " + std::to_string(t) +
-                  " s. Walls of the grid can move along themselves only (or a "
-                  "tenth of a cell, " +
-                  std::to_string(0.1 * h) +
-                  " m): take a body with an 'Imposed velocity' as a piston."));
-            }
-        }
+        for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+          {
+            const unsigned int d = w / 2;
+            if (((corner >> d) & 1) != w % 2)
+              continue;
+            Point<dim> x;
+            for (unsigned int c = 0; c < dim; ++c)
+              x[c] = (corner >> c) & 1 ? space.lattice().upper(c)
+                                       : space.lattice().lower(c);
+            const double h    = space.lattice().cell_size(d);
+            double       path = 0., last = 0.;
+            for (unsigned int k = 0; k <= n; ++k)
+              {
+                const double t = start + dt * k;
+                if (displacement[w].is_zero())
+                  {
+                    const double v = value_at(velocity[w], x, t)[d];
+                    if (k > 0)
+                      path += 0.5 * dt * (last + v);
+                    last = v;
+                  }
+                else
+                  path = (value_at(displacement[w], x, t) -
+                          value_at(displacement[w], x, start))[d];
+                AssertThrow(
+                  std::abs(path) <= 0.1 * h,
+                  ExcMessage(
+                    "The parameter 'Walls/" + WallParameters::names[w] +
+                    (displacement[w].is_zero() ? " velocity"
+                                               : " displacement") +
+                    "' moves the wall along its normal: by " +
+                    std::to_string(path) + " m until t = " + std::to_string(t) +
+                    " s. Walls of the grid can move along themselves only (or "
+                    "a tenth of a cell, " +
+                    std::to_string(0.1 * h) +
+                    " m): take a body with an 'Imposed velocity' as a "
+                    "piston."));
+              }
+          }
   }
 
 
@@ -150,26 +223,19 @@ namespace greville
   {
     for (unsigned int w = 0; w < 2 * dim; ++w)
       {
-        const Tensor<1, dim> value = value_at(w);
+        std::array<bool, dim> is_held;
         for (unsigned int c = 0; c < dim; ++c)
-          if (holds(w, c))
-            for (const unsigned int i : coefficients[w])
-              field[c].local_element(i) = value[c];
+          is_held[c] = holds(w, c);
+        if (!is_held[w / 2])
+          continue;
+        for (unsigned int k = 0; k < coefficients[w].size(); ++k)
+          {
+            const Tensor<1, dim> value = value_at(w, places[w][k]);
+            for (unsigned int c = 0; c < dim; ++c)
+              if (is_held[c])
+                field[c].local_element(coefficients[w][k]) = value[c];
+          }
       }
-  }
-
-
-
-  template <int dim>
-  Tensor<1, dim>
-  Walls<dim>::velocity_at(const unsigned int wall, const WallTime &time) const
-  {
-    const VectorExpression<dim> &d = displacement[wall];
-    if (d.is_zero())
-      return velocity[wall](time.t);
-    if (time.begin == time.end)
-      return Tensor<1, dim>();
-    return (d(time.end) - d(time.begin)) / (time.end - time.begin);
   }
 
 
@@ -178,7 +244,9 @@ namespace greville
   void
   Walls<dim>::hold_velocity(VectorField<dim> &field, const WallTime &time) const
   {
-    hold(field, [&](const unsigned int w) { return velocity_at(w, time); });
+    hold(field, [&](const unsigned int w, const Point<dim> &x) {
+      return velocity_at(w, x, time);
+    });
   }
 
 
@@ -190,9 +258,10 @@ namespace greville
                                 const WallTime   &after,
                                 const double      dt) const
   {
-    hold(field, [&](const unsigned int w) {
-      return dt > 0. ? (velocity_at(w, after) - velocity_at(w, before)) / dt
-                     : Tensor<1, dim>();
+    hold(field, [&](const unsigned int w, const Point<dim> &x) {
+      return dt > 0.
+               ? (velocity_at(w, x, after) - velocity_at(w, x, before)) / dt
+               : Tensor<1, dim>();
     });
   }
 

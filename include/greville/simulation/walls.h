@@ -28,6 +28,11 @@ namespace greville
    * for all orders, without help by the user. The body does not separate from
    * such a wall.
    *
+   * The velocity or displacement of a moving wall is a formula of position and
+   * time. Its
+   * coefficients are the values at the Greville abscissae: exact where it is
+   * linear in the position, as that of a wall that turns.
+   *
    * A friction wall is touched from one side. A coefficient v of the new
    * velocity that goes into the wall with the speed v_n is stopped, and slowed
    * down along the wall by Coulomb's law for the two parts of the impulse, v <-
@@ -137,11 +142,17 @@ namespace greville
     bool
     holds(const unsigned int wall, const unsigned int component) const;
 
+    /**
+     * Zero of a wall that does not move.
+     */
     dealii::Tensor<1, dim>
-    velocity_at(const unsigned int wall, const WallTime &time) const;
+    velocity_at(const unsigned int        wall,
+                const dealii::Point<dim> &x,
+                const WallTime           &time) const;
 
     /**
-     * Set the held coefficients at each wall to the values of @p value(wall).
+     * Set the held coefficients at each wall to the values of @p value(wall,
+     * position).
      */
     template <typename Value>
     void
@@ -152,8 +163,10 @@ namespace greville
     std::array<VectorExpression<dim>, 2 * dim> velocity;
     std::array<VectorExpression<dim>, 2 * dim> displacement;
 
-    // Local numbers of the owned coefficients at each wall.
-    std::array<std::vector<unsigned int>, 2 * dim> coefficients;
+    // Local numbers of the owned coefficients at each wall, and the Greville
+    // abscissae of their functions.
+    std::array<std::vector<unsigned int>, 2 * dim>       coefficients;
+    std::array<std::vector<dealii::Point<dim>>, 2 * dim> places;
   };
 } // namespace greville
 
