@@ -271,6 +271,24 @@ namespace
       }
     check("  small strains", linear, 1e-6);
 
+    // Its energy is that of linear elasticity, to the size of the strain.
+    double quadratic = 0;
+    for (const double size : {1e-4, 1e-7, 1e-10})
+      for (unsigned int k = 0; k < 20; ++k)
+        {
+          point = rest(*material);
+          step(*material, point, one_tensor() + random.matrix(size, k % 2));
+          // What F has after rounding.
+          const auto   e = symmetrize(point.F - one_tensor());
+          const double W =
+            0.5 * K * trace(e) * trace(e) + G * deviator(e) * deviator(e);
+          quadratic =
+            std::max(quadratic,
+                     std::abs(material->strain_energy(point) / W - 1.) /
+                       (20. * size + 1e-16 / size));
+        }
+    check("  energy of small strains", quadratic, 1.);
+
     // The modulus of waves along a bar: F dP / dF.
     Tensor2 F = one_tensor();
     double  P[2];

@@ -107,15 +107,21 @@ namespace greville
         point.stress.access_raw_entry(i) += pressure(point.J);
     }
 
+    /**
+     * To round-off of its own size, see NeoHookean: with ln(det(b)) = 3 q,
+     * tr(bbar) / 3 - 1 = exp(-q) (tr(b) / 3 - 1 - (exp(q) - 1)), where all that
+     * is linear in b - 1 cancels.
+     */
     double
     strain_energy(const MaterialPoint &point) const override
     {
-      const double x = point.J - 1., log_J = std::log(point.J);
-      return 0.25 * elastic.bulk * (x * (x + 2.) - 2. * log_J) +
-             0.5 * elastic.shear *
-               (shape_factor(point.J) *
-                  trace(left_cauchy_green_less_one(point.F)) +
-                3. * std::expm1(-2. / 3. * log_J));
+      const double        x = point.J - 1.;
+      const SquaredVolume volume(left_cauchy_green_less_one(point.F));
+      const double        q = std::log1p(volume.less_one) / 3.;
+      return 0.25 * elastic.bulk * (x * x + 2. * less_log_of_one_plus(x)) +
+             0.5 * elastic.shear * std::exp(-q) *
+               (less_log_of_one_plus(volume.less_one) - volume.nonlinear -
+                3. * exp_less_one_less(q));
     }
 
     void

@@ -127,12 +127,18 @@ namespace greville
         }
     }
 
+    /**
+     * To round-off of its own size, of small strains too: steps that conserve
+     * energy divide its change by that of the strain.
+     */
     double
     strain_energy(const MaterialPoint &point) const override
     {
-      const double log_J = std::log(point.J);
-      return 0.5 * elastic.shear * trace(left_cauchy_green_less_one(point.F)) -
-             elastic.shear * log_J + 0.5 * elastic.lambda * log_J * log_J;
+      const double        log_J = std::log(point.J);
+      const SquaredVolume volume(left_cauchy_green_less_one(point.F));
+      return 0.5 * elastic.shear *
+               (less_log_of_one_plus(volume.less_one) - volume.nonlinear) +
+             0.5 * elastic.lambda * log_J * log_J;
     }
 
     void
