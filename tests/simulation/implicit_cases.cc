@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// Implicit steps in cases with references: Cook's membrane, free flight, disks
+// that collide, and walls that turn.
+#include "simulation.h"
+#include <limits>
+
+namespace
+{
+  /**
+   * Cook's membrane with 16 cells, points at the midpoints of quadrilaterals:
+   * the displacement of the tip, mm, by that and the gradient of the point next
+   * to it.
+   */
+  double
+  membrane_tip(const unsigned int p)
+  {
+    const double       length = 0.048, left = 0.044, right = 0.016;
+    const unsigned int n = 64, m = 48;
+    if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      {
+        std::ofstream file("membrane.csv");
+        file.precision(12);
+        file << "x,y,volume\n";
+        for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int j = 0; j < m; ++j)
+            {
+              const double s      = (i + 0.5) / n;
+              const double height = left + (right - left) * s;
+              file << length * s << ',' << left * s + height * (j + 0.5) / m
+                   << ',' << length / n * height / m << '\n';
+            }
+      }
+    Simulated<2> run(
+      Text()
+        .add("Simulation",
+             {"Bodies = membrane", "Materials = rubber", "Tractions = shear"})
+        .add("Grid",
+             {"Lower corner = 0, -0.004",
+              "Upper corner = 0.054, 0.083",
+              "Cells = 18, 29",
+              "Order = " + std::to_string(p)})
+        .add("Time", {"End = 1", "Step = 0.2"})
+        .add("Scheme", {"Stress update = quasi-static"})
+        .add("Implicit", {"Filling threshold = 0.03"})
+        .add("Newton", {"Tolerance = 1e-6"})
+        .add("Body membrane",
+             {"Material = rubber", "Points file = membrane.csv"})
+        .add("Material rubber",
+             {"Model = decoupled-neo-hookean",
+              "Youngs modulus = 1.0985e6",
+              "Poissons ratio = 0.3"})
+        .add(
+          "Traction shear",
+          {"Shape = x >= 0.04725", "Traction = 0; 62500 * t", "Area = 0.016"})
+        .add("Walls", {"Left = fixed"}));
+    run.run();
+    const Point<2> tip(length, 0.052);
+    double         distance = std::numeric_limits<double>::max(), result = 0.;
+    for (const auto &body : run->bodies())
+      body.points.for_each([&](const unsigned int, const auto point) {
+        const Tensor<1, 2> d = tip - point.reference();
+        if (d.norm() >= distance)
+          return;
+        distance = d.norm();
+        result   = point.position(1) - point.reference(1);
+        for (unsigned int i = 0; i < 2; ++i)
+          result += (point.F(1, i) - (i == 1)) * d[i];
+      });
+    const double nearest = Utilities::MPI::min(distance, MPI_COMM_WORLD);
+    return 1e3 * Utilities::MPI::max(distance == nearest ? result : 0.,
+                                     MPI_COMM_WORLD);
+  }
+
+
+
+  /**
+   * A block that flies over some of its lengths.
+   */
+  void
+  check_flight(const unsigned int p, const double speed_over_wave_speed)
+  {
+    const double c     = std::sqrt(100. * 0.7 / (1.3 * 0.4));
+    const double speed = speed_over_wave_speed * c;
+    Simulated<2> run(
+      block_2d("box(4.3, 2.4, 12.3, 10.4)")
+        .with("Grid",
+              {"Upper corner = 41, 13",
+               "Cells = 41, 13",
+               "Order = " + std::to_string(p)})
+        .with("Body body",
+              {"Points per direction = 3",
+               "Velocity = " + std::to_string(speed) + "; 0"})
+        .with("Scheme",
+              {"Mass = consistent", "Stress update = implicit-midpoint"})
+        .with("Newton", {"Absolute tolerance = 1e-8"})
+        .with("Time",
+              {"End = " + std::to_string(24. / speed),
+               "Step = " + std::to_string(0.5 / (c + speed))}));
+    run.run();
+    const Statistics<2> row = run->statistics();
+    check("free flight, p = " + std::to_string(p) + ", speed " +
+            std::to_string(speed_over_wave_speed),
+          row.strain / row.kinetic,
+          1e-18);
+  }
+
+
+
+  /**
+   * Steps of ten times the critical one of the consistent mass.
+   */
+  void
+  check_collision()
+  {
+    const std::string file =
+      std::string(SOURCE_DIR) + "/../../prm/simulation/colliding_disks.prm";
+    std::ostringstream content;
+    content << std::ifstream(file).rdbuf();
+    Simulated<2> run(
+      Text(content.str())
+        .with("Scheme",
+              {"Mass = consistent", "Stress update = implicit-midpoint"})
+        .with("Time", {"Step = 0.1696"})
+        .with("Implicit", {"Filling threshold = 0.1"})
+        .with("Newton", {"Absolute tolerance = 1e-8"}));
+    const double start   = run->statistics().kinetic;
+    double       largest = 0., lowest = start;
+    while (!run->is_finished())
+      {
+        run->step();
+        const Statistics<2> row = run->statistics();
+        largest =
+          std::max(largest, std::abs(row.kinetic + row.strain - start) / start);
+        lowest = std::min(lowest, row.kinetic);
+      }
+    check("disks collide", lowest < 0.1 * start);
+    check("  and keep their energy", largest, 1e-6);
+  }
+
+
+
+  /**
+   * Both ends turn by a tenth of a revolution in ten steps, and what is between
+   * them with them: their velocity is linear in the position.
+   */
+  void
+  check_turning_walls()
+  {
+    const double       angle = 0.02 * numbers::PI;
+    std::ostringstream velocity;
+    velocity.precision(17);
+    velocity << "0; " << 10. * (std::cos(angle) - 1.) << " * y - "
+             << 10. * std::sin(angle) << " * z; " << 10. * std::sin(angle)
+             << " * y + " << 10. * (std::cos(angle) - 1.) << " * z";
+    Simulated<3> run(
+      block_3d("box(0, -0.3, -0.3, 1, 0.3, 0.3)")
+        .with("Grid",
+              {"Lower corner = 0, -0.6, -0.6",
+               "Upper corner = 1, 0.6, 0.6",
+               "Cells = 4, 6, 6"})
+        .with("Material solid", {"Model = neo-hookean"})
+        .with("Scheme", {"Mass = consistent", "Stress update = quasi-static"})
+        .with("Walls",
+              {"Left = moving",
+               "Right = moving",
+               "Left velocity = " + velocity.str(),
+               "Right velocity = " + velocity.str()})
+        .with("Newton", {"Tolerance = 1e-10", "Absolute tolerance = 1e-10"})
+        .with("Time", {"End = 1", "Step = 0.1"}));
+    run.run();
+    double worst = 0.;
+    for (const auto &body : run->bodies())
+      body.points.for_each([&](const unsigned int, const auto point) {
+        const double   c = std::cos(10. * angle), s = std::sin(10. * angle);
+        const Point<3> X = point.reference();
+        worst            = std::max({worst,
+                                     std::abs(point.position(0) - X[0]),
+                                     std::abs(point.position(1) - c * X[1] + s * X[2]),
+                                     std::abs(point.position(2) - s * X[1] - c * X[2])});
+      });
+    check("walls turn a block",
+          Utilities::MPI::max(worst, MPI_COMM_WORLD),
+          1e-9);
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  // 14.74 mm; on this grid and with the traction on the points next to the
+  // edge.
+  for (const unsigned int p : {2, 3})
+    {
+      const double tip = membrane_tip(p);
+      check("Cook's membrane, p = " + std::to_string(p),
+            std::abs(tip / 14.74 - 1.),
+            0.01);
+      for (const double speed : {0.3, 2.})
+        check_flight(p, speed);
+    }
+  check_collision();
+  check_turning_walls();
+}
