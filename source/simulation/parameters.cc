@@ -198,9 +198,9 @@ namespace greville
           "semicolons. Unit: m / "
           "s.");
         add_parameter(prm, names[w] + " displacement", displacement[w])(
-          "Of a moving wall, in place of its velocity: formulas of t separated "
-          "by semicolons, d(t). A step moves the wall by d(t + dt) - d(t). "
-          "Unit: m.");
+          "Of a moving wall, in place of its velocity: formulas of x, y (, z) "
+          "and t separated by semicolons, d(x, t). A step moves the wall by "
+          "d(x, t + dt) - d(x, t). Unit: m.");
         add_parameter(prm, names[w] + " friction", friction[w], Double(0.))(
           "Coefficient of Coulomb friction of a friction wall. Unit: none.");
       }
