@@ -146,7 +146,8 @@ namespace greville
       text = "no equilibrium has been found beyond t = " + text_of(state.time) +
              " s. Where loads, walls or the strength of materials go on "
              "changing, this is the limit of what the bodies bear; a dynamic "
-             "scheme goes beyond it. In detail, ";
+             "scheme goes beyond it. Bodies that are thinner than a cell "
+             "somewhere need more points ('Points per direction'). In detail, ";
     text += "the step has been cut to " + text_of(2. * state.step_fraction) +
             " of 'Time/Step', and still " + rejection;
     return text;
