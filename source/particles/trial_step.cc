@@ -143,12 +143,18 @@ namespace greville
 
     template <int dim>
     bool
-    is_finite(const TrialPoint<dim> &trial)
+    is_finite(const TrialPoint<dim> &trial, const bool with_tangent)
     {
       double sum = 0.;
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
-          sum += trial.P[i][j] + trial.dP[i][j].norm();
+          {
+            sum += trial.P[i][j];
+            if (with_tangent)
+              for (unsigned int k = 0; k < dim; ++k)
+                for (unsigned int l = 0; l < dim; ++l)
+                  sum += trial.dP[i][j][k][l];
+          }
       return std::isfinite(sum);
     }
 
@@ -240,7 +246,7 @@ namespace greville
                                             change,
                                             with_tangents);
               }
-            if (!(ends[k].J > 0.) || !is_finite(trial))
+            if (!(ends[k].J > 0.) || !is_finite(trial, with_tangents))
               report_bad_point<dim>(p, ends[k].J, report);
             ++k;
           });

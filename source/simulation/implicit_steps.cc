@@ -490,12 +490,7 @@ namespace greville
         n_all_linear += *result.iterations;
         return result;
       };
-    NewtonResult result = solve_newton(x, problem, parameters.newton);
-    if (!result.converged && result.iterations.empty())
-      {
-        x      = 0.;
-        result = solve_newton(x, problem, parameters.newton);
-      }
+    const NewtonResult result = solve_newton(x, problem, parameters.newton);
     print(state, dt, result);
     if (!result.converged)
       {

@@ -93,7 +93,8 @@ namespace greville
    * systems are solved to the relative tolerance 0.9 (|r_k| / |r_(k-1)|)^2 (S.
    * Eisenstat and H. Walker, Choosing the forcing terms in an inexact Newton
    * method, 1996, choice 2) between the parameters' bounds, so that
-   * convergence is quadratic. On entry @p x is the guess.
+   * convergence is quadratic. On entry @p x is the guess; where that fails and
+   * the residual of zero is much smaller, it begins again with zero.
    */
   NewtonResult
   solve_newton(VectorType             &x,
