@@ -83,6 +83,13 @@ namespace greville
              parameters.scheme.volumetric_projection,
            "the force of the projection does not conserve energy; take another "
            "scheme.");
+    refuse(parameters.implicit_solver.method == "cg" &&
+             parameters.scheme.volumetric_projection != "none",
+           "'Implicit solver/Method' = cg and 'Scheme/Volumetric projection' "
+           "= " +
+             parameters.scheme.volumetric_projection,
+           "the projection makes tangents that are not symmetric; take auto or "
+           "fgmres.");
     refuse(parameters.scheme.transfer == "APIC",
            "'Scheme/Transfer' = APIC",
            "take FLIP or PIC.");
@@ -245,7 +252,7 @@ namespace greville
 
     velocity = state.velocity;
     // The velocity of walls at the begin, and at the end, from displacements
-    // of a small part of the step.
+    // of a small fraction of the step.
     const double   small = 1e-3 * dt, begin = parameters.time.start;
     const double   end    = state.time + dt;
     const WallTime before = {state.time,

@@ -183,23 +183,33 @@ namespace
 
 
 
+  /**
+   * Both names that do not go together.
+   */
   void
   check_refused()
   {
-    std::string message;
-    try
-      {
-        Simulated<2> simulated(
-          beam<2>(2, 2, "order p-1")
-            .with("Scheme", {"Stress update = implicit-midpoint"})
-            .with("Time", {"Step = 0.1"}));
-      }
-    catch (const std::exception &error)
-      {
-        message = error.what();
-      }
+    const auto message = [](const std::vector<std::string> &scheme,
+                            const std::vector<std::string> &solver) {
+      try
+        {
+          Simulated<2> simulated(beam<2>(2, 2, "order p-1")
+                                   .with("Scheme", scheme)
+                                   .with("Implicit solver", solver)
+                                   .with("Time", {"Step = 0.1"}));
+        }
+      catch (const std::exception &error)
+        {
+          return std::string(error.what());
+        }
+      return std::string();
+    };
     check("implicit-midpoint",
-          message.find("Volumetric projection") != std::string::npos);
+          message({"Stress update = implicit-midpoint"}, {})
+              .find("Volumetric projection") != std::string::npos);
+    check("conjugate gradients",
+          message({"Stress update = quasi-static"}, {"Method = cg"})
+              .find("Implicit solver/Method") != std::string::npos);
   }
 } // namespace
 

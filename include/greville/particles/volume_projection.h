@@ -24,8 +24,8 @@ namespace greville
    * methods for nearly incompressible linear and non-linear elasticity and
    * plasticity using higher-order NURBS elements, 2008.) The L2 projection has
    * the lumped matrix, so that theta bar lies between the smallest and the
-   * largest theta nearby, and surfaces in any place of their cells do no harm;
-   * it is exact for theta linear in x inside of a body, of order 2.
+   * largest theta nearby, also at surfaces; it is of order 2 inside of a body.
+   * The N_I are not extended: where those of order p = 1 are, they still lock.
    *
    * Bodies are projected one by one: their points may differ in stiffness.
    */

@@ -29,9 +29,8 @@ namespace greville
    * such a wall.
    *
    * The velocity or displacement of a moving wall is a formula of position and
-   * time. Its
-   * coefficients are the values at the Greville abscissae: exact where it is
-   * linear in the position, as that of a wall that turns.
+   * time. Its coefficients are the values at the Greville abscissae: exact
+   * where it is linear in the position, as that of a wall that turns.
    *
    * A friction wall is touched from one side. A coefficient v of the new
    * velocity that goes into the wall with the speed v_n is stopped, and slowed

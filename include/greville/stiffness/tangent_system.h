@@ -91,9 +91,8 @@ namespace greville
 
     /**
      * Collective. Parameters are kept by reference, and so is the @p
-     * projection of changes of volume, if there is one. Cells are well-filled
-     * from the part @p filling on, see CellFilling. @p lump takes the row sums
-     * of the mass.
+     * projection, which may be null. Cells are well-filled from the fraction
+     * @p filling on, see CellFilling. @p lump takes the row sums of the mass.
      */
     TangentSystem(const unsigned int             degree,
                   DistributedTriangulation<dim> &triangulation,
