@@ -200,7 +200,7 @@ namespace
         }
       catch (const std::exception &error)
         {
-          return std::string(error.what());
+          return message_of(error);
         }
       return std::string();
     };
