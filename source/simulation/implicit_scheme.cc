@@ -46,6 +46,16 @@ namespace greville
 
 
 
+  bool
+  is_implicit_scheme(const std::string &name)
+  {
+    return name == "quasi-static" || name == "backward-euler" ||
+           name == "newmark" || name == "generalized-alpha" ||
+           name == "implicit-midpoint";
+  }
+
+
+
   ImplicitScheme
   make_implicit_scheme(const std::string        &name,
                        const ImplicitParameters &parameters)

@@ -402,30 +402,29 @@ namespace greville
 
   template <int dim>
   void
-  ImplicitSteps<dim>::add_work(State<dim> &state)
+  ImplicitSteps<dim>::find_reactions(State<dim> &state)
   {
-    double sum = 0.;
-    for (unsigned int d = 0; d < dim; ++d)
-      for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim;
-           ++i)
-        sum += new_loads[d].local_element(i) * displacement[d].local_element(i);
-    // Walls give what is left of the balance: force has f - F', work inertia.
-    if (discretization.walls().have_moving())
+    // Walls give what is left of the balance at held coefficients, in which
+    // force has f - F', and work inertia, both over 1 - alpha_f.
+    const Walls<dim> &walls    = discretization.walls();
+    VectorField<dim>  reaction = velocity;
+    if (scheme.is_static)
+      reaction = force;
+    else
       {
-        VectorField<dim> at_held = velocity;
-        if (scheme.is_static)
-          for (VectorType &component : at_held)
-            component = 0.;
-        else
-          system.finest().extended().multiply_at_held(at_held, work);
-        const auto &held = system.finest().held_components();
-        for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim;
-             ++i)
-          for (unsigned int d = 0; d < dim; ++d)
-            if ((held[i] >> d) & 1)
-              sum += (force[d].local_element(i) + at_held[d].local_element(i)) *
-                     displacement[d].local_element(i);
+        system.finest().extended().multiply_at_held(reaction, work);
+        for (unsigned int d = 0; d < dim; ++d)
+          reaction[d].sadd(1. - scheme.alpha_f, 1. - scheme.alpha_f, force[d]);
       }
+    state.reactions = walls.sums_of_held(reaction);
+
+    const auto &held = system.finest().held_components();
+    double      sum  = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int i = 0; i < reaction[d].locally_owned_size(); ++i)
+        sum += (((held[i] >> d) & 1 ? reaction[d].local_element(i) : 0.) +
+                new_loads[d].local_element(i)) *
+               displacement[d].local_element(i);
     state.energy.add_work(sum);
   }
 
@@ -504,7 +503,7 @@ namespace greville
         rejection = result.reason + describe_residual();
         throw StepRejected(rejection);
       }
-    add_work(state);
+    find_reactions(state);
 
     // v', and what the points get.
     for (unsigned int d = 0; d < dim; ++d)

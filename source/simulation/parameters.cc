@@ -193,14 +193,18 @@ namespace greville
           "the "
           "velocity or displacement below) or friction (sliding with the "
           "coefficient below).");
+        add_parameter(prm, names[w] + " region", region[w])(
+          "Of a fixed, sliding or moving wall: the shape or condition in which "
+          "it is, beside which it is free; empty: everywhere. Coefficients "
+          "whose Greville abscissae are inside are held.");
         add_parameter(prm, names[w] + " velocity", velocity[w])(
           "Of a moving wall: formulas of x, y (, z) and t separated by "
-          "semicolons. Unit: m / "
-          "s.");
+          "semicolons. A sliding wall may have one, of which the normal "
+          "component counts. Unit: m / s.");
         add_parameter(prm, names[w] + " displacement", displacement[w])(
-          "Of a moving wall, in place of its velocity: formulas of x, y (, z) "
-          "and t separated by semicolons, d(x, t). A step moves the wall by "
-          "d(x, t + dt) - d(x, t). Unit: m.");
+          "In place of the velocity: formulas of x, y (, z) and t separated by "
+          "semicolons, d(x, t). A step moves the wall by d(x, t + dt) - d(x, "
+          "t). Unit: m.");
         add_parameter(prm, names[w] + " friction", friction[w], Double(0.))(
           "Coefficient of Coulomb friction of a friction wall. Unit: none.");
       }

@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
+#include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/run.h>
 
 #include <algorithm>
@@ -37,6 +38,45 @@ namespace greville
         result += (result.empty() ? "" : " x ") + std::to_string(n);
       return result;
     }
+
+
+
+    /**
+     * The walls whose forces are known in some stage, and their components.
+     */
+    template <int dim>
+    std::vector<std::pair<unsigned int, unsigned int>>
+    reactions_of(const SimulationParameters &parameters)
+    {
+      std::array<unsigned char, 2 * dim> components{};
+      for (unsigned int k = 0;
+           k < std::max<unsigned int>(1, parameters.stages.size());
+           ++k)
+        {
+          SimulationParameters stage = parameters;
+          stage.enter_stage(k);
+          const Walls<dim> walls(stage.walls);
+          if (is_implicit_scheme(stage.scheme.stress_update))
+            for (unsigned int w = 0; w < 2 * dim; ++w)
+              components[w] |= walls.held_components(w);
+        }
+      std::vector<std::pair<unsigned int, unsigned int>> result;
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        for (unsigned int c = 0; c < dim; ++c)
+          if ((components[w] >> c) & 1)
+            result.emplace_back(w, c);
+      return result;
+    }
+
+
+
+    std::string
+    reaction_name(const unsigned int wall, const unsigned int component)
+    {
+      std::string name = WallParameters::names[wall];
+      name[0] += 'a' - 'A';
+      return "reaction_" + name + "_" + "xyz"[component];
+    }
   } // namespace
 
 
@@ -68,6 +108,9 @@ namespace greville
     auto columns = Statistics<dim>::names();
     if (!parameters.stages.empty())
       columns.push_back("stage");
+    reactions = reactions_of<dim>(parameters);
+    for (const auto &[wall, component] : reactions)
+      columns.push_back(reaction_name(wall, component));
     statistics_file.open(directory + "/statistics.csv", columns, 14, comm);
     // A formula that fails is better found now than at the end.
     const double end = parameters.end_of_run();
@@ -184,6 +227,8 @@ namespace greville
     auto values = row.values();
     if (!parameters.stages.empty())
       values.push_back(simulation.state().stage + 1);
+    for (const auto &[wall, component] : reactions)
+      values.push_back(row.reactions[wall][component]);
     statistics_file.write(values);
   }
 

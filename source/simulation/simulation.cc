@@ -140,6 +140,7 @@ namespace greville
         current.velocity_time = current.time;
         current.step = current.velocity_step = 0.;
       }
+    current.reactions = {};
     enter_stage(current.stage + 1);
     start_stage();
     good.take(current);
@@ -360,6 +361,8 @@ namespace greville
     result.iterations = current.n_iterations;
     result.active     = mass().n_active();
     result.fragments  = mass().n_fragments();
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      result.reactions[w] = Utilities::MPI::sum(current.reactions[w], comm);
     return result;
   }
 

@@ -315,6 +315,7 @@ namespace greville
                 if (line.name == wall && line.value != walls.type[w])
                   {
                     walls.velocity[w] = walls.displacement[w] = "";
+                    walls.region[w]                           = "";
                     walls.friction[w]                         = 0.;
                   }
                 else if (line.name == wall + " velocity")
@@ -522,12 +523,21 @@ namespace greville
                                " velocity' (<" + v + ">) and '" + name +
                                " displacement' (<" + d +
                                ">): one of them is enough."));
-        AssertThrow((walls.type[w] == "moving") == !(v + d).empty(),
+        AssertThrow(walls.type[w] == "sliding" ||
+                      (walls.type[w] == "moving") == !(v + d).empty(),
                     ExcMessage("The wall '" + name + "' is " + walls.type[w] +
                                ", and '" + name +
                                (d.empty() ? " velocity' is <" + v
                                           : " displacement' is <" + d) +
-                               ">: a moving wall has one, others have none."));
+                               ">: a moving wall has one, a sliding wall may "
+                               "have one, others have none."));
+        AssertThrow(walls.region[w].empty() || walls.type[w] == "fixed" ||
+                      walls.type[w] == "sliding" || walls.type[w] == "moving",
+                    ExcMessage("The wall '" + name + "' is " + walls.type[w] +
+                               ", and '" + name + " region' is <" +
+                               walls.region[w] +
+                               ">: fixed, sliding and moving walls may have "
+                               "one."));
       }
     check_mass_name(scheme.mass, "Scheme/Mass");
     AssertThrow(scheme.transfer == "FLIP" || scheme.flip == 1.,

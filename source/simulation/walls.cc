@@ -46,6 +46,8 @@ namespace greville
         type[w]                = parameters.type[w];
         friction[w]            = parameters.friction[w];
         const std::string name = "Walls/" + WallParameters::names[w];
+        if (!parameters.region[w].empty())
+          region[w].emplace(parameters.region[w], name + " region");
         if (!parameters.velocity[w].empty())
           velocity[w] = {parameters.velocity[w],
                          name + " velocity",
@@ -61,23 +63,38 @@ namespace greville
 
   namespace
   {
-    /**
-     * Owned coefficients at a wall.
-     */
     template <int dim>
-    std::vector<unsigned int>
-    coefficients_at(const SplineSpace<dim> &space, const unsigned int wall)
+    Point<dim>
+    greville_abscissa(const SplineSpace<dim> &space,
+                      const unsigned int      function)
     {
-      const unsigned int d   = wall / 2;
-      const unsigned int end = wall % 2 == 0 ? 0 : space.n_functions()[d] - 1;
-      std::vector<unsigned int> result;
-      for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
-        if (multi_index<dim>(space.owned_functions()[i],
-                             space.n_functions())[d] == end)
-          result.push_back(i);
-      return result;
+      const auto k = multi_index<dim>(space.owned_functions()[function],
+                                      space.n_functions());
+      Point<dim> x;
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] = space.knots(d).greville_abscissa(k[d]);
+      return x;
     }
   } // namespace
+
+
+
+  template <int dim>
+  std::vector<unsigned int>
+  Walls<dim>::coefficients_at(const SplineSpace<dim> &space,
+                              const unsigned int      wall) const
+  {
+    const unsigned int d   = wall / 2;
+    const unsigned int end = wall % 2 == 0 ? 0 : space.n_functions()[d] - 1;
+    std::vector<unsigned int> result;
+    for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
+      if (multi_index<dim>(space.owned_functions()[i],
+                           space.n_functions())[d] == end &&
+          (!region[wall] ||
+           region[wall]->contains(greville_abscissa(space, i))))
+        result.push_back(i);
+    return result;
+  }
 
 
 
@@ -90,14 +107,7 @@ namespace greville
         coefficients[w] = coefficients_at(space, w);
         places[w].clear();
         for (const unsigned int i : coefficients[w])
-          {
-            const auto k =
-              multi_index<dim>(space.owned_functions()[i], space.n_functions());
-            Point<dim> x;
-            for (unsigned int d = 0; d < dim; ++d)
-              x[d] = space.knots(d).greville_abscissa(k[d]);
-            places[w].push_back(x);
-          }
+          places[w].push_back(greville_abscissa(space, i));
       }
   }
 
@@ -129,7 +139,7 @@ namespace greville
     constexpr unsigned int n  = 1000; // steps of the trapezoidal rule
     const double           dt = (end - start) / n;
     for (unsigned int w = 0; w < 2 * dim; ++w)
-      if (type[w] == "moving")
+      if (is_moving(w))
         for (unsigned int corner = 0; corner < (1u << dim); ++corner)
           {
             const unsigned int d = w / 2;
@@ -202,7 +212,10 @@ namespace greville
   bool
   Walls<dim>::have_moving() const
   {
-    return std::find(type.begin(), type.end(), "moving") != type.end();
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (is_moving(w))
+        return true;
+    return false;
   }
 
 
@@ -263,6 +276,38 @@ namespace greville
                ? (velocity_at(w, x, after) - velocity_at(w, x, before)) / dt
                : Tensor<1, dim>();
     });
+  }
+
+
+
+  template <int dim>
+  unsigned char
+  Walls<dim>::held_components(const unsigned int wall) const
+  {
+    unsigned char result = 0;
+    for (unsigned int c = 0; c < dim; ++c)
+      result |= holds(wall, c) << c;
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::array<Tensor<1, dim>, 2 * dim>
+  Walls<dim>::sums_of_held(const VectorField<dim> &field) const
+  {
+    std::array<Tensor<1, dim>, 2 * dim> sums;
+    std::vector<unsigned char> counted(field[0].locally_owned_size(), 0);
+    for (unsigned int w = 2 * dim; w-- > 0;)
+      for (const unsigned int i : coefficients[w])
+        {
+          const unsigned char components = held_components(w) & ~counted[i];
+          for (unsigned int c = 0; c < dim; ++c)
+            if ((components >> c) & 1)
+              sums[w][c] += field[c].local_element(i);
+          counted[i] |= components;
+        }
+    return sums;
   }
 
 

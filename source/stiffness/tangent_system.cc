@@ -458,8 +458,11 @@ namespace greville
       return run_solver(
         max_iterations, tolerance, b, [&](SolverControl &control) {
           using Fgmres = SolverFGMRES<VectorType>;
+          // A product by differences costs more than the vectors of a restart.
+          constexpr unsigned int n_vectors = 100;
           if (projection)
-            Fgmres(control).solve(ByDifferences{*this}, x, b, *multigrid);
+            Fgmres(control, Fgmres::AdditionalData(n_vectors))
+              .solve(ByDifferences{*this}, x, b, *multigrid);
           else if (with_cg)
             SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
           else

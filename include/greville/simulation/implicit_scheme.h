@@ -56,6 +56,12 @@ namespace greville
   };
 
   /**
+   * Whether make_implicit_scheme() knows the name.
+   */
+  bool
+  is_implicit_scheme(const std::string &name);
+
+  /**
    * The scheme of a name:
    * - "quasi-static": no inertia,
    * - "backward-euler": of first order, damps,

@@ -103,10 +103,11 @@ namespace greville
           const NewtonResult &result) const;
 
     /**
-     * Count the work of loads and of walls that move.
+     * Find the forces of walls, and count the work of loads and of walls that
+     * move.
      */
     void
-    add_work(State<dim> &state);
+    find_reactions(State<dim> &state);
 
     /**
      * Kick the points by state.acceleration, and move them by the

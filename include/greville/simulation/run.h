@@ -99,9 +99,11 @@ namespace greville
     FieldOutput<dim>           fields;
     Probes<dim>                probes;
     CsvWriter                  statistics_file;
-    double                     next_fields, next_statistics;
-    double                     largest_front = -1e300;
-    std::uint64_t              n_points      = 0;
+    // Walls and components of the forces that are written.
+    std::vector<std::pair<unsigned int, unsigned int>> reactions;
+    double        next_fields, next_statistics;
+    double        largest_front = -1e300;
+    std::uint64_t n_points      = 0;
 
     std::chrono::steady_clock::time_point begin, last_shown;
     double                                last_shown_time = 0.;

@@ -72,6 +72,7 @@ namespace greville
 
     std::array<std::string, 6> type{
       {"free", "free", "free", "free", "free", "free"}};
+    std::array<std::string, 6> region;
     std::array<std::string, 6> velocity;
     std::array<std::string, 6> displacement;
     std::array<double, 6>      friction{};

@@ -114,9 +114,14 @@ namespace greville
     AccelerationHistory<dim> history;
     std::vector<bool>        slid; // by contact, see FrictionContact
     EnergyBalance            energy;
-    double                   warned_gain   = 0.; // of energy
-    double                   last_kinetic  = 0.; // see KineticDamping
-    double                   time_to_share = 0.; // since share_volume()
+
+    /// Implicit steps: forces of walls on the bodies, the share of this
+    /// process, N (2D: N / m); see Walls::sums_of_held().
+    std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
+
+    double warned_gain   = 0.; // of energy
+    double last_kinetic  = 0.; // see KineticDamping
+    double time_to_share = 0.; // since share_volume()
   };
 
 

@@ -40,6 +40,8 @@ namespace greville
     /// Cells whose points see no well-filled cell (consistent mass).
     std::uint64_t fragments = 0;
     std::uint64_t n_points  = 0;
+    /// Of walls in implicit steps. These are not among the columns().
+    std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
 
     /**
      * The columns of statistics.csv with their names.

@@ -5,7 +5,10 @@
 
 #include <greville/base/expression.h>
 #include <greville/particles/point_transfer.h>
+#include <greville/particles/shape.h>
 #include <greville/simulation/parameters.h>
+
+#include <optional>
 
 namespace greville
 {
@@ -30,7 +33,13 @@ namespace greville
    *
    * The velocity or displacement of a moving wall is a formula of position and
    * time. Its coefficients are the values at the Greville abscissae: exact
-   * where it is linear in the position, as that of a wall that turns.
+   * where it is linear in the position, as that of a wall that turns. A sliding
+   * wall may have one, of which the normal component counts.
+   *
+   * A wall may have a region: it holds the coefficients whose Greville
+   * abscissae are inside. Its edge is then a transition of the width of p
+   * cells, in whose middle it is where it lies at a knot (even orders) or
+   * between two knots (odd ones).
    *
    * A friction wall is touched from one side. A coefficient v of the new
    * velocity that goes into the wall with the speed v_n is stopped, and slowed
@@ -123,6 +132,20 @@ namespace greville
                       const double      dt) const;
 
     /**
+     * The components (bits) that a wall holds.
+     */
+    unsigned char
+    held_components(const unsigned int wall) const;
+
+    /**
+     * Sums of the coefficients of a field that each wall holds, on this
+     * process. Those that two walls hold count for the one whose value they
+     * have.
+     */
+    std::array<dealii::Tensor<1, dim>, 2 * dim>
+    sums_of_held(const VectorField<dim> &field) const;
+
+    /**
      * Friction walls and a diagonal mass: change the new velocity and the
      * acceleration that led to it in the time @p dt.
      */
@@ -142,6 +165,22 @@ namespace greville
     holds(const unsigned int wall, const unsigned int component) const;
 
     /**
+     * Owned coefficients at a wall, in its region.
+     */
+    std::vector<unsigned int>
+    coefficients_at(const SplineSpace<dim> &space,
+                    const unsigned int      wall) const;
+
+    /**
+     * Whether it has a velocity or a displacement.
+     */
+    bool
+    is_moving(const unsigned int wall) const
+    {
+      return !velocity[wall].is_zero() || !displacement[wall].is_zero();
+    }
+
+    /**
      * Zero of a wall that does not move.
      */
     dealii::Tensor<1, dim>
@@ -157,10 +196,11 @@ namespace greville
     void
     hold(VectorField<dim> &field, const Value &value) const;
 
-    std::array<std::string, 2 * dim>           type;
-    std::array<double, 2 * dim>                friction;
-    std::array<VectorExpression<dim>, 2 * dim> velocity;
-    std::array<VectorExpression<dim>, 2 * dim> displacement;
+    std::array<std::string, 2 * dim>               type;
+    std::array<double, 2 * dim>                    friction;
+    std::array<std::optional<Shape<dim>>, 2 * dim> region;
+    std::array<VectorExpression<dim>, 2 * dim>     velocity;
+    std::array<VectorExpression<dim>, 2 * dim>     displacement;
 
     // Local numbers of the owned coefficients at each wall, and the Greville
     // abscissae of their functions.
