@@ -106,11 +106,11 @@ namespace greville
     for (const Body<dim> &body : simulation.bodies())
       n_points += body.n_points;
     auto columns = Statistics<dim>::names();
-    if (!parameters.stages.empty())
-      columns.push_back("stage");
-    reactions = reactions_of<dim>(parameters);
+    reactions    = reactions_of<dim>(parameters);
     for (const auto &[wall, component] : reactions)
       columns.push_back(reaction_name(wall, component));
+    if (!parameters.stages.empty())
+      columns.push_back("stage");
     statistics_file.open(directory + "/statistics.csv", columns, 14, comm);
     // A formula that fails is better found now than at the end.
     const double end = parameters.end_of_run();
@@ -225,10 +225,10 @@ namespace greville
     measured.add(row);
     probes.write(simulation.state().time, simulation.bodies());
     auto values = row.values();
-    if (!parameters.stages.empty())
-      values.push_back(simulation.state().stage + 1);
     for (const auto &[wall, component] : reactions)
       values.push_back(row.reactions[wall][component]);
+    if (!parameters.stages.empty())
+      values.push_back(simulation.state().stage + 1);
     statistics_file.write(values);
   }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 // Implicit steps in cases with references: Cook's membrane, free flight, disks
-// that collide, and walls that turn.
+// that collide, walls that turn, limit loads, and forces of walls.
 #include "simulation.h"
 #include <limits>
 
@@ -183,6 +183,78 @@ namespace
           Utilities::MPI::max(worst, MPI_COMM_WORLD),
           1e-9);
   }
+
+
+
+  /**
+   * A shipped file on a coarse mesh, over its exact limit load (N / m).
+   */
+  double
+  limit_load(const std::string &name,
+             const std::string &cells,
+             const double       exact)
+  {
+    const std::string file =
+      std::string(SOURCE_DIR) + "/../../prm/simulation/" + name + ".prm";
+    std::ostringstream content;
+    content << std::ifstream(file).rdbuf();
+    Simulated<2> run(Text(content.str()).with("Grid", {"Cells = " + cells}));
+    run.run();
+    return run->statistics().reactions[3][1] / exact;
+  }
+
+
+
+  void
+  check_limit_loads()
+  {
+    // 5.5 and 2.5 cells in half of the width.
+    check("limit load of a strip",
+          std::abs(limit_load("footing", "22, 11", -25.70797e3) - 0.963),
+          0.005);
+    check("limit load of a notched plate",
+          std::abs(limit_load("notched_plate", "25, 13", 1.48425e6) - 0.92),
+          0.02);
+  }
+
+
+
+  /**
+   * The force of the floor bears the weight, and what it does not bear changes
+   * the momentum.
+   */
+  void
+  check_forces_of_walls()
+  {
+    const auto block = [](const std::string &scheme) {
+      return block_2d("box(0.2, 0, 0.7, 0.6)")
+        .with("Scheme", {"Stress update = " + scheme, "Mass = consistent"})
+        .with("Walls", {"Bottom = fixed"})
+        .with("Loads", {"Gravity = 0.2; -1"})
+        .with("Newton", {"Tolerance = 1e-10"})
+        .with("Time", {"End = 0.02", "Step = 0.01"});
+    };
+    Simulated<2> at_rest(block("quasi-static"));
+    at_rest.run();
+    Statistics<2> row = at_rest->statistics();
+    Tensor<1, 2>  weight;
+    weight[0] = 0.2 * row.mass;
+    weight[1] = -row.mass;
+    check("the floor bears the weight",
+          (row.reactions[2] + weight).norm() / weight.norm(),
+          1e-8);
+
+    Simulated<2> moving(block("backward-euler"));
+    moving->step();
+    const Tensor<1, 2> before = moving->statistics().momentum;
+    moving->step();
+    row = moving->statistics();
+    check(
+      "what it does not bear changes the momentum",
+      (row.momentum - before - row.step * (row.reactions[2] + weight)).norm() /
+        (row.step * weight.norm()),
+      1e-6);
+  }
 } // namespace
 
 
@@ -204,4 +276,6 @@ main(int argc, char **argv)
     }
   check_collision();
   check_turning_walls();
+  check_limit_loads();
+  check_forces_of_walls();
 }
