@@ -46,25 +46,33 @@ namespace greville
       if (!D)
         return;
       // A_ijkl, then pulled back index by index.
-      Tensor<4, dim> A, B;
+      Tensor<4, dim> B;
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
           for (unsigned int k = 0; k < dim; ++k)
-            for (unsigned int l = 0; l < dim; ++l)
-              A[i][j][k][l] =
-                det * ((*D)[i][j][k][l] + (k == l ? sigma[i][j] : 0.) -
-                       (j == k ? sigma[i][l] : 0.));
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          for (unsigned int k = 0; k < dim; ++k)
-            for (unsigned int L = 0; L < dim; ++L)
+            {
+              Tensor<1, dim> A;
               for (unsigned int l = 0; l < dim; ++l)
-                B[i][j][k][L] += A[i][j][k][l] * inverse[L][l];
-      trial.dP = Tensor<4, dim>();
+                A[l] = det * ((*D)[i][j][k][l] + (k == l ? sigma[i][j] : 0.) -
+                              (j == k ? sigma[i][l] : 0.));
+              for (unsigned int L = 0; L < dim; ++L)
+                {
+                  double sum = 0.;
+                  for (unsigned int l = 0; l < dim; ++l)
+                    sum += A[l] * inverse[L][l];
+                  B[i][j][k][L] = sum;
+                }
+            }
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int J = 0; J < dim; ++J)
-          for (unsigned int j = 0; j < dim; ++j)
-            trial.dP[i][J] += inverse[J][j] * B[i][j];
+          for (unsigned int k = 0; k < dim; ++k)
+            for (unsigned int L = 0; L < dim; ++L)
+              {
+                double sum = 0.;
+                for (unsigned int j = 0; j < dim; ++j)
+                  sum += inverse[J][j] * B[i][j][k][L];
+                trial.dP[i][J][k][L] = sum;
+              }
     }
 
 
@@ -145,16 +153,19 @@ namespace greville
     bool
     is_finite(const TrialPoint<dim> &trial, const bool with_tangent)
     {
+      // Sums side by side do not wait for one another.
+      Tensor<1, dim> sums;
+      for (unsigned int i = 0; i < dim; ++i)
+        {
+          sums += trial.P[i];
+          if (with_tangent)
+            for (unsigned int j = 0; j < dim; ++j)
+              for (unsigned int k = 0; k < dim; ++k)
+                sums += trial.dP[i][j][k];
+        }
       double sum = 0.;
       for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          {
-            sum += trial.P[i][j];
-            if (with_tangent)
-              for (unsigned int k = 0; k < dim; ++k)
-                for (unsigned int l = 0; l < dim; ++l)
-                  sum += trial.dP[i][j][k][l];
-          }
+        sum += sums[i];
       return std::isfinite(sum);
     }
 
@@ -193,9 +204,9 @@ namespace greville
           increments.clear();
           states.clear();
           points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-            TrialPoint<dim> trial;
-            trial.x      = p.position();
-            trial.volume = p.volume();
+            TrialPoint<dim> &trial = trials.emplace_back();
+            trial.x                = p.position();
+            trial.volume           = p.volume();
             const Gradients<dim, n> gradients(geometry, trial.x);
             const Tensor<2, dim>    f =
               increment_at<dim, n>(gradients, coefficients, 1.);
@@ -209,7 +220,6 @@ namespace greville
                 state.increment[i][j] = projected[i][j];
             state.F = state.increment * state.F;
             state.J *= determinant(projected);
-            trials.push_back(trial);
             increments.push_back(f);
             states.push_back(state);
           });

@@ -299,9 +299,8 @@ namespace greville
     system.extend(displacement, x);
     std::string problem = system.evaluate(
       bodies, displacement, dt, scheme.stress, with_stiffness, force);
-    if (with_stiffness)
-      return "";
-    problem = first_of_all(problem, discretization.communicator());
+    has_stiffness = with_stiffness;
+    problem       = first_of_all(problem, discretization.communicator());
     if (!problem.empty())
       return problem;
 
@@ -452,13 +451,21 @@ namespace greville
 
     unsigned int  n_linear = 0, n_all_linear = 0;
     NewtonProblem problem;
+    // The guess is linearized at once: it gets both with one pass over points.
+    bool is_guess    = true;
     problem.residual = [&](VectorType &r, const VectorType &at) {
-      return find_residual(r, at, dt, false);
+      const bool with_stiffness = is_guess;
+      is_guess                  = false;
+      return find_residual(r, at, dt, with_stiffness);
     };
     problem.scale     = [&]() { return force_scale; };
     problem.linearize = [&](const VectorType &at) -> std::string {
-      VectorType unused;
-      find_residual(unused, at, dt, true);
+      if (!has_stiffness)
+        {
+          VectorType r;
+          system.initialize(r);
+          find_residual(r, at, dt, true);
+        }
       const PartTimer timer(log, "set-up");
       // Tangents of bodies that fail are indefinite, and some have no
       // factorization.

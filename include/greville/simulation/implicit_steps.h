@@ -76,7 +76,7 @@ namespace greville
     start_step(State<dim> &state, const double dt);
 
     /**
-     * The residual at x, or the stiffness there. Returns what is wrong with a
+     * The residual at x, and the stiffness there. Returns what is wrong with a
      * point, empty if nothing is.
      */
     std::string
@@ -132,7 +132,8 @@ namespace greville
     VectorField<dim> velocity, acceleration, displacement;
     VectorField<dim> old_force, old_loads, new_loads, force, work;
     VectorType       last_residual;
-    double           force_scale = 0.;
+    double           force_scale   = 0.;
+    bool             has_stiffness = false; // of the last residual
     std::string      rejection;
   };
 } // namespace greville
