@@ -78,22 +78,26 @@ namespace greville
     const unsigned int                     width) const
   {
     const auto columns  = columns_of<VectorType>(fields);
-    const auto for_held = [&](const unsigned int n, const auto &visit) {
+    const auto for_held = [&](const bool everywhere, const auto &visit) {
+      const auto at = [&](const unsigned int f, const std::size_t place) {
+        if (this->held_functions[f] != 0)
+          for (unsigned int c = 0; c < columns.size(); ++c)
+            if (this->is_held(f, c))
+              visit(c, place, columns[c]->local_element(f));
+      };
       if (std::count(this->component_has_held.begin(),
                      this->component_has_held.end(),
-                     true) > 0)
-        this->for_each_active(
-          n, [&](const unsigned int f, const std::size_t place) {
-            if (this->held_functions[f] != 0)
-              for (unsigned int c = 0; c < columns.size(); ++c)
-                if (this->is_held(f, c))
-                  visit(c, place, columns[c]->local_element(f));
-          });
+                     true) == 0)
+        return;
+      if (everywhere)
+        this->for_each_active_place(at);
+      else
+        this->for_each_active(this->n_owned_functions(), at);
     };
     VectorType x, y;
     this->initialize_vector(x, width);
     bool any = false;
-    for_held(this->n_owned_functions(),
+    for_held(false,
              [&](const unsigned int c,
                  const std::size_t  place,
                  const double       value) {
@@ -109,7 +113,7 @@ namespace greville
     this->expand(x.begin(), width);
     for (const VectorType *column : columns)
       column->update_ghost_values();
-    for_held(this->held_functions.size(),
+    for_held(true,
              [&](const unsigned int c,
                  const std::size_t  place,
                  const double       value) {
@@ -166,8 +170,7 @@ namespace greville
         if (!this->component_has_held[c])
           continue;
         this->to_places(field[c]);
-        this->for_each_active(
-          this->held_functions.size(),
+        this->for_each_active_place(
           [&](const unsigned int f, const std::size_t place) {
             if (!this->is_held(f, c))
               return;
@@ -177,7 +180,7 @@ namespace greville
                                            const double       value) {
                                          sum += value * this->place_x[j];
                                        });
-            rows[c].local_element(f) = sum;
+            rows[c].local_element(f) += sum;
           });
         rows[c].compress(VectorOperation::add);
       }
@@ -193,6 +196,10 @@ namespace greville
     for (unsigned int u = 0; u < this->unknowns.size(); ++u)
       if (this->unknowns[u] != numbers::invalid_unsigned_int)
         diagonal.local_element(u) = points_mass.diagonal(this->unknowns[u]);
+    this->for_each_image_of_unknown(
+      [&](const unsigned int u, const std::size_t place) {
+        diagonal.local_element(u) += points_mass.diagonal(place);
+      });
     diagonal.compress(VectorOperation::add);
   }
 
@@ -205,6 +212,12 @@ namespace greville
     using Entry          = typename ExtendedUnknowns<dim>::Entry;
     const unsigned int n = this->unknowns.size();
     LowerTriangle      result;
+
+    std::vector<double> image_diagonal(n, 0.);
+    this->for_each_image_of_unknown(
+      [&](const unsigned int u, const std::size_t place) {
+        image_diagonal[u] += points_mass.diagonal(place);
+      });
 
     // What all of them hold has no role here.
     std::vector<unsigned char>                is_held(n, 0);
@@ -326,7 +339,9 @@ namespace greville
               this->unknowns[i] != numbers::invalid_unsigned_int;
             result.columns.push_back(i);
             result.values.push_back(
-              has_place ? points_mass.diagonal(this->unknowns[i]) : 0.);
+              has_place
+                ? points_mass.diagonal(this->unknowns[i]) + image_diagonal[i]
+                : 0.);
             result.row_begin.push_back(result.columns.size());
             continue;
           }

@@ -157,6 +157,10 @@ namespace greville
     for (unsigned int f = 0; f < n_all; ++f)
       if ((*extension)[f] == Kind::lumped)
         lumped.push_back(places->place(f));
+    for_each_active_image([&](const unsigned int f, const std::size_t place) {
+      if ((*extension)[f] == Kind::lumped)
+        lumped.push_back(place);
+    });
 
     // E of the extended functions, with positions for numbers.
     std::vector<std::uint64_t> all_positions, positions;
@@ -249,6 +253,24 @@ namespace greville
                    : ghost_of.at(all_positions[e]);
         extended_entries.push_back({unknown, all_weights[e]});
       }
+
+    // Images have the rows of E that their functions have.
+    for_each_active_image([&](const unsigned int f, const std::size_t place) {
+      const int role = roles[places->place(f)];
+      if (role > 0)
+        extended_entries.push_back({unsigned(role - 1), 1.});
+      else if (role < 0)
+        for (std::size_t e = extended_begin[-role - 1];
+             e < extended_begin[-role];
+             ++e)
+          {
+            const Entry entry = extended_entries[e];
+            extended_entries.push_back(entry);
+          }
+      extended.push_back(place);
+      extended_begin.push_back(extended_entries.size());
+      roles[place] = -int(extended.size());
+    });
   }
 
 
@@ -263,10 +285,17 @@ namespace greville
       if (held[f] != 0 && (*extension)[f] != Extension<dim>::inactive)
         held_places.emplace_back(places->place(f), held[f]);
 
+    const std::size_t n_held = held_places.size(); // without images
+    for_each_active_image([&](const unsigned int f, const std::size_t place) {
+      if (held[f] != 0)
+        held_places.emplace_back(place, held[f]);
+    });
+
     // Components that hold something, and pairs of them that differ in E.
     unsigned int found[dim * dim] = {};
-    for (const auto &entry : held_places)
+    for (std::size_t k = 0; k < n_held; ++k)
       {
+        const auto        &entry = held_places[k];
         const unsigned int changes =
           changes_extension(entry.first, entry.second);
         for (unsigned int c = 0; c < dim; ++c)

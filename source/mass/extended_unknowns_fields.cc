@@ -5,6 +5,8 @@
 #include <greville/base/with_width.h>
 #include <greville/mass/extended_unknowns.h>
 
+#include <algorithm>
+
 namespace greville
 {
   using namespace dealii;
@@ -35,6 +37,9 @@ namespace greville
                         to[c] =
                           is_owned && !((held >> bit[c]) & 1) ? from[c][f] : 0.;
                     });
+    for_each_active_image([&](const unsigned int, const std::size_t place) {
+      std::fill_n(&place_y[place * width], width, 0.);
+    });
     rows = 0.;
     collect(rows.begin(), width);
     rows.compress(VectorOperation::add);
@@ -130,10 +135,9 @@ namespace greville
   ExtendedUnknowns<dim>::to_places(const VectorType &component) const
   {
     component.update_ghost_values();
-    for_each_active(held_functions.size(),
-                    [&](const unsigned int f, const std::size_t place) {
-                      place_x[place] = component.local_element(f);
-                    });
+    for_each_active_place([&](const unsigned int f, const std::size_t place) {
+      place_x[place] = component.local_element(f);
+    });
     component.zero_out_ghost_values();
   }
 
@@ -149,13 +153,13 @@ namespace greville
     initialize_vector(x, width);
     initialize_vector(taken, width);
     read_fields(x, {&field}, width);
-    std::vector<std::array<double, dim>> old(extended.size());
-    for (unsigned int k = 0; k < extended.size(); ++k)
+    std::vector<std::array<double, dim>> old(extended_functions.size());
+    for (unsigned int k = 0; k < extended_functions.size(); ++k)
       for (unsigned int c = 0; c < dim; ++c)
         if (extended_functions[k] < n_owned_functions())
           old[k][c] = field[c].local_element(extended_functions[k]);
     write_fields({&field}, x, width);
-    for (unsigned int k = 0; k < extended.size(); ++k)
+    for (unsigned int k = 0; k < extended_functions.size(); ++k)
       {
         const unsigned int f = extended_functions[k];
         if (f >= n_owned_functions())

@@ -22,22 +22,48 @@ namespace greville
     const unsigned int n_entries = Utilities::fixed_power<dim>(2 * p + 1);
     half                         = (n_entries + 1) / 2;
 
-    // The box of lines around the functions of this process, p wider.
-    std::array<int, dim> low, high;
-    low.fill(std::numeric_limits<int>::max());
-    high.fill(std::numeric_limits<int>::min());
+    // Functions and their images, as they are counted without periods.
+    struct Entry
+    {
+      unsigned int         function;
+      std::array<int, dim> index;
+    };
+    std::vector<Entry> entries;
+    entries.reserve(n);
     for (unsigned int f = 0; f < n; ++f)
       {
         const auto i =
           multi_index<dim>(space.function_position(f), space.n_functions());
+        Entry entry{f, {}};
         for (unsigned int d = 0; d < dim; ++d)
-          {
-            low[d]  = std::min(low[d], int(i[d]) - p);
-            high[d] = std::max(high[d], int(i[d]) + p);
-          }
+          entry.index[d] = i[d];
+        entries.push_back(entry);
       }
+    for (unsigned int d = 0; d < dim; ++d)
+      if (space.lattice().is_periodic(d))
+        {
+          const std::size_t n_entries = entries.size();
+          for (std::size_t k = 0; k < n_entries; ++k)
+            if (entries[k].index[d] < p)
+              {
+                entries.push_back(entries[k]);
+                entries.back().index[d] += space.n_functions()[d];
+              }
+        }
+
+    // The box of lines around them, p wider.
+    std::array<int, dim> low, high;
+    low.fill(std::numeric_limits<int>::max());
+    high.fill(std::numeric_limits<int>::min());
+    for (const Entry &entry : entries)
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          low[d]  = std::min(low[d], entry.index[d] - p);
+          high[d] = std::max(high[d], entry.index[d] + p);
+        }
     const int n_y = n == 0 ? 0 : high[1] - low[1] + 1;
     const int n_z = dim == 2 || n == 0 ? 1 : high[dim - 1] - low[dim - 1] + 1;
+    n_lines_y     = n_y;
 
     neighbor_lines.clear();
     for (int dz = (dim == 3 ? -p : 0); dz <= (dim == 3 ? p : 0); ++dz)
@@ -48,17 +74,16 @@ namespace greville
     std::vector<std::array<int, 2>> own(n_y * n_z,
                                         {{std::numeric_limits<int>::max(),
                                           std::numeric_limits<int>::min()}});
-    lines.resize(n);
-    for (unsigned int f = 0; f < n; ++f)
+    const auto                      line_number = [&](const Entry &entry) {
+      return unsigned(
+        entry.index[1] - low[1] +
+        (dim == 3 ? (entry.index[dim - 1] - low[dim - 1]) * n_y : 0));
+    };
+    for (const Entry &entry : entries)
       {
-        const auto i =
-          multi_index<dim>(space.function_position(f), space.n_functions());
-        lines[f] = i[1] - low[1];
-        if (dim == 3)
-          lines[f] += (i[dim - 1] - low[dim - 1]) * n_y;
-        auto &range = own[lines[f]];
-        range[0]    = std::min(range[0], int(i[0]));
-        range[1]    = std::max(range[1], int(i[0]));
+        auto &range = own[line_number(entry)];
+        range[0]    = std::min(range[0], entry.index[0]);
+        range[1]    = std::max(range[1], entry.index[0]);
       }
     auto reached = own;
     for (unsigned int line = 0; line < own.size(); ++line)
@@ -82,10 +107,24 @@ namespace greville
         }
 
     places.resize(n);
-    for (unsigned int f = 0; f < n; ++f)
-      places[f] =
-        line_begin[lines[f]] +
-        multi_index<dim>(space.function_position(f), space.n_functions())[0];
+    lines.resize(n);
+    image_places.clear();
+    image_lines.clear();
+    for (std::size_t k = 0; k < entries.size(); ++k)
+      {
+        const unsigned int line  = line_number(entries[k]);
+        const unsigned int place = line_begin[line] + entries[k].index[0];
+        if (k < n)
+          {
+            places[k] = place;
+            lines[k]  = line;
+          }
+        else
+          {
+            image_places.emplace_back(entries[k].function, place);
+            image_lines.push_back(line);
+          }
+      }
     segments.clear();
     values  = ZeroedArray<double>(n_places * half);
     line_of = ZeroedArray<unsigned int>(n_places);
@@ -102,6 +141,15 @@ namespace greville
     rows.reserve(functions.size());
     for (const unsigned int f : functions)
       rows.emplace_back(places[f], lines[f]);
+    if (!image_places.empty())
+      {
+        std::vector<bool> has_row(places.size(), false);
+        for (const unsigned int f : functions)
+          has_row[f] = true;
+        for (unsigned int k = 0; k < image_places.size(); ++k)
+          if (has_row[image_places[k].first])
+            rows.emplace_back(image_places[k].second, image_lines[k]);
+      }
     if (!std::is_sorted(rows.begin(), rows.end()))
       std::sort(rows.begin(), rows.end());
     segments.clear();
@@ -168,13 +216,11 @@ namespace greville
     constexpr int n_pairs = n * (n + 1) / 2;
     constexpr int n_z     = dim == 3 ? n : 1;
 
-    const auto  functions = spline_space->cell_functions(cell);
-    const auto *first     = functions.data();
     for (int a_z = 0; a_z < n_z; ++a_z)
       for (int a_y = 0; a_y < n; ++a_y)
         {
           // The functions of a line have places one after the other.
-          const std::size_t row = places[first[(a_z * n + a_y) * n]];
+          const std::size_t row = cell_place(cell, 0, a_z * n + a_y);
           for (int b_z = a_z; b_z < n_z; ++b_z)
             for (int b_y = b_z == a_z ? a_y : 0; b_y < n; ++b_y)
               {

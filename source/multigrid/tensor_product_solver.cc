@@ -13,6 +13,11 @@ namespace greville
   TensorProductSolver<dim>::TensorProductSolver(const SplineSpace<dim> &s)
     : space(&s)
   {
+    AssertThrow(!s.lattice().is_periodic(),
+                ExcMessage("Transfers with the exact L2 projection (exact-l2) "
+                           "and the solver of tensor products are for grids "
+                           "without periodic walls: choose ic0-l2 or "
+                           "lumped-l2 for 'Prolongation' and 'Restriction'."));
     for (unsigned int d = 0; d < dim; ++d)
       factors[d] = factorize(s.knots(d));
 

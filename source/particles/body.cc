@@ -17,6 +17,37 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    /**
+     * Call visit(x) for a point of the grid and those that periodic walls make
+     * of it one period away, the point itself first.
+     */
+    template <int dim, typename Visit>
+    void
+    for_each_image(const Lattice<dim> &lattice,
+                   const Point<dim>   &x,
+                   const Visit        &visit)
+    {
+      MultiIndex<dim> counts;
+      unsigned int    n = 1;
+      for (unsigned int d = 0; d < dim; ++d)
+        n *= counts[d] = lattice.is_periodic(d) ? 3 : 1;
+      for (unsigned int k = 0; k < n; ++k)
+        {
+          const auto index = multi_index<dim>(k, counts);
+          Point<dim> image = x;
+          for (unsigned int d = 0; d < dim; ++d)
+            if (index[d] > 0)
+              image[d] += (index[d] == 1 ? -1. : 1.) *
+                          (lattice.upper(d) - lattice.lower(d));
+          visit(image);
+        }
+    }
+  } // namespace
+
+
+
   template <int dim>
   std::vector<PlacedPoint<dim>>
   place_points(const PointPlacement   &parameters,
@@ -77,13 +108,27 @@ namespace greville
                   lattice.cell_size(d) *
                   (gauss ? quadratures[d].weight(local[d]) : 1. / n);
               }
-            if (shape.contains(point.x))
-              result.push_back(point);
+            unsigned int n_images = 0;
+            for_each_image(lattice, point.x, [&](const Point<dim> &x) {
+              if (shape.contains(x) && n_images++ == 0)
+                {
+                  point.image = x;
+                  result.push_back(point);
+                }
+            });
+            AssertThrow(n_images <= 1 || parameters.clip,
+                        ExcMessage("The body of '" + section +
+                                   "' meets its own image across the periodic "
+                                   "walls of the grid, for instance at (" +
+                                   text_of(point.x) +
+                                   ") m. Make the shape smaller, or set 'Clip "
+                                   "at the grid' to true."));
 
             // One cell beyond each wall there must not be anything.
             for (unsigned int d = 0; d < dim && !parameters.clip; ++d)
               for (const int side : {-1, 1})
-                if (index[d] == (side < 0 ? 0 : lattice.n_cells()[d] - 1))
+                if (!lattice.is_periodic(d) &&
+                    index[d] == (side < 0 ? 0 : lattice.n_cells()[d] - 1))
                   {
                     Point<dim> outside = point.x;
                     outside[d] += side * lattice.cell_size(d);
@@ -161,7 +206,8 @@ namespace greville
             std::lower_bound(cells.begin(), cells.end(), position);
           if (found != cells.end() && *found == position)
             {
-              point.cell = found - cells.begin();
+              point.cell  = found - cells.begin();
+              point.image = point.x;
               result.push_back(point);
             }
         });
@@ -344,14 +390,14 @@ namespace greville
         {
           std::fill(values.begin(), values.end(), 0.);
           MaterialPoint state;
-          Point<dim>    x          = point.x;
+          Point<dim>    x          = point.image;
           double        J_of_shape = 1.;
           state.F                  = unit_symmetric_tensor<3>();
           state.increment          = state.F;
           state.strength_reduction = strength_reduction;
           try
             {
-              material.initialize(state, stress(point.x));
+              material.initialize(state, stress(point.image));
               J_of_shape = state.J;
               displace<dim>(x, state, material, displacement, small_steps);
             }
@@ -363,13 +409,13 @@ namespace greville
                             (parameters.material.empty()
                                ? ""
                                : " of 'Material " + parameters.material + "'") +
-                            " at (" + text_of(point.x) +
+                            " at (" + text_of(point.image) +
                             ") m: " + message_of(error)));
             }
-          const Tensor<1, dim> v = velocity(point.x);
+          const Tensor<1, dim> v = velocity(point.image);
           for (unsigned int d = 0; d < dim; ++d)
             {
-              p.position(d)  = x[d];
+              p.position(d)  = x[d] + (point.x[d] - point.image[d]);
               p.reference(d) = point.x[d];
               p.velocity(d)  = v[d];
             }
@@ -379,7 +425,7 @@ namespace greville
               parameters.imposed_velocity.empty())
             {
               const Tensor<2, 3> C =
-                gradient_of<dim>(velocity, point.x, steps) *
+                gradient_of<dim>(velocity, point.image, steps) *
                 invert(state.increment);
               for (unsigned int d = 0; d < dim; ++d)
                 for (unsigned int e = 0; e < dim; ++e)

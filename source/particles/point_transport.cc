@@ -86,6 +86,15 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           {
             const double tolerance = 1e-9 * lattice.cell_size(d);
+            if (lattice.is_periodic(d) &&
+                (x[d] < lattice.lower(d) || x[d] > lattice.upper(d)))
+              {
+                const double period = lattice.upper(d) - lattice.lower(d);
+                const double move =
+                  period * std::floor((x[d] - lattice.lower(d)) / period);
+                p.position(d) = x[d] = x[d] - move;
+                p.reference(d) -= move;
+              }
             is_outside = is_outside || !(x[d] >= lattice.lower(d) - tolerance &&
                                          x[d] <= lattice.upper(d) + tolerance);
             if (!is_outside)

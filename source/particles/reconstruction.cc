@@ -140,13 +140,9 @@ namespace greville
           {
             const auto      offset = multi_index<dim>(k, three);
             MultiIndex<dim> neighbor;
-            bool            is_in_grid = true;
             for (unsigned int d = 0; d < dim; ++d)
-              {
-                neighbor[d] = index[d] + offset[d] - 1;
-                is_in_grid  = is_in_grid && neighbor[d] < extents[d];
-              }
-            if (!is_in_grid)
+              neighbor[d] = index[d] + offset[d] - 1;
+            if (!space.lattice().wrap(neighbor))
               continue;
             const unsigned int n =
               neighbors.find(lexicographic<dim>(neighbor, extents));
@@ -161,7 +157,8 @@ namespace greville
                 }
           }
         for (unsigned int d = 0; d < dim; ++d)
-          if (index[d] == 0 || index[d] + 1 == extents[d])
+          if (!space.lattice().is_periodic(d) &&
+              (index[d] == 0 || index[d] + 1 == extents[d]))
             is_inner = is_inner && sums[d] >= filled_layer * counts[d];
         result[cell] = is_inner;
       }

@@ -98,7 +98,8 @@ namespace greville
     create_box_mesh<dim>(mesh,
                          to_point<dim>(parameters.grid.lower),
                          to_point<dim>(parameters.grid.upper),
-                         to_multi_index<dim>(parameters.grid.cells));
+                         to_multi_index<dim>(parameters.grid.cells),
+                         Walls<dim>::periodic_directions(parameters.walls));
     balance_load(mesh, parameters, loads);
     reinit();
   }

@@ -100,7 +100,8 @@ namespace greville
         const auto index = multi_index<dim>(spline_space->owned_functions()[i],
                                             spline_space->n_functions());
         for (unsigned int d = 0; d < dim; ++d)
-          if (index[d] == 0 || index[d] + 1 == spline_space->n_functions()[d])
+          if (!spline_space->lattice().is_periodic(d) &&
+              (index[d] == 0 || index[d] + 1 == spline_space->n_functions()[d]))
             normal[d][i] = 0.;
       }
     for (unsigned int i = 0; i < n; ++i)

@@ -187,12 +187,14 @@ namespace greville
         add_parameter(prm,
                       names[w],
                       type[w],
-                      Selection("free|fixed|sliding|moving|friction"))(
+                      Selection("free|fixed|sliding|moving|friction|periodic"))(
           "The wall of " + std::string(places[w]) +
           ": free, fixed (sticks), sliding (without friction), moving (with "
           "the "
-          "velocity or displacement below) or friction (sliding with the "
-          "coefficient below).");
+          "velocity or displacement below), friction (sliding with the "
+          "coefficient below) or periodic (what leaves the grid here comes in "
+          "at the wall on the other side, which is periodic, too; in all "
+          "stages).");
         add_parameter(prm, names[w] + " region", region[w])(
           "Of a fixed, sliding or moving wall: the shape or condition in which "
           "it is, beside which it is free; empty: everywhere. Coefficients "

@@ -495,6 +495,19 @@ namespace greville
                                " s, but the stage begins at " + text_of(start) +
                                " s. Time runs on over the stages: each has an "
                                "'End' behind that of the one before."));
+        for (unsigned int w = 0; w < 2 * general.dimension; ++w)
+          {
+            SimulationParameters first = *this;
+            first.enter_stage(0);
+            AssertThrow((parameters.walls.type[w] == "periodic") ==
+                          (first.walls.type[w] == "periodic"),
+                        ExcMessage(stage_text(k) + "the wall '" +
+                                   WallParameters::names[w] + "' is " +
+                                   parameters.walls.type[w] + ", but it is " +
+                                   first.walls.type[w] +
+                                   " in the first stage: a wall is periodic in "
+                                   "all stages, or in none."));
+          }
         try
           {
             parameters.check_stage();
@@ -538,6 +551,26 @@ namespace greville
                                walls.region[w] +
                                ">: fixed, sliding and moving walls may have "
                                "one."));
+      }
+    for (unsigned int w = 0; w < 2 * dim; w += 2)
+      {
+        const bool is_periodic = walls.type[w] == "periodic";
+        AssertThrow(is_periodic == (walls.type[w + 1] == "periodic"),
+                    ExcMessage("The wall '" + WallParameters::names[w] +
+                               "' is " + walls.type[w] + " and '" +
+                               WallParameters::names[w + 1] + "' is " +
+                               walls.type[w + 1] +
+                               ": both or none of them are periodic."));
+        const unsigned int n = grid.cells.size() == dim ? grid.cells[w / 2] : 0;
+        AssertThrow(!is_periodic || n == 0 || n > grid.degree,
+                    ExcMessage(
+                      "The parameter 'Grid/Cells' has " + std::to_string(n) +
+                      " cells from '" + WallParameters::names[w] + "' to '" +
+                      WallParameters::names[w + 1] +
+                      "', which are periodic: B-splines of 'Grid/Order' " +
+                      std::to_string(grid.degree) + " need " +
+                      std::to_string(grid.degree + 1) +
+                      " or more, so that none meets itself."));
       }
     check_mass_name(scheme.mass, "Scheme/Mass");
     AssertThrow(scheme.transfer == "FLIP" || scheme.flip == 1.,

@@ -65,48 +65,91 @@ namespace greville
     const int   reach   = space->degree() + 1;
     const auto &extents = space->n_functions();
     const auto &owned   = space->owned_functions();
-    for (unsigned int d = 0; d < dim; ++d)
-      differences[d] = make_differences(space->knots(d), extents[d]);
+    const auto &lattice = space->lattice();
 
-    // Functions of other processes.
-    std::vector<std::uint64_t> others;
+    // Counted without periods, functions go from -reach to n + reach in
+    // periodic directions. All of them are shifted to be positive.
+    MultiIndex<dim> shift, all;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        shift[d]       = lattice.is_periodic(d) ? reach : 0;
+        all[d]         = extents[d] + 2 * shift[d];
+        differences[d] = make_differences(
+          lattice.is_periodic(d)
+            ? KnotVector::periodic_uniform(space->degree(), all[d], 0., all[d])
+            : space->knots(d),
+          all[d]);
+      }
+
+    const auto position_of = [&](MultiIndex<dim> i) {
+      for (unsigned int d = 0; d < dim; ++d)
+        i[d] = (i[d] + extents[d] - shift[d]) % extents[d];
+      return lexicographic<dim>(i, extents);
+    };
+    const auto is_owned = [&](const std::uint64_t position) {
+      return std::binary_search(owned.begin(), owned.end(), position);
+    };
+
+    // Functions of this process, and what else is in their runs.
+    std::vector<MultiIndex<dim>> functions;
+    std::vector<std::uint64_t>   near, others;
     for (const std::uint64_t position : owned)
       {
-        const auto   i      = multi_index<dim>(position, extents);
-        std::int64_t stride = 1;
+        auto i = multi_index<dim>(position, extents);
         for (unsigned int d = 0; d < dim; ++d)
-          {
-            const int first = std::max(-reach, -int(i[d]));
-            const int last  = std::min(reach, int(extents[d]) - 1 - int(i[d]));
-            for (int k = first; k <= last; ++k)
-              {
-                const std::uint64_t other = position + k * stride;
-                if (!std::binary_search(owned.begin(), owned.end(), other))
-                  others.push_back(other);
-              }
-            stride *= extents[d];
-          }
+          i[d] += shift[d];
+        functions.push_back(i);
       }
+    for (const auto &i : functions)
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          auto      j    = i;
+          const int last = std::min(int(i[d]) + reach, int(all[d]) - 1);
+          for (int k = std::max(int(i[d]) - reach, 0); k <= last; ++k)
+            {
+              j[d]                         = k;
+              const std::uint64_t position = position_of(j);
+              const bool          is_mine  = is_owned(position);
+              if (!is_mine)
+                others.push_back(position);
+              if (!is_mine || unsigned(k) < shift[d] ||
+                  unsigned(k) >= shift[d] + extents[d])
+                near.push_back(lexicographic<dim>(j, all));
+            }
+        }
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
     std::sort(others.begin(), others.end());
     others.erase(std::unique(others.begin(), others.end()), others.end());
     const auto numbers = space->global_numbers(others);
-    std::vector<std::pair<types::global_dof_index, std::uint64_t>> ghosts;
-    for (unsigned int k = 0; k < others.size(); ++k)
-      ghosts.emplace_back(numbers[k], others[k]);
+    auto       ghosts  = numbers;
     std::sort(ghosts.begin(), ghosts.end());
     IndexSet ghost_set(space->n_dofs());
-    for (const auto &ghost : ghosts)
-      ghost_set.add_index(ghost.first);
+    ghost_set.add_indices(ghosts.begin(), ghosts.end());
     partitioner = std::make_shared<const Utilities::MPI::Partitioner>(
       space->locally_owned_dofs(), ghost_set, space->communicator());
     exchanged.reinit(partitioner);
 
+    std::vector<unsigned int> sources;
+    for (const std::uint64_t k : near)
+      {
+        const auto          i        = multi_index<dim>(k, all);
+        const std::uint64_t position = position_of(i);
+        functions.push_back(i);
+        if (is_owned(position))
+          sources.push_back(
+            std::lower_bound(owned.begin(), owned.end(), position) -
+            owned.begin());
+        else
+          {
+            const auto number =
+              numbers[std::lower_bound(others.begin(), others.end(), position) -
+                      others.begin()];
+            sources.push_back(partitioner->global_to_local(number));
+          }
+      }
+
     // The box of lines around the functions, with room for runs that leave it.
-    std::vector<MultiIndex<dim>> functions;
-    for (const std::uint64_t position : owned)
-      functions.push_back(multi_index<dim>(position, extents));
-    for (const auto &ghost : ghosts)
-      functions.push_back(multi_index<dim>(ghost.second, extents));
     std::array<int, dim> low, high;
     low.fill(std::numeric_limits<int>::max());
     high.fill(0);
@@ -147,16 +190,24 @@ namespace greville
                     ExcMessage("A process has more coefficients than an "
                                "integer can count."));
       }
-    for (const auto &i : functions)
-      places.push_back(line_of(i).place + int(i[0]));
+    copies.clear();
+    for (std::size_t k = 0; k < functions.size(); ++k)
+      {
+        const auto        &i     = functions[k];
+        const unsigned int place = line_of(i).place + int(i[0]);
+        if (k < owned.size())
+          places.push_back(place);
+        else
+          copies.emplace_back(place, sources[k - owned.size()]);
+      }
 
     inverse_mass = ZeroedArray<double>(n_places);
     crossings    = ZeroedArray<double>(n_places);
     for (unsigned int d = 0; d < dim; ++d)
       for (auto *values : {&run_mass[d], &velocities[d], &results[d]})
         *values = ZeroedArray<double>(n_places);
-    jumps.resize(extents[0]);
-    strengths.resize(extents[0]);
+    jumps.resize(all[0]);
+    strengths.resize(all[0]);
   }
 
 
@@ -170,6 +221,8 @@ namespace greville
     exchanged.update_ghost_values();
     for (unsigned int f = 0; f < places.size(); ++f)
       values[places[f]] = exchanged.local_element(f);
+    for (const auto &[place, source] : copies)
+      values[place] = exchanged.local_element(source);
     exchanged.zero_out_ghost_values();
   }
 

@@ -61,6 +61,18 @@ namespace greville
 
 
 
+  template <int dim>
+  std::array<bool, dim>
+  Walls<dim>::periodic_directions(const WallParameters &parameters)
+  {
+    std::array<bool, dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = parameters.type[2 * d] == "periodic";
+    return result;
+  }
+
+
+
   namespace
   {
     template <int dim>
@@ -87,6 +99,8 @@ namespace greville
     const unsigned int d   = wall / 2;
     const unsigned int end = wall % 2 == 0 ? 0 : space.n_functions()[d] - 1;
     std::vector<unsigned int> result;
+    if (space.lattice().is_periodic(d))
+      return result;
     for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
       if (multi_index<dim>(space.owned_functions()[i],
                            space.n_functions())[d] == end &&

@@ -3,6 +3,7 @@
 #include <greville/spline/cell_filling.h>
 
 #include <algorithm>
+#include <tuple>
 
 namespace greville
 {
@@ -56,7 +57,8 @@ namespace greville
   void
   CellFilling<dim>::find_hosts()
   {
-    const auto        &extents   = spline_space->lattice().n_cells();
+    const auto        &lattice   = spline_space->lattice();
+    const auto        &extents   = lattice.n_cells();
     const unsigned int n_owned   = spline_space->owned_cells().size();
     const auto        &positions = neighbors.positions();
 
@@ -98,6 +100,7 @@ namespace greville
           auto       neighbor = index;
           for (unsigned int d = 0; d < dim; ++d)
             neighbor[d] += offset[d] - 1;
+          lattice.wrap(neighbor);
           visit(offset, neighbor);
         }
     };
@@ -139,23 +142,24 @@ namespace greville
     // The best host that a neighbour has.
     const auto host_of_neighbors = [&](const unsigned int c) {
       const auto index = multi_index<dim>(positions[c], extents);
-      auto       best  = std::make_pair(none, none); // distance and host
+      // Distance, the order among those equally far, and host.
+      auto best = std::make_tuple(none, none, none);
       for_each_neighbor(
         c, [&](const MultiIndex<dim> &, const MultiIndex<dim> &neighbor) {
           const unsigned int n = find(neighbor);
           if (n == dealii::numbers::invalid_unsigned_int || hosts[n] == none)
             return;
           const auto    host     = multi_index<dim>(hosts[n], extents);
-          std::uint64_t distance = 0;
-          for (unsigned int d = 0; d < dim; ++d)
+          std::uint64_t distance = 0, way = 0;
+          for (int d = dim - 1; d >= 0; --d)
             {
-              const std::int64_t difference =
-                std::int64_t(host[d]) - std::int64_t(index[d]);
-              distance += difference * difference;
+              const int steps = lattice.steps(index[d], host[d], d);
+              distance += steps * steps;
+              way = way * (4 * reach) + (2 * reach + steps);
             }
-          best = std::min(best, std::make_pair(distance, hosts[n]));
+          best = std::min(best, std::make_tuple(distance, way, hosts[n]));
         });
-      return best.second;
+      return std::get<2>(best);
     };
 
     std::fill(hosts.begin(), hosts.end(), none);

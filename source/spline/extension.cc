@@ -175,13 +175,24 @@ namespace greville
     const std::size_t begin = hosts_begin[place - extended_numbers.begin()],
                       end   = hosts_begin[place - extended_numbers.begin() + 1];
 
-    // Squared distances of centers, in half cells.
+    // Squared distances of centers, in half cells. Where the grid is periodic,
+    // the function is seen where it is the nearest to the host.
+    const auto &lattice = space.lattice();
+    const auto  periods = [&](const unsigned int host, const int d) {
+      if (!lattice.is_periodic(d))
+        return 0;
+      const int n = lattice.n_cells()[d];
+      return int(std::ceil((2. * host - (2. * i[d] - p)) / (2. * n) - 0.5));
+    };
     std::vector<double> shares(end - begin);
     for (std::size_t h = begin; h < end; ++h)
       {
-        const auto host = multi_index<dim>(hosts[h], space.lattice().n_cells());
+        const auto host = multi_index<dim>(hosts[h], lattice.n_cells());
         for (unsigned int d = 0; d < dim; ++d)
-          shares[h - begin] += std::pow(2. * host[d] - (2. * i[d] - p), 2);
+          shares[h - begin] +=
+            std::pow(2. * host[d] - (2. * i[d] - p) -
+                       2. * lattice.n_cells()[d] * periods(host[d], d),
+                     2);
       }
     const double nearest    = *std::min_element(shares.begin(), shares.end());
     double       all_shares = 0.;
@@ -198,13 +209,19 @@ namespace greville
       {
         if (shares[h - begin] == 0.)
           continue;
-        const auto host = multi_index<dim>(hosts[h], space.lattice().n_cells());
+        const auto host = multi_index<dim>(hosts[h], lattice.n_cells());
         double     factors[dim][SplineSpace<dim>::max_degree + 1];
         for (unsigned int d = 0; d < dim; ++d)
-          space.knots(d).blossom(host[d],
-                                 ArrayView<const double>(
-                                   space.knots(d).knots().data() + i[d] + 1, p),
-                                 ArrayView<double>(factors[d], p + 1));
+          {
+            const double move =
+              (lattice.upper(d) - lattice.lower(d)) * periods(host[d], d);
+            double inner_knots[SplineSpace<dim>::max_degree];
+            for (unsigned int k = 0; k < p; ++k)
+              inner_knots[k] = space.knots(d).knots()[i[d] + 1 + k] + move;
+            space.knots(d).blossom(host[d],
+                                   ArrayView<const double>(inner_knots, p),
+                                   ArrayView<double>(factors[d], p + 1));
+          }
         for (unsigned int k = 0; k < n; ++k)
           {
             auto   a      = multi_index<dim>(k, local_extents);
@@ -213,6 +230,8 @@ namespace greville
               {
                 weight *= factors[d][a[d]];
                 a[d] += host[d];
+                if (a[d] >= extents[d]) // periodic
+                  a[d] -= extents[d];
               }
             if (weight != 0.)
               entries.emplace_back(lexicographic<dim>(a, extents), weight);

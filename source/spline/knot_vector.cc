@@ -57,6 +57,29 @@ namespace greville
 
 
 
+  KnotVector
+  KnotVector::periodic_uniform(const unsigned int degree,
+                               const unsigned int n_elements,
+                               const double       lower,
+                               const double       upper)
+  {
+    AssertThrow(degree >= 1 && n_elements > 0 && lower < upper,
+                ExcMessage("A periodic knot vector needs an order of 1 or "
+                           "more, at least one element, and a lower end below "
+                           "its upper end."));
+    KnotVector result;
+    result.p       = degree;
+    const double h = (upper - lower) / n_elements;
+    const int    n = n_elements;
+    for (int i = -int(degree); i <= n + int(degree); ++i)
+      result.t.push_back(i == n ? upper : lower + h * i);
+    for (unsigned int e = 0; e < n_elements; ++e)
+      result.spans.push_back(degree + e);
+    return result;
+  }
+
+
+
   unsigned int
   KnotVector::find_element(const double x) const
   {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <deal.II/grid/grid_generator.h>
+#include <deal.II/grid/grid_tools.h>
 
 #include <greville/spline/lattice.h>
 
@@ -53,6 +54,10 @@ namespace greville
                   static_cast<double>(triangulation.n_global_active_cells()),
                 ExcMessage("A spline space needs a mesh whose cells fill a "
                            "box."));
+
+    // The coarsest faces are known on all processes.
+    for (const auto &pair : triangulation.get_periodic_face_map())
+      periodic[pair.first.second / 2] = true;
   }
 
 
@@ -85,7 +90,8 @@ namespace greville
   create_box_mesh(DistributedTriangulation<dim> &triangulation,
                   const Point<dim>              &lower,
                   const Point<dim>              &upper,
-                  const MultiIndex<dim>         &n_cells)
+                  const MultiIndex<dim>         &n_cells,
+                  const std::array<bool, dim>   &periodic)
   {
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -108,6 +114,15 @@ namespace greville
       }
     GridGenerator::subdivided_hyper_rectangle(
       triangulation, trees, lower, upper, true);
+    std::vector<GridTools::PeriodicFacePair<
+      typename DistributedTriangulation<dim>::cell_iterator>>
+      pairs;
+    for (unsigned int d = 0; d < dim; ++d)
+      if (periodic[d])
+        GridTools::collect_periodic_faces(
+          triangulation, 2 * d, 2 * d + 1, d, pairs);
+    if (!pairs.empty())
+      triangulation.add_periodicity(pairs);
     triangulation.refine_global(n_refinements);
   }
 
@@ -118,7 +133,8 @@ namespace greville
   template void create_box_mesh<dim>(DistributedTriangulation<dim> &, \
                                      const Point<dim> &,              \
                                      const Point<dim> &,              \
-                                     const MultiIndex<dim> &)
+                                     const MultiIndex<dim> &,         \
+                                     const std::array<bool, dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);
 } // namespace greville

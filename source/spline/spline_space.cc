@@ -48,11 +48,27 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       {
         const unsigned int n = mesh_lattice.n_cells()[d];
-        knot_vectors[d]      = KnotVector::open_uniform(p,
+        if (mesh_lattice.is_periodic(d))
+          {
+            AssertThrow(
+              n > p,
+              ExcMessage(
+                "A grid that is periodic in " + std::string(1, "xyz"[d]) +
+                " needs at least order + 1 = " + std::to_string(p + 1) +
+                " cells in this direction; it has " + std::to_string(n) + "."));
+            knot_vectors[d] = KnotVector::periodic_uniform(
+              p, n, mesh_lattice.lower(d), mesh_lattice.upper(d));
+            extents[d] = n;
+            anchor_cells[d].resize(n);
+            for (unsigned int i = 0; i < n; ++i)
+              anchor_cells[d][i] = (i + n - p / 2) % n;
+            continue;
+          }
+        knot_vectors[d] = KnotVector::open_uniform(p,
                                                    n,
                                                    mesh_lattice.lower(d),
                                                    mesh_lattice.upper(d));
-        extents[d]           = n + p;
+        extents[d]      = n + p;
 
         // Greville abscissae in units of cells, in exact integer arithmetic.
         anchor_cells[d].resize(extents[d]);
@@ -99,7 +115,8 @@ namespace greville
         cells.push_back(entry.first);
       }
 
-    // The functions of a cell's Greville points are a run in each direction.
+    // The functions of a cell's Greville points are a run in each direction,
+    // and one where it is periodic.
     owned.clear();
     for (const std::uint64_t position : cells)
       {
@@ -107,6 +124,12 @@ namespace greville
         MultiIndex<dim> begin, length;
         for (unsigned int d = 0; d < dim; ++d)
           {
+            if (mesh_lattice.is_periodic(d))
+              {
+                begin[d]  = wrapped(cell[d] + p / 2, d);
+                length[d] = 1;
+                continue;
+              }
             const auto range = std::equal_range(anchor_cells[d].begin(),
                                                 anchor_cells[d].end(),
                                                 cell[d]);
@@ -142,8 +165,9 @@ namespace greville
   void
   SplineSpace<dim>::number_functions()
   {
-    // A cell's functions are runs of p + 1 in x. Owned parts of a run are
-    // contiguous in owned, so one search per run mostly suffices.
+    // A cell's functions are runs of p + 1 in x, which go on at 0 where x is
+    // periodic. Owned parts of a run are contiguous in owned, so one search per
+    // run mostly suffices.
     const unsigned int n_runs = functions_per_cell / (p + 1);
     MultiIndex<dim>    runs;
     runs.fill(p + 1);
@@ -158,15 +182,21 @@ namespace greville
         for (unsigned int r = 0; r < n_runs; ++r)
           {
             MultiIndex<dim> function = multi_index<dim>(r, runs);
-            for (unsigned int d = 0; d < dim; ++d)
-              function[d] += cell[d];
-            const std::uint64_t start = lexicographic<dim>(function, extents);
-            auto hint = std::lower_bound(owned.begin(), owned.end(), start);
+            for (unsigned int d = 1; d < dim; ++d)
+              function[d] = wrapped(function[d] + cell[d], d);
+            const std::uint64_t line = lexicographic<dim>(function, extents);
+            auto                hint = owned.end();
             for (unsigned int a = 0; a <= p; ++a, ++slot)
-              if (hint != owned.end() && *hint == start + a)
-                cell_function_numbers[slot] = hint++ - owned.begin();
-              else
-                others.emplace_back(slot, start + a);
+              {
+                const unsigned int  x        = wrapped(cell[0] + a, 0);
+                const std::uint64_t position = line + x;
+                if (a == 0 || x == 0)
+                  hint = std::lower_bound(owned.begin(), owned.end(), position);
+                if (hint != owned.end() && *hint == position)
+                  cell_function_numbers[slot] = hint++ - owned.begin();
+                else
+                  others.emplace_back(slot, position);
+              }
           }
       }
 

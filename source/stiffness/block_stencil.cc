@@ -90,12 +90,11 @@ namespace greville
     constexpr int n_z    = dim == 3 ? n : 1;
     constexpr int n_all  = n * n * n_z;
 
-    const auto functions = places->space().cell_functions(cell);
     for (int a_z = 0, a = 0; a_z < n_z; ++a_z)
       for (int a_y = 0; a_y < n; ++a_y)
         for (int a_x = 0; a_x < n; ++a_x, ++a)
           {
-            Number *entries = row(places->place(functions[a]));
+            Number *entries = row(places->cell_place(cell, a_x, a_z * n + a_y));
             for (int i = 0; i < dim; ++i)
               for (int k = 0; k < dim; ++k)
                 for (int b_z = 0, b = 0; b_z < n_z; ++b_z)

@@ -102,6 +102,11 @@ namespace greville
       if (places[u] != numbers::invalid_unsigned_int)
         for (unsigned int c = 0; c < dim; ++c)
           result.local_element(u * dim + c) = blocks.diagonal(places[u], c);
+    extended_mass.for_each_image_of_unknown(
+      [&](const unsigned int u, const std::size_t place) {
+        for (unsigned int c = 0; c < dim; ++c)
+          result.local_element(u * dim + c) += blocks.diagonal(place, c);
+      });
     result.compress(VectorOperation::add);
     largest = 0.;
     for (unsigned int i = 0; i < result.locally_owned_size(); ++i)

@@ -36,6 +36,8 @@ namespace greville
       std::vector<unsigned char> held_at(extended.matrix().size(), 0); // place
       for (unsigned int f = 0; f < held.size(); ++f)
         held_at[extended.matrix().place(f)] = held[f];
+      for (const auto &[f, place] : extended.matrix().images())
+        held_at[place] = held[f];
 
       std::vector<std::vector<Block<dim>>> rows(n);
       extended.matrix().for_each_row([&](const unsigned int i) {

@@ -22,7 +22,8 @@ namespace greville
    *
    * Functions can be held, column by column, at zero (walls): they are then
    * left out of the columns of E.
-   * E is applied on the places of a StencilMatrix.
+   * E is applied on the places of a StencilMatrix. It has a row for each image,
+   * too, which is that of its function.
    */
   template <int dim>
   class ExtendedUnknowns
@@ -142,6 +143,18 @@ namespace greville
     }
 
     /**
+     * Call visit(u, place) for the images of unknowns.
+     */
+    template <typename Visit>
+    void
+    for_each_image_of_unknown(const Visit &visit) const
+    {
+      for (const auto &[f, place] : places->images())
+        if (roles[places->place(f)] > 0)
+          visit(unsigned(roles[places->place(f)] - 1), std::size_t(place));
+    }
+
+    /**
      * Collective. rows = E^T b for @p columns b of the space, of the
      * @p component and those that follow it: ..., dim - 1, 0, ...
      */
@@ -242,6 +255,27 @@ namespace greville
           visit(f, std::size_t(places->place(f)));
     }
 
+    /**
+     * Call visit(f, place) for all places of all local functions that are
+     * active, those of images last.
+     */
+    template <typename Visit>
+    void
+    for_each_active_place(const Visit &visit) const
+    {
+      for_each_active(held_functions.size(), visit);
+      for_each_active_image(visit);
+    }
+
+    template <typename Visit>
+    void
+    for_each_active_image(const Visit &visit) const
+    {
+      for (const auto &[f, place] : places->images())
+        if ((*extension)[f] != Extension<dim>::inactive)
+          visit(f, std::size_t(place));
+    }
+
     bool
     is_held(const unsigned int function, const unsigned int column) const
     {
@@ -257,8 +291,8 @@ namespace greville
     unsigned int              n_owned = 0;
     std::vector<unsigned int> unknowns; // places
     std::vector<unsigned int> owned_unknown_functions;
-    std::vector<unsigned int> lumped;   // places
-    std::vector<unsigned int> extended; // places
+    std::vector<unsigned int> lumped;   // places, with images
+    std::vector<unsigned int> extended; // places, images of all kinds last
     std::vector<std::size_t>  extended_begin;
     std::vector<Entry>        extended_entries;
 

@@ -22,6 +22,11 @@ namespace greville
    * asking for walls. Vectors on places are interleaved, entry c of place i at
    * i * width + c. Rows, and entries of vectors, that are never written to cost
    * no memory.
+   *
+   * Where a direction of n functions is periodic, those with i_d < p have a
+   * second place, an *image*, at n + i_d, which cells at the upper end see. So
+   * the arithmetic stays; the matrix is P^T B P with what is stored, B, where P
+   * gives images the value of their function (see ExtendedUnknowns).
    */
   template <int dim>
   class StencilMatrix
@@ -59,8 +64,33 @@ namespace greville
     }
 
     /**
+     * The place of function (@p x, @p line) of an owned cell: x and the number
+     * of the line among its (p + 1)^(dim - 1) ones.
+     */
+    unsigned int
+    cell_place(const unsigned int cell,
+               const unsigned int x,
+               const unsigned int line) const
+    {
+      const unsigned int n     = spline_space->degree() + 1;
+      const unsigned int first = spline_space->cell_functions(cell)[0];
+      const unsigned int start = lines[first];
+      return line_begin[start + line % n + line / n * n_lines_y] + x +
+             (places[first] - line_begin[start]);
+    }
+
+    /**
+     * The images of local functions: function and place.
+     */
+    const std::vector<std::pair<unsigned int, unsigned int>> &
+    images() const
+    {
+      return image_places;
+    }
+
+    /**
      * Set the matrix to zero and let it have the rows of these functions (local
-     * numbers), those of all cells that will be added.
+     * numbers) and of their images, those of all cells that will be added.
      */
     void
     set_rows(const std::vector<unsigned int> &functions);
@@ -212,8 +242,12 @@ namespace greville
     // in a line has the place line_begin[line] + x.
     std::vector<int>          line_begin;
     std::vector<int>          neighbor_lines; // distances of line numbers
-    std::vector<unsigned int> places;         // by local number
-    std::vector<unsigned int> lines;          // by local number
+    unsigned int              n_lines_y = 0;
+    std::vector<unsigned int> places; // by local number
+    std::vector<unsigned int> lines;  // by local number
+
+    std::vector<std::pair<unsigned int, unsigned int>> image_places;
+    std::vector<unsigned int>                          image_lines;
 
     std::vector<Segment>  segments;
     ZeroedArray<double>   values;

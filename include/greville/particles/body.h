@@ -37,6 +37,8 @@ namespace greville
   struct PlacedPoint
   {
     dealii::Point<dim> x;
+    /// Where the shape has the point: x, or a period beyond a periodic wall.
+    dealii::Point<dim> image;
     double             volume;
     std::uint64_t      id;
     unsigned int       cell;
@@ -48,6 +50,7 @@ namespace greville
    * The points of a shape on the owned cells. They, and their ids, do not
    * depend on the number of processes. Throws dealii::ExcMessage, which names
    * the @p section, for wrong formulas and a shape that sticks out of the grid.
+   * What sticks out through a periodic wall comes in on the other side.
    */
   template <int dim>
   std::vector<PlacedPoint<dim>>

@@ -12,7 +12,9 @@ namespace greville
   /**
    * Brings points to the cells, and the processes, that they have moved to.
    * Points that leave the grid by less than 1e-9 cells are put back onto its
-   * wall.
+   * wall. Those that leave it where it is periodic come back on the other side:
+   * position and reference position, whose difference is the displacement, move
+   * by whole periods.
    */
   template <int dim>
   class PointTransport

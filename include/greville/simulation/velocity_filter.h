@@ -79,7 +79,8 @@ namespace greville
   private:
     /**
      * A line of coefficients in direction x. That at x, counted from the lower
-     * wall of the grid, has the place place + x. Other lines begin at the
+     * wall of the grid (where x is periodic from p + 1 functions before), has
+     * the place place + x. Other lines begin at the
      * places of their neighbours, which have room for them.
      */
     struct Line
@@ -114,7 +115,11 @@ namespace greville
 
     // Functions of this process, and those of others in the same runs.
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partitioner;
-    std::vector<unsigned int> places; // by local number in the partitioner
+    std::vector<unsigned int> places; // of owned functions
+
+    // Other places and the local numbers in the partitioner of what they have:
+    // functions of other processes, and images where a direction is periodic.
+    std::vector<std::pair<unsigned int, unsigned int>> copies;
 
     std::vector<Line> lines; // of a box, y first
     int               n_lines_y = 0;

@@ -41,6 +41,9 @@ namespace greville
    * cells, in whose middle it is where it lies at a knot (even orders) or
    * between two knots (odd ones).
    *
+   * Periodic walls hold nothing: the spaces of functions and the transport of
+   * points know them from the mesh.
+   *
    * A friction wall is touched from one side. A coefficient v of the new
    * velocity that goes into the wall with the speed v_n is stopped, and slowed
    * down along the wall by Coulomb's law for the two parts of the impulse, v <-
@@ -56,6 +59,12 @@ namespace greville
      * Throws dealii::ExcMessage for wrong formulas.
      */
     Walls(const WallParameters &parameters);
+
+    /**
+     * The directions in which both walls are periodic.
+     */
+    static std::array<bool, dim>
+    periodic_directions(const WallParameters &parameters);
 
     /**
      * The order of the fields that other functions get. The space is kept by

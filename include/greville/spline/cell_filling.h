@@ -17,8 +17,9 @@ namespace greville
    * neighbour to neighbour (by a face, an edge or a vertex), all of them over
    * cells with points, lead to; so a host does not lie across a gap. Of hosts
    * that its neighbours have, a cell takes the nearest, and the first in
-   * lexicographic order among equally near ones. Cells without a host are
-   * *fragments*: spray, and what is less than three cells thick.
+   * lexicographic order, as seen from the cell, among equally near ones. Cells
+   * without a host are *fragments*: spray, and what is less than three cells
+   * thick.
    *
    * That surface cells do not host keeps the functions that see a body by a
    * corner out of its space, and joins the polynomials of the two outermost

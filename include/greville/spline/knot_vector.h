@@ -45,6 +45,18 @@ namespace greville
                  const double       lower = 0.,
                  const double       upper = 1.);
 
+    /**
+     * The same elements with equidistant knots that go on beyond both ends.
+     * With these knots, function n_elements + k is function k one period
+     * further on: all functions are alike, and a periodic spline has the same
+     * coefficient for both.
+     */
+    static KnotVector
+    periodic_uniform(const unsigned int degree,
+                     const unsigned int n_elements,
+                     const double       lower = 0.,
+                     const double       upper = 1.);
+
     unsigned int
     degree() const
     {

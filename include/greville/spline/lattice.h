@@ -7,6 +7,7 @@
 
 #include <greville/base/compatibility.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -51,8 +52,8 @@ namespace greville
   /**
    * The cells of a box mesh, counted by integers along each axis. The lattice
    * is read off a triangulation whose active cells are equal boxes that fill a
-   * larger box; it needs no memory besides these few numbers. Lengths carry the
-   * unit of the mesh.
+   * larger box; it needs no memory besides these few numbers. A direction is
+   * periodic where the triangulation is. Lengths carry the unit of the mesh.
    */
   template <int dim>
   class Lattice
@@ -70,6 +71,56 @@ namespace greville
     n_cells() const
     {
       return cells;
+    }
+
+    bool
+    is_periodic(const unsigned int d) const
+    {
+      return periodic[d];
+    }
+
+    bool
+    is_periodic() const
+    {
+      return std::find(periodic.begin(), periodic.end(), true) !=
+             periodic.end();
+    }
+
+    /**
+     * Move the index of a cell by a period into the lattice, where it is
+     * periodic. Returns whether the cell is in the lattice.
+     */
+    bool
+    wrap(MultiIndex<dim> &index) const
+    {
+      bool is_inside = true;
+      for (unsigned int d = 0; d < dim; ++d)
+        if (index[d] >= cells[d])
+          {
+            // What lies before the first cell is a large number.
+            if (periodic[d])
+              index[d] += int(index[d]) < 0 ? cells[d] : -cells[d];
+            is_inside = is_inside && index[d] < cells[d];
+          }
+      return is_inside;
+    }
+
+    /**
+     * How many cells to go from one to another in a direction: the shorter way
+     * where it is periodic.
+     */
+    int
+    steps(const unsigned int from,
+          const unsigned int to,
+          const unsigned int d) const
+    {
+      const int n      = cells[d];
+      const int result = int(to) - int(from);
+      if (!periodic[d])
+        return result;
+      return 2 * result > n     ? result - n
+             : 2 * result <= -n ? result + n
+                                : result;
     }
 
     double
@@ -118,23 +169,26 @@ namespace greville
     find_cell(const dealii::Point<dim> &point) const;
 
   private:
-    dealii::Point<dim> lower_corner;
-    dealii::Point<dim> upper_corner;
-    MultiIndex<dim>    cells{};
+    dealii::Point<dim>    lower_corner;
+    dealii::Point<dim>    upper_corner;
+    MultiIndex<dim>       cells{};
+    std::array<bool, dim> periodic{};
   };
 
   /**
    * Fill @p triangulation with n_cells[0] x n_cells[1] (x n_cells[2]) equal
    * cells. The trees of p4est, which deal.II keeps on every process, are as
    * few as these numbers allow: their odd parts after division by the largest
-   * common power of two.
+   * common power of two. In @p periodic directions the cells at both ends are
+   * neighbours.
    */
   template <int dim>
   void
   create_box_mesh(DistributedTriangulation<dim> &triangulation,
                   const dealii::Point<dim>      &lower,
                   const dealii::Point<dim>      &upper,
-                  const MultiIndex<dim>         &n_cells);
+                  const MultiIndex<dim>         &n_cells,
+                  const std::array<bool, dim>   &periodic = {});
 
   /**
    * The settings that a triangulation needs for a SplineSpace, which asks

@@ -21,9 +21,11 @@ namespace greville
    * Tensor-product B-splines of order p on open uniform knot vectors over a
    * distributed box mesh,
    *   u(x) = sum_i c_i N_(i_1)(x_1) ... N_(i_dim)(x_dim),
-   * with one function per Greville point: n + p in a direction of n cells. The
-   * class has the shape of a DoFHandler; a *dof* is a coefficient c_i of one
-   * component.
+   * with one function per Greville point: n + p in a direction of n cells. In a
+   * periodic direction of the mesh knots are uniform, there are n functions,
+   * all alike, and function i of the knots is function i mod n of the space.
+   * The class has the shape of a DoFHandler; a *dof* is a coefficient c_i of
+   * one component.
    *
    * **Ownership.** A coefficient belongs to the process that owns the cell of
    * its Greville point (the upper one, where the point lies between two cells).
@@ -58,7 +60,8 @@ namespace greville
 
     /**
      * Collective. Throws dealii::ExcMessage for an order outside 1...5, no
-     * component or a mesh that is no Lattice.
+     * component, a mesh that is no Lattice, or one with less than p + 1 cells
+     * in a periodic direction.
      */
     void
     reinit(DistributedTriangulation<dim> &triangulation,
@@ -277,8 +280,18 @@ namespace greville
     MultiIndex<dim>                             extents{};
     std::unique_ptr<dealii::FiniteElement<dim>> element;
 
+    /**
+     * The number of a function of the knots in a direction.
+     */
+    unsigned int
+    wrapped(const unsigned int i, const unsigned int d) const
+    {
+      return i < extents[d] ? i : i - extents[d];
+    }
+
     // Per direction: the cell of the Greville point of each function. It does
-    // not decrease with the function.
+    // not decrease with the function, but for the first p / 2 functions of a
+    // periodic direction.
     std::array<std::vector<unsigned int>, dim> anchor_cells;
 
     std::vector<std::uint64_t>                   cells;
