@@ -115,13 +115,15 @@ check_range(const std::string &what,
 template <int dim>
 struct Box
 {
-  Box(const MultiIndex<dim> &cells, const MPI_Comm comm = MPI_COMM_WORLD)
+  Box(const MultiIndex<dim>       &cells,
+      const MPI_Comm               comm     = MPI_COMM_WORLD,
+      const std::array<bool, dim> &periodic = {})
     : mesh(comm, Triangulation<dim>::none, mesh_settings<dim>)
   {
     Point<dim> upper;
     for (unsigned int d = 0; d < dim; ++d)
       upper[d] = 1. + 0.5 * d;
-    create_box_mesh<dim>(mesh, Point<dim>(), upper, cells);
+    create_box_mesh<dim>(mesh, Point<dim>(), upper, cells, periodic);
   }
 
   DistributedTriangulation<dim> mesh;

@@ -137,7 +137,10 @@ namespace greville
                 result.angular_momentum[2] += m * (B[1][0] - B[0][1]);
               }
             result.kinetic += kinetic_energy_of<dim>(p, cell, affine, transfer);
-            result.gravitational -= m * (gravity * Tensor<1, dim>(position));
+            // Where the grid is periodic, gravity has no potential.
+            for (unsigned int d = 0; d < dim; ++d)
+              if (!body.points.space().lattice().is_periodic(d))
+                result.gravitational -= m * gravity[d] * position[d];
             if (!body.rigid_motion)
               {
                 MaterialPoint point;

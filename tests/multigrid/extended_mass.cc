@@ -44,10 +44,11 @@ held_bits(const SplineSpace<dim> &space)
 template <int dim>
 struct Problem
 {
-  Problem(const MultiIndex<dim> &cells,
-          const unsigned int     p,
-          const Filling<dim>    &is_filled)
-    : box(cells)
+  Problem(const MultiIndex<dim>       &cells,
+          const unsigned int           p,
+          const Filling<dim>          &is_filled,
+          const std::array<bool, dim> &periodic = {})
+    : box(cells, MPI_COMM_WORLD, periodic)
     , space(box.mesh, p)
     , filling(space)
   {
@@ -105,12 +106,13 @@ struct Problem
 
 template <int dim>
 void
-test_products(const MultiIndex<dim> &cells,
-              const unsigned int     p,
-              const Filling<dim>    &is_filled,
-              const std::string     &name)
+test_products(const MultiIndex<dim>       &cells,
+              const unsigned int           p,
+              const Filling<dim>          &is_filled,
+              const std::string           &name,
+              const std::array<bool, dim> &periodic = {})
 {
-  Problem<dim>            problem(cells, p, is_filled);
+  Problem<dim>            problem(cells, p, is_filled, periodic);
   const SplineSpace<dim> &space  = problem.space;
   ExtendedMass<dim>      &mass   = problem.mass;
   const auto              counts = problem.extension.counts();
@@ -144,10 +146,14 @@ test_products(const MultiIndex<dim> &cells,
         ZeroedArray<double> from(stencil.size()), to(stencil.size());
         for (const unsigned int f : all)
           from[stencil.place(f)] = x.local_element(f);
+        for (const auto &[f, place] : stencil.images())
+          from[place] = x.local_element(f);
         stencil.vmult(to.data(), from.data(), 1);
         y = 0.;
         for (const unsigned int f : all)
           y.local_element(f) = to[stencil.place(f)];
+        for (const auto &[f, place] : stencil.images())
+          y.local_element(f) += to[place];
         y.compress(VectorOperation::add);
         check("  StencilMatrix", difference(y, z), 1e-12);
       }
@@ -156,7 +162,7 @@ test_products(const MultiIndex<dim> &cells,
   // Columns of components that are held at different walls, or not at all.
   std::vector<std::vector<VectorType>> x(2), y(2);
   {
-    Box<dim>               own_box(cells, MPI_COMM_SELF);
+    Box<dim>               own_box(cells, MPI_COMM_SELF, periodic);
     const SplineSpace<dim> own_space(own_box.mesh, p);
     CellFilling<dim>       own_filling(own_space);
     own_filling.update(fillings<dim>(own_space, is_filled), 0.7);
@@ -216,6 +222,7 @@ test_products(const MultiIndex<dim> &cells,
             for (unsigned int c = 0; c < width; ++c)
               from.local_element(u * width + c) =
                 x[is_held][c].local_element(functions[u]);
+          mass.zero_held_unknowns(from, width);
           // Twice: vectors on places are not zero any more.
           mass.vmult(to, from, width);
           mass.vmult(to, from, width);
@@ -293,11 +300,12 @@ norm(const VectorField<dim> &field)
 
 template <int dim>
 void
-test_solver(const MultiIndex<dim> &cells,
-            const unsigned int     p,
-            const Filling<dim>    &is_filled,
-            const Filling<dim>    &is_filled_later,
-            const bool             is_held)
+test_solver(const MultiIndex<dim>       &cells,
+            const unsigned int           p,
+            const Filling<dim>          &is_filled,
+            const Filling<dim>          &is_filled_later,
+            const bool                   is_held,
+            const std::array<bool, dim> &periodic = {})
 {
   print() << dim << "D, p = " << p << ": solver" << (is_held ? ", held" : "")
           << std::endl;
@@ -307,7 +315,7 @@ test_solver(const MultiIndex<dim> &cells,
   // As long as it serves at all.
   smoother.reuse = 100.;
 
-  Problem<dim>       problem(cells, p, is_filled);
+  Problem<dim>       problem(cells, p, is_filled, periodic);
   ExtendedMass<dim> &mass = problem.mass;
   if (is_held)
     problem.hold();
@@ -488,4 +496,30 @@ main(int argc, char **argv)
   for (const bool is_held : {false, true})
     test_solver<3>(
       cube<3>(6), 2, ball<3>(6, 1., 3.3), ball<3>(6, 2., 3.3), is_held);
+
+  // Where functions at both ends are neighbours, or meet twice.
+  for (unsigned int p = 1; p <= 5; ++p)
+    for (const bool both : {false, true})
+      test_products<2>({{12, 7}},
+                       p,
+                       drawn,
+                       both ? "periodic in x and y" : "periodic in x",
+                       {{true, both}});
+  for (unsigned int p = 1; p <= 2; ++p)
+    test_products<3>(cube<3>(6),
+                     p,
+                     ball<3>(6, 1.5, 1.8),
+                     "periodic in y and z",
+                     {{false, true, true}});
+  for (const bool is_held : {false, true})
+    {
+      test_solver<2>({{12, 7}}, 2, drawn, later, is_held, {{true, false}});
+      test_solver<2>({{12, 7}}, 3, drawn, later, false, {{true, true}});
+      test_solver<3>(cube<3>(6),
+                     2,
+                     ball<3>(6, 2., 2.1),
+                     ball<3>(6, 2., 2.4),
+                     is_held,
+                     {{true, false, true}});
+    }
 }
