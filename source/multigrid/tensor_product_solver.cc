@@ -14,10 +14,10 @@ namespace greville
     : space(&s)
   {
     AssertThrow(!s.lattice().is_periodic(),
-                ExcMessage("Transfers with the exact L2 projection (exact-l2) "
-                           "and the solver of tensor products are for grids "
-                           "without periodic walls: choose ic0-l2 or "
-                           "lumped-l2 for 'Prolongation' and 'Restriction'."));
+                ExcMessage("Periodic walls do not go with 'Prolongation' or "
+                           "'Restriction' = exact-l2, nor with tensor-product "
+                           "as 'Smoother' or 'Coarse preconditioner': all of "
+                           "them need open knot vectors."));
     for (unsigned int d = 0; d < dim; ++d)
       factors[d] = factorize(s.knots(d));
 

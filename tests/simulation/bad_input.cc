@@ -114,6 +114,25 @@ main(int argc, char **argv)
        good.with("Body body", {"Imposed velocity = 0; 0"}));
   test("velocity of a wall that does not move",
        good.with("Walls", {"Top velocity = 1; 0"}));
+  test("one periodic wall", good.with("Walls", {"Left = periodic"}));
+  test(
+    "few cells between periodic walls",
+    good.with("Walls", {"Bottom = free", "Left = periodic", "Right = periodic"})
+      .with("Grid", {"Order = 4"}));
+  test("body over its image across periodic walls",
+       good.with("Walls", {"Left = periodic", "Right = periodic"})
+         .with("Body body", {"Shape = box(-0.3, 0, 1, 0.2)"}));
+  test("wall that is periodic in a stage only",
+       Text(good.with("Simulation", {"Stages = first, second"}).content +
+            "subsection Stage first\n  subsection Time\n    set End = 0.02\n"
+            "  end\nend\nsubsection Stage second\n  subsection Time\n"
+            "    set End = 0.04\n  end\n  subsection Walls\n"
+            "    set Left = periodic\n    set Right = periodic\n  end\nend\n"));
+  test("exact transfers between periodic walls",
+       good.with("Walls", {"Left = periodic", "Right = periodic"})
+         .with("Scheme", {"Mass = consistent"})
+         .with("Solver", {"Method = cg-p-multigrid"})
+         .with("p-multigrid", {"Prolongation = exact-l2"}));
   test("grid upside down", good.with("Grid", {"Upper corner = 1, -1"}));
   test("three numbers in 2D", good.with("Grid", {"Cells = 4, 4, 4"}));
   test("sweep that does not fit",

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 // Coarse runs of the experiments: the granular collapse of Bui et al. and the
-// dam break of Martin and Moyce, against the measured data; grid crossing.
+// dam break of Martin and Moyce, against the measured data; the flow in a
+// channel, against the exact one; grid crossing.
 #include <greville/simulation/run.h>
 
 #include "simulation.h"
@@ -42,6 +43,10 @@ main(int argc, char **argv)
   const RunSummary dam = run<2>("dam_break", {100, 50});
   check("dam break: mean distance of the front", dam.series->relative, 0.08);
   check("dam break: all data", dam.series->n == 15);
+
+  const RunSummary channel = run<2>("channel_flow", {16, 16});
+  check("channel: velocity", channel.errors.velocity->l2, 0.001);
+  check("channel: largest error", channel.errors.velocity->max, 0.001);
 
   // Water that has come to rest in a closed box has its volume, and few of its
   // points bear none of its weight.

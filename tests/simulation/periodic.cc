@@ -201,4 +201,48 @@ main(int argc, char **argv)
                 relative(wrapped.energies, open.energies),
                 1e-8);
         }
+
+  // 3D: a block across an edge of two periodic directions, in flight through
+  // both of them, keeps the velocity of its center; displacements go on.
+  for (const std::string mass : {"lumped", "consistent"})
+    for (const unsigned int p : {1, 2})
+      {
+        const Text cube =
+          block_3d("box(0.6, 0.2, 0.65, 1.3, 0.8, 1.4)", 6)
+            .with("Grid", {"Order = " + std::to_string(p)})
+            .with("Body body", {"Velocity = 7; 0.1 * (y - 0.5); -6"})
+            .with("Walls",
+                  {"Left = periodic",
+                   "Right = periodic",
+                   "Back = periodic",
+                   "Front = periodic"})
+            .with("Scheme", {"Mass = " + mass})
+            .with("Time", {"End = 0.2", "Step = 0.002"});
+        Simulated<3> run(cube);
+        const auto   start = run->statistics();
+        run.run();
+        const auto end    = run->statistics();
+        double     sum[2] = {}, all = 0.;
+        for (const auto &body : run->bodies())
+          body.points.for_each([&](const unsigned int, const auto q) {
+            for (unsigned int k = 0; k < 2; ++k)
+              sum[k] += q.mass() * (q.position(2 * k) - q.reference(2 * k));
+            all += q.mass();
+          });
+        const std::string name =
+          "3D, " + mass + ", p = " + std::to_string(p) + ": ";
+        check(name + "momentum",
+              (end.momentum - start.momentum).norm() / start.momentum.norm(),
+              1e-10);
+        check(name + "displacement",
+              std::abs(Utilities::MPI::sum(sum[0], MPI_COMM_WORLD) /
+                         Utilities::MPI::sum(all, MPI_COMM_WORLD) -
+                       1.4) +
+                std::abs(Utilities::MPI::sum(sum[1], MPI_COMM_WORLD) /
+                           Utilities::MPI::sum(all, MPI_COMM_WORLD) +
+                         1.2),
+              1e-9);
+        print() << name << "strain energy " << std::setprecision(5)
+                << 1e6 * end.strain << " uJ" << std::endl;
+      }
 }
