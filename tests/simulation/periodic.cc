@@ -157,7 +157,7 @@ main(int argc, char **argv)
       std::vector<History> runs;
       for (const bool periodic : {false, true})
         runs.push_back(
-          history_of(block(0.42, periodic ? 8 : 36, periodic, 4., 2, 0.6)
+          history_of(block(0.42, periodic ? 8 : 36, periodic, 8., 2, 0.3)
                        .with("Scheme", scheme.second)
                        .with("Scheme", {"Energy gain = ignore"})));
       const History &open = runs[0], &wrapped = runs[1];
