@@ -30,9 +30,16 @@ namespace greville
                   points_per_direction,
                   List(Integer(1, 12), 1, 3))(
       "Points per cell in each direction; one number for all. Unit: none.");
-    add_parameter(prm, "Placement", placement, Selection("equidistant|Gauss"))(
+    add_parameter(prm,
+                  "Placement",
+                  placement,
+                  Selection("equidistant|Gauss|fitted|fitted lattice"))(
       "Points of a cell at equal distances with equal volumes, or on Gauss "
-      "points with the volumes of Gauss weights.");
+      "points with the volumes of Gauss weights, those that are inside. "
+      "fitted: "
+      "Gauss points of what of each cell is inside, which follow the boundary; "
+      "fitted lattice: equal distances in cells wholly inside, fitted in those "
+      "that the boundary cuts.");
     add_parameter(prm, "Jitter", jitter, Double(0., 1.))(
       "Each point is moved at random by at most this part of half the distance "
       "between points. Unit: none.");

@@ -4,10 +4,12 @@
 
 #include <greville/base/csv.h>
 #include <greville/base/errors.h>
-#include <greville/particles/placement.h>
+#include <greville/particles/fitted_points.h>
 #include <greville/particles/shape.h>
 
 #include <algorithm>
+#include <functional>
+#include <memory>
 #include <random>
 
 namespace greville
@@ -15,26 +17,59 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  std::vector<PlacedPoint<dim>>
-  place_points(const PointPlacement   &parameters,
-               const std::string      &section,
-               const SplineSpace<dim> &space)
+  MultiIndex<dim>
+  points_of_cell(const PointPlacement &parameters, const std::string &section)
   {
-    const Shape<dim> shape(parameters.shape, section + "/Shape");
-    const auto      &lattice = space.lattice();
-    const bool       gauss   = parameters.placement == "Gauss";
-    const auto      &given   = parameters.points_per_direction;
+    const auto &given = parameters.points_per_direction;
     AssertThrow(given.size() == 1 || given.size() == dim,
                 ExcMessage("The parameter '" + section +
                            "/Points per direction' takes 1 or " +
                            std::to_string(dim) + " numbers, not " +
                            std::to_string(given.size()) + "."));
-    MultiIndex<dim>        extents;
+    MultiIndex<dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = given[given.size() == 1 ? 0 : d];
+    return result;
+  }
+
+
+
+  namespace
+  {
+    template <int dim>
+    std::function<bool(const Point<dim> &)>
+    make_contains(const PointPlacement   &parameters,
+                  const std::string      &section,
+                  const SplineSpace<dim> &space)
+    {
+      if (parameters.shape_file.empty())
+        return [shape = Shape<dim>(parameters.shape, section + "/Shape")](
+                 const Point<dim> &x) { return shape.contains(x); };
+      std::shared_ptr<const FittedShape<dim>> shape =
+        make_fitted_shape<dim>(parameters, section, space);
+      return [shape](const Point<dim> &x) { return shape->contains(x); };
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  std::vector<PlacedPoint<dim>>
+  place_points(const PointPlacement   &parameters,
+               const std::string      &section,
+               const SplineSpace<dim> &space)
+  {
+    if (parameters.placement == "fitted" ||
+        parameters.placement == "fitted lattice")
+      return place_fitted_points<dim>(parameters, section, space);
+    const auto  contains = make_contains<dim>(parameters, section, space);
+    const auto &lattice  = space.lattice();
+    const bool  gauss    = parameters.placement == "Gauss";
+    const auto  extents  = points_of_cell<dim>(parameters, section);
     std::vector<QGauss<1>> quadratures;
     unsigned int           n_in_cell = 1;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        extents[d] = given[given.size() == 1 ? 0 : d];
         n_in_cell *= extents[d];
         quadratures.emplace_back(extents[d]);
       }
@@ -74,7 +109,7 @@ namespace greville
                   lattice.cell_size(d) *
                   (gauss ? quadratures[d].weight(local[d]) : 1. / n);
               }
-            if (shape.contains(point.x))
+            if (contains(point.x))
               result.push_back(point);
 
             // One cell beyond each wall there must not be anything.
@@ -85,7 +120,7 @@ namespace greville
                     Point<dim> outside = point.x;
                     outside[d] += side * lattice.cell_size(d);
                     AssertThrow(
-                      !shape.contains(outside),
+                      !contains(outside),
                       ExcMessage(
                         "The body of '" + section +
                         "' sticks out of the grid, for instance at (" +
@@ -156,6 +191,8 @@ namespace greville
 
 
 
+  template decltype(points_of_cell<2>) points_of_cell<2>;
+  template decltype(points_of_cell<3>) points_of_cell<3>;
   template decltype(place_points<2>)   place_points<2>;
   template decltype(place_points<3>)   place_points<3>;
   template decltype(points_of_file<2>) points_of_file<2>;

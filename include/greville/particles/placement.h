@@ -16,6 +16,8 @@ namespace greville
   struct PointPlacement
   {
     std::string               shape;
+    std::string               shape_file;
+    double                    shape_file_unit      = 1.;
     bool                      clip                 = false;
     std::vector<unsigned int> points_per_direction = {2};
     std::string               placement            = "equidistant";
@@ -38,6 +40,13 @@ namespace greville
   };
 
 
+
+  /**
+   * The number of points of a cell in each direction.
+   */
+  template <int dim>
+  MultiIndex<dim>
+  points_of_cell(const PointPlacement &placement, const std::string &section);
 
   /**
    * The points of a shape on the owned cells. They, and their ids, do not
