@@ -183,6 +183,26 @@ namespace greville
 
 
   template <int dim>
+  double
+  CellLevelSet<dim>::flatness(const BoundingBox<dim> &box) const
+  {
+    const Tensor<1, dim> slopes  = gradient(box.center());
+    const auto           curving = hessian(box.center());
+    double               result  = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        double slope = std::abs(slopes[d]);
+        for (unsigned int e = 0; e < dim; ++e)
+          slope -= 0.5 * std::abs(curving[d][e]) * box.side_length(e);
+        result = std::max(result, slope);
+      }
+    const double norm = slopes.norm();
+    return norm > 0. ? result / norm : 0.;
+  }
+
+
+
+  template <int dim>
   Plane<dim>
   CellLevelSet<dim>::tangent_plane(const Point<dim> &xi) const
   {

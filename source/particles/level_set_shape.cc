@@ -25,6 +25,13 @@ namespace greville
     template <int dim>
     constexpr unsigned int max_depth = dim == 2 ? 12 : 3;
 
+    // Parts in which a surface turns more than this have errors of their own,
+    // and are halved, so often at most.
+    constexpr double flat_enough = 0.3;
+
+    template <int dim>
+    constexpr unsigned int max_curved_depth = dim == 2 ? 2 : 1;
+
     // How often deal.II halves a part whose surface has no height function
     // along an axis, before it takes a single point.
     constexpr unsigned int max_box_splits = 10;
@@ -45,6 +52,7 @@ namespace greville
         : tree(tree)
         , n(n)
         , quadrature(n)
+        , rules(QGauss<1>(n))
       {
         for (const auto &level_set : tree.level_sets())
           level_sets.emplace_back(level_set, corner, size);
@@ -224,7 +232,9 @@ namespace greville
               cut_box(above, sides, depth);
               return;
             }
-        if (active.has_curved && active.all.size() == 1)
+        if (active.has_curved && active.all.size() == 1 &&
+            (depth >= max_curved_depth<dim> ||
+             level_sets[active.all[0]].flatness(box) > flat_enough))
           cut_by_surface(box, active.all[0], sides);
         else if (active.has_curved && depth < max_depth<dim>)
           for (const auto &half : halves(box))
@@ -256,8 +266,8 @@ namespace greville
                      const unsigned int      j,
                      Sides                   sides)
       {
-        NonMatching::QuadratureGenerator<dim> generator(
-          hp::QCollection<1>(QGauss<1>(n)), {max_box_splits});
+        NonMatching::QuadratureGenerator<dim> generator(rules,
+                                                        {max_box_splits});
         generator.generate(level_sets[j], box);
         std::vector<bool> unused(level_sets.size(), false);
         sides[j]              = ShapeTree<dim>::inside;
@@ -471,7 +481,7 @@ namespace greville
             const Functions::CoordinateRestriction<dim - 1> restriction(
               level_sets[k], d, place);
             NonMatching::QuadratureGenerator<dim - 1> generator(
-              hp::QCollection<1>(QGauss<1>(n)), {max_box_splits});
+              rules, {max_box_splits});
             generator.generate(restriction, face);
             sides[k] = ShapeTree<dim>::inside;
             add(generator.get_inside_quadrature(), sides);
@@ -497,6 +507,7 @@ namespace greville
       const ShapeTree<dim>          &tree;
       const unsigned int             n;
       const QGauss<dim>              quadrature;
+      const hp::QCollection<1>       rules; // generators point to it
       std::vector<CellLevelSet<dim>> level_sets;
       std::vector<Plane<dim>>        planes;
       CellPart<dim>                  part;

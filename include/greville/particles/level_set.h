@@ -79,6 +79,14 @@ namespace greville
     sign(const dealii::BoundingBox<dim> &box) const;
 
     /**
+     * The largest number f such that one derivative is nowhere in a box smaller
+     * than f times the size of the gradient at its center; not positive where
+     * each derivative may be zero.
+     */
+    double
+    flatness(const dealii::BoundingBox<dim> &box) const;
+
+    /**
      * The plane itself, or one that touches the surface near @p xi.
      */
     Plane<dim>
