@@ -50,8 +50,14 @@ integrate(const PointPlacement &placement, const MultiIndex<dim> &cells)
     return lexicographic<dim>(lattice.find_cell(x), lattice.n_cells()) ==
            space.owned_cells()[cell];
   };
-  const auto points  = place_points(placement, "Body a", space);
-  const auto surface = place_surface_points(placement, "Body a", space);
+  std::vector<PlacedPoint<dim>>  points;
+  std::vector<SurfacePoint<dim>> surface;
+  run_on_all(
+    [&]() {
+      points  = place_points(placement, "Body a", space);
+      surface = place_surface_points(placement, "Body a", space);
+    },
+    MPI_COMM_WORLD);
   for (const auto &point : points)
     {
       sums.volume += point.volume;
@@ -367,11 +373,9 @@ print_error(const std::function<void(PointPlacement &)> &set)
   catch (const std::exception &error)
     {
       message = message_of(error);
+      // Each process has its own.
+      message = message.substr(0, message.find(", for instance"));
     }
-  const auto messages = Utilities::MPI::all_gather(MPI_COMM_WORLD, message);
-  for (const std::string &other : messages)
-    if (other != "nothing is wrong")
-      message = other;
   print() << "  " << message << std::endl;
 }
 
