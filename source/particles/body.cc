@@ -149,6 +149,28 @@ namespace greville
 
 
 
+    /**
+     * Throw where a body is given in more than one way.
+     */
+    void
+    check_geometry(const BodyParameters &parameters, const std::string &section)
+    {
+      std::string last;
+      for (const auto &given :
+           {std::make_pair("Shape", &parameters.shape),
+            std::make_pair("Shape file", &parameters.shape_file),
+            std::make_pair("Points file", &parameters.points_file)})
+        if (!given.second->empty())
+          {
+            AssertThrow(last.empty(),
+                        ExcMessage("'" + section + "' has both '" + last +
+                                   "' and '" + given.first + "'."));
+            last = given.first;
+          }
+    }
+
+
+
     template <int dim>
     void
     insert_points(Body<dim>                           &body,
@@ -254,9 +276,7 @@ namespace greville
     body.points.reinit(space, layout);
     run_on_all(
       [&]() {
-        AssertThrow(parameters.shape.empty() || parameters.points_file.empty(),
-                    ExcMessage("'" + section +
-                               "' has both 'Shape' and 'Points file'."));
+        check_geometry(parameters, section);
         const auto new_points =
           parameters.points_file.empty()
             ? place_points<dim>(parameters, section, space)
@@ -275,7 +295,7 @@ namespace greville
     AssertThrow(body.n_points > 0,
                 ExcMessage("The body of '" + section +
                            "' is empty: there is no point inside <" +
-                           parameters.shape +
+                           parameters.shape + parameters.shape_file +
                            "> in the grid: is it outside ('Grid/Lower corner', "
                            "'Grid/Upper corner'), or are the cells too large "
                            "('Grid/Cells')?"));

@@ -19,6 +19,18 @@ namespace greville
       "radius), cylinder(x0, y0, z0, x1, y1, z1, radius), half_space(n_x, n_y, "
       "[n_z,] c) with n . x <= c; union(...), intersection(...) and "
       "difference(a, b, ...) combine them.");
+    add_parameter(prm, "Shape file", shape_file)(
+      "Instead of a shape: a file, beside the parameter file, with a closed "
+      "surface. 3D: a mesh of triangles whose normals point outwards (STL, "
+      "PLY, "
+      "OBJ); 2D: a CSV file with the vertices of a polygon in the columns x "
+      "and "
+      "y, of several where a column loop numbers them; those inside of others "
+      "are holes.");
+    add_parameter(prm, "Unit of shape file", shape_file_unit, Double(1e-12))(
+      "The length of the unit in which the shape file is written: 0.001 for "
+      "mm. "
+      "Unit: m.");
     add_parameter(prm, "Clip at the grid", clip)(
       "What sticks out of the grid is cut off; an error otherwise.");
     add_parameter(prm, "Points file", points_file)(

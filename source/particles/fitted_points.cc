@@ -5,6 +5,7 @@
 #include <greville/base/errors.h>
 #include <greville/particles/compressed_quadrature.h>
 #include <greville/particles/fitted_points.h>
+#include <greville/particles/surface_shape.h>
 
 #include <algorithm>
 
@@ -139,6 +140,45 @@ namespace greville
 
 
 
+    /**
+     * Throw where the unit of a file is hardly what was meant.
+     */
+    template <int dim>
+    void
+    check_size(const ClosedSurface<dim> &surface,
+               const PointPlacement     &placement,
+               const std::string        &section,
+               const Lattice<dim>       &lattice)
+    {
+      Point<dim> lower = surface[0][0], upper = lower;
+      for (const auto &facet : surface)
+        for (const Point<dim> &x : facet)
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              lower[d] = std::min(lower[d], x[d]);
+              upper[d] = std::max(upper[d], x[d]);
+            }
+      double in_cells = 0., in_grids = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double size = upper[d] - lower[d];
+          in_cells          = std::max(in_cells, size / lattice.cell_size(d));
+          in_grids =
+            std::max(in_grids, size / (lattice.upper(d) - lattice.lower(d)));
+        }
+      AssertThrow(
+        in_cells > 1. && in_grids < 10.,
+        ExcMessage(
+          "The body in <" + placement.shape_file + "> of the parameter '" +
+          section + "/Shape file' reaches from (" + text_of(lower) + ") to (" +
+          text_of(upper) + ") m: it is " +
+          (in_cells > 1. ? "far larger than the grid" : "smaller than a cell") +
+          ". Is 'Unit of shape file' = " + text_of(placement.shape_file_unit) +
+          " m right (0.001 for mm)?"));
+    }
+
+
+
     template <int dim>
     Point<dim>
     point_of_cell(const Point<dim>      &xi,
@@ -161,9 +201,16 @@ namespace greville
                     const std::string      &section,
                     const SplineSpace<dim> &space)
   {
-    return std::make_unique<LevelSetShape<dim>>(placement.shape,
-                                                section + "/Shape",
-                                                space.lattice());
+    const Lattice<dim> &lattice = space.lattice();
+    if (placement.shape_file.empty())
+      return std::make_unique<LevelSetShape<dim>>(placement.shape,
+                                                  section + "/Shape",
+                                                  lattice);
+    const auto surface = read_surface<dim>(placement.shape_file,
+                                           section + "/Shape file",
+                                           placement.shape_file_unit);
+    check_size<dim>(surface, placement, section, lattice);
+    return std::make_unique<SurfaceShape<dim>>(surface, lattice);
   }
 
 
