@@ -17,8 +17,9 @@ namespace greville
       "The inside of the body: a formula of x, y (and z) in m that is true "
       "inside. Shapes are box(x0, y0, [z0,] x1, y1, [z1]), ball(x, y, [z,] "
       "radius), cylinder(x0, y0, z0, x1, y1, z1, radius), half_space(n_x, n_y, "
-      "[n_z,] c) with n . x <= c; union(...), intersection(...) and "
-      "difference(a, b, ...) combine them.");
+      "[n_z,] c) with n . x <= c, level_set(f) where the formula f is "
+      "negative; "
+      "union(...), intersection(...) and difference(a, b, ...) combine them.");
     add_parameter(prm, "Shape file", shape_file)(
       "Instead of a shape: a file, beside the parameter file, with a closed "
       "surface. 3D: a mesh of triangles whose normals point outwards (STL, "

@@ -299,7 +299,7 @@ namespace greville
         split_facet(facet, plane, tolerance, low, high);
         for (const Facet<dim> *part : {&low, &high})
           for (const Point<dim> &x : *part)
-            if (std::abs(plane.distance(x)) <= 2. * tolerance &&
+            if (std::abs(plane.distance(x)) <= tolerance &&
                 std::none_of(rim.begin(), rim.end(), [&](const auto &other) {
                   return x.distance(other) <= 2. * tolerance;
                 }))

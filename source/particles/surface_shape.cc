@@ -12,7 +12,7 @@ namespace greville
   namespace
   {
     // Closer than this part of a cell is the same place.
-    constexpr double same_place = 1e-11;
+    constexpr double same_place = 1e-13;
 
     // Among so many facets the one that divides the fewest others is sought.
     constexpr unsigned int n_candidates = 6;
@@ -253,7 +253,7 @@ namespace greville
     const std::uint64_t key = cell_key(position);
 
     CellPart<dim>           part;
-    std::vector<Facet<dim>> facets; // in coordinates of the cell
+    std::vector<PlaneFacet> facets; // in coordinates of the cell
     for (auto entry =
            std::lower_bound(by_cell.begin(),
                             by_cell.end(),
@@ -286,7 +286,7 @@ namespace greville
         if (facet.size() < dim || normal_of(facet).norm() < 1e-20)
           continue;
         if (!is_face)
-          facets.push_back(facet);
+          facets.push_back({facet, plane});
         if (is_mine)
           append_quadrature(facet, plane.normal, n, part.surface);
       }
@@ -317,7 +317,7 @@ namespace greville
   template <int dim>
   void
   SurfaceShape<dim>::cut_part(const ConvexPart<dim>           &part,
-                              std::vector<Facet<dim>>          facets,
+                              std::vector<PlaneFacet>          facets,
                               const Point<dim>                &corner,
                               const unsigned int               n,
                               std::vector<WeightedPoint<dim>> &points) const
@@ -334,11 +334,11 @@ namespace greville
             const std::size_t candidate = facets.size() <= n_candidates
                                             ? k
                                             : k * facets.size() / n_candidates;
-            const Plane<dim>  plane     = plane_of<dim>(facets[candidate]);
+            const Plane<dim> &plane     = facets[candidate].plane;
             unsigned int      divided   = 0;
             for (const auto &other : facets)
               {
-                split_facet(other, plane, same_place, low, high);
+                split_facet(other.facet, plane, same_place, low, high);
                 divided += low.size() >= dim && high.size() >= dim;
               }
             if (divided < fewest)
@@ -347,22 +347,24 @@ namespace greville
                 fewest = divided;
               }
           }
-        const Plane<dim> plane = plane_of<dim>(facets[best]);
+        const Plane<dim> plane = facets[best].plane;
         facets.erase(facets.begin() + best);
         if (!part.split(plane, same_place, below, above, low))
           continue;
-        std::vector<Facet<dim>> facets_below, facets_above;
+        std::vector<PlaneFacet> facets_below, facets_above;
         for (const auto &other : facets)
           {
-            if (std::all_of(other.begin(), other.end(), [&](const auto &x) {
-                  return std::abs(plane.distance(x)) <= same_place;
-                }))
+            if (std::all_of(other.facet.begin(),
+                            other.facet.end(),
+                            [&](const auto &x) {
+                              return std::abs(plane.distance(x)) <= same_place;
+                            }))
               continue;
-            split_facet(other, plane, same_place, low, high);
+            split_facet(other.facet, plane, same_place, low, high);
             if (low.size() >= dim && normal_of(low).norm() > 1e-20)
-              facets_below.push_back(low);
+              facets_below.push_back({low, other.plane});
             if (high.size() >= dim && normal_of(high).norm() > 1e-20)
-              facets_above.push_back(high);
+              facets_above.push_back({high, other.plane});
           }
         cut_part(below, facets_below, corner, n, points);
         cut_part(above, facets_above, corner, n, points);

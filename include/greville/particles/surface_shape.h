@@ -52,6 +52,15 @@ namespace greville
 
   private:
     /**
+     * A part of a facet, which may be too small to find its plane from it.
+     */
+    struct PlaneFacet
+    {
+      Facet<dim> facet;
+      Plane<dim> plane;
+    };
+
+    /**
      * Facets by cells of the lattice and of a layer around it, and by squares
      * (in 2D intervals) across x, for rays along x.
      */
@@ -72,7 +81,7 @@ namespace greville
      */
     void
     cut_part(const ConvexPart<dim>           &part,
-             std::vector<Facet<dim>>          facets,
+             std::vector<PlaneFacet>          facets,
              const dealii::Point<dim>        &corner,
              const unsigned int               n,
              std::vector<WeightedPoint<dim>> &points) const;
