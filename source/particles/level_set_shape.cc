@@ -23,7 +23,7 @@ namespace greville
     // How often a cell in which curved surfaces meet others is halved. The
     // error of the planes in the last parts is 8 times smaller with each.
     template <int dim>
-    constexpr unsigned int max_depth = dim == 2 ? 12 : 3;
+    constexpr unsigned int max_depth = dim == 2 ? 12 : 4;
 
     // Parts in which a surface turns more than this have errors of their own,
     // and are halved, so often at most.
