@@ -67,21 +67,33 @@ namespace greville
 
 
 
+    /**
+     * The product of two vectors from entry @p begin on, in eight sums at a
+     * time.
+     */
     double
-    product(const std::vector<double> &a, const std::vector<double> &b)
+    product(const std::vector<double> &a,
+            const std::vector<double> &b,
+            const std::size_t          begin = 0)
     {
-      double sum = 0.;
-      for (std::size_t i = 0; i < a.size(); ++i)
-        sum += a[i] * b[i];
-      return sum;
+      std::array<double, 8> sums{};
+      std::size_t           i = begin;
+      for (; i + 8 <= a.size(); i += 8)
+        for (unsigned int k = 0; k < 8; ++k)
+          sums[k] += a[i + k] * b[i + k];
+      for (; i < a.size(); ++i)
+        sums[0] += a[i] * b[i];
+      return ((sums[0] + sums[1]) + (sums[2] + sums[3])) +
+             ((sums[4] + sums[5]) + (sums[6] + sums[7]));
     }
 
     void
     add(std::vector<double>       &a,
         const double               factor,
-        const std::vector<double> &b)
+        const std::vector<double> &b,
+        const std::size_t          begin = 0)
     {
-      for (std::size_t i = 0; i < a.size(); ++i)
+      for (std::size_t i = begin; i < a.size(); ++i)
         a[i] += factor * b[i];
     }
 
@@ -109,14 +121,14 @@ namespace greville
           for (double &entry : v)
             entry *= scale;
           for (std::size_t l = k + 1; l < m; ++l)
-            add(vectors[l], -product(v, vectors[l]), v);
+            add(vectors[l], -product(v, vectors[l], k), v, k);
         }
       std::vector<std::vector<double>> result(n - m, std::vector<double>(n));
       for (std::size_t i = 0; i < result.size(); ++i)
         {
           result[i][m + i] = 1.;
           for (std::size_t k = m; k-- > 0;)
-            add(result[i], -product(vectors[k], result[i]), vectors[k]);
+            add(result[i], -product(vectors[k], result[i], k), vectors[k], k);
         }
       return result;
     }
