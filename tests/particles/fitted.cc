@@ -241,7 +241,7 @@ test_all_orders()
                  {8, 16},
                  {2, 3, 4, 5},
                  0.);
-  test_orders<2>("(x - 0.5)^2 + (y - 0.71)^2 < 0.41^2",
+  test_orders<2>("level_set((x - 0.5)^2 + (y - 0.71)^2 - 0.41^2)",
                  pi * R * R,
                  c,
                  polar(R),
@@ -350,6 +350,15 @@ test_placement()
         std::abs(corner.volume / (pi * 0.2025) - 1.),
         1e-9);
   check("  clipped: area", std::abs(corner.area / (0.45 * pi) - 1.), 2e-8);
+
+  // Formulas of either kind are the same bodies for points of a lattice.
+  placement.shape       = "(x - 0.5)^2 + (y - 0.71)^2 < 0.41^2";
+  placement.placement   = "equidistant";
+  const auto comparison = integrate<2>(placement, {{12, 12}});
+  placement.shape       = "level_set((x - 0.5)^2 + (y - 0.71)^2 - 0.41^2)";
+  check("  level_set()",
+        integrate<2>(placement, {{12, 12}}).n_points == comparison.n_points &&
+          comparison.n_points > 0.);
 
   // The disks of benchmark B5.
   double energy = 0.;
