@@ -17,8 +17,21 @@ namespace greville
       "The inside of the body: a formula of x, y (and z) in m that is true "
       "inside. Shapes are box(x0, y0, [z0,] x1, y1, [z1]), ball(x, y, [z,] "
       "radius), cylinder(x0, y0, z0, x1, y1, z1, radius), half_space(n_x, n_y, "
-      "[n_z,] c) with n . x <= c; union(...), intersection(...) and "
-      "difference(a, b, ...) combine them.");
+      "[n_z,] c) with n . x <= c, level_set(f) where the formula f is "
+      "negative; "
+      "union(...), intersection(...) and difference(a, b, ...) combine them.");
+    add_parameter(prm, "Shape file", shape_file)(
+      "Instead of a shape: a file, beside the parameter file, with a closed "
+      "surface. 3D: a mesh of triangles whose normals point outwards (STL, "
+      "PLY, "
+      "OBJ); 2D: a CSV file with the vertices of a polygon in the columns x "
+      "and "
+      "y, of several where a column loop numbers them; those inside of others "
+      "are holes.");
+    add_parameter(prm, "Unit of shape file", shape_file_unit, Double(1e-12))(
+      "The length of the unit in which the shape file is written: 0.001 for "
+      "mm. "
+      "Unit: m.");
     add_parameter(prm, "Clip at the grid", clip)(
       "What sticks out of the grid is cut off; an error otherwise.");
     add_parameter(prm, "Points file", points_file)(
@@ -30,9 +43,16 @@ namespace greville
                   points_per_direction,
                   List(Integer(1, 12), 1, 3))(
       "Points per cell in each direction; one number for all. Unit: none.");
-    add_parameter(prm, "Placement", placement, Selection("equidistant|Gauss"))(
+    add_parameter(prm,
+                  "Placement",
+                  placement,
+                  Selection("equidistant|Gauss|fitted|fitted lattice"))(
       "Points of a cell at equal distances with equal volumes, or on Gauss "
-      "points with the volumes of Gauss weights.");
+      "points with the volumes of Gauss weights, those that are inside. "
+      "fitted: "
+      "Gauss points of what of each cell is inside, which follow the boundary; "
+      "fitted lattice: equal distances in cells wholly inside, fitted in those "
+      "that the boundary cuts.");
     add_parameter(prm, "Jitter", jitter, Double(0., 1.))(
       "Each point is moved at random by at most this part of half the distance "
       "between points. Unit: none.");

@@ -94,6 +94,15 @@ namespace greville
     }
 
     double
+    level_set(const double *arguments, const int n)
+    {
+      AssertThrow(n == 1,
+                  ExcMessage("level_set() takes 1 formula, not " +
+                             std::to_string(n)));
+      return arguments[0] < 0.;
+    }
+
+    double
     union_of(const double *arguments, const int n)
     {
       return std::any_of(arguments, arguments + n, [](const double a) {
@@ -121,6 +130,7 @@ namespace greville
       {"ball", &ball},
       {"cylinder", &cylinder},
       {"half_space", &half_space},
+      {"level_set", &level_set},
       {"union", &union_of},
       {"intersection", &intersection_of},
       {"difference", &difference_of}};

@@ -271,7 +271,10 @@ namespace greville
     locate("Reference", "Surface file", reference.surface_file);
     locate("Reference", "Series file", reference.series_file);
     for (auto &body : bodies)
-      locate("Body " + body.first, "Points file", body.second.points_file);
+      {
+        locate("Body " + body.first, "Points file", body.second.points_file);
+        locate("Body " + body.first, "Shape file", body.second.shape_file);
+      }
     std::ostringstream text;
     prm.print_parameters(text, ParameterHandler::Text);
     used_text = text.str();

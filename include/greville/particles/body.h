@@ -8,6 +8,7 @@
 #include <greville/base/expression.h>
 #include <greville/materials/material.h>
 #include <greville/particles/material_points.h>
+#include <greville/particles/placement.h>
 
 #include <memory>
 #include <optional>
@@ -15,51 +16,6 @@
 
 namespace greville
 {
-  /**
-   * How a shape is filled with points, see the parameters of the same names.
-   */
-  struct PointPlacement
-  {
-    std::string               shape;
-    bool                      clip                 = false;
-    std::vector<unsigned int> points_per_direction = {2};
-    std::string               placement            = "equidistant";
-    double                    jitter               = 0.;
-    unsigned int              seed                 = 1;
-  };
-
-
-
-  /**
-   * A point before it gets the numbers of its material.
-   */
-  template <int dim>
-  struct PlacedPoint
-  {
-    dealii::Point<dim> x;
-    /// Where the shape has the point: x, or a period beyond a periodic wall.
-    dealii::Point<dim> image;
-    double             volume;
-    std::uint64_t      id;
-    unsigned int       cell;
-  };
-
-
-
-  /**
-   * The points of a shape on the owned cells. They, and their ids, do not
-   * depend on the number of processes. Throws dealii::ExcMessage, which names
-   * the @p section, for wrong formulas and a shape that sticks out of the grid.
-   * What sticks out through a periodic wall comes in on the other side.
-   */
-  template <int dim>
-  std::vector<PlacedPoint<dim>>
-  place_points(const PointPlacement   &placement,
-               const std::string      &section,
-               const SplineSpace<dim> &space);
-
-
-
   /**
    * Parameters of a body: where its points are initially, their velocity and
    * stress.

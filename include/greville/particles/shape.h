@@ -18,6 +18,7 @@ namespace greville
    *   cylinder(x0, y0, z0, x1, y1, z1, radius) with its axis from the first to
    *   the second point (in 3D),
    *   half_space(n_x, n_y, [n_z,] c): n . x <= c,
+   *   level_set(f): where the formula f is negative,
    * and combines them by union(a, b, ...), intersection(a, b, ...) and
    * difference(a, b, ...): in a and not in b, ...
    */
