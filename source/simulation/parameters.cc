@@ -90,9 +90,21 @@ namespace greville
   void
   SchemeParameters::declare(ParameterHandler &prm)
   {
+    add_parameter(prm,
+                  "Formulation",
+                  formulation,
+                  Selection("updated Lagrangian|total Lagrangian"))(
+      "Where basis functions are taken: at the current positions of points, "
+      "which move through the grid (updated Lagrangian, for flow and any "
+      "deformation), or at their initial ones (total Lagrangian, for solids: "
+      "the grid is that of the initial configuration, walls act on it, and the "
+      "mass matrix never changes). With total Lagrangian, bodies do not see "
+      "one "
+      "another.");
     add_parameter(prm, "Mass", mass)(
       "The mass M of M a = F: auto (lumped for fluids, Drucker-Prager and "
-      "Mohr-Coulomb materials and with APIC, consistent otherwise), consistent "
+      "Mohr-Coulomb materials and with APIC, consistent otherwise and in total "
+      "Lagrangian steps), consistent "
       "(the exact mass matrix on extended B-splines), lumped, or fmpm-K (K = "
       "1, 2, ...).");
     add_parameter(prm, "Filling threshold", filling, Double(0., 2.))(
@@ -104,7 +116,8 @@ namespace greville
       "Consistent mass: strength of the high-order filter of the velocity, "
       "which damps what points that cross cells excite: the fraction of the "
       "highest mode that is removed per cell that is crossed, five times as "
-      "much for order 1. 0: none; steps then gain energy. Unit: none.");
+      "much for order 1. 0: none; steps then gain energy. Total Lagrangian "
+      "steps cross no cells and have none. Unit: none.");
     add_parameter(prm,
                   "Stress update",
                   stress_update,
@@ -293,6 +306,11 @@ namespace greville
                   degrees,
                   List(Integer(1, SplineSpace<2>::max_degree)))(
       "Orders p to run; empty: that of the grid. Unit: none.");
+    add_parameter(prm,
+                  "Formulations",
+                  formulations,
+                  List(Selection("updated Lagrangian|total Lagrangian")))(
+      "Formulations to run; empty: that of the scheme.");
     add_parameter(prm, "Masses", masses)(
       "Mass solvers to run; empty: that of the scheme.");
     add_parameter(prm,

@@ -42,6 +42,7 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
+    std::string formulation           = "updated Lagrangian";
     std::string mass                  = "auto";
     double      filling               = 0.45;
     double      filter                = 0.4;
@@ -55,6 +56,12 @@ namespace greville
     std::string volumetric_projection = "none";
     double      full_cell             = 0.5;
     std::string outside               = "error";
+
+    bool
+    is_total_lagrangian() const
+    {
+      return formulation == "total Lagrangian";
+    }
   };
 
 
