@@ -107,11 +107,12 @@ namespace greville
       "Lagrangian steps), consistent "
       "(the exact mass matrix on extended B-splines), lumped, or fmpm-K (K = "
       "1, 2, ...).");
-    add_parameter(prm, "Filling threshold", filling, Double(0., 2.))(
-      "Consistent mass of explicit steps: cells that points fill by this part "
-      "of their volume or "
-      "more are well-filled; B-splines that see no well-filled cell inside the "
-      "body are extended from such cells. 0: none is extended. Unit: none.");
+    add_parameter(prm, "Filling threshold", filling, Double(-1., 2.))(
+      "Consistent mass of explicit steps: cells that points fill by this "
+      "fraction of their volume or more are well-filled; B-splines that see no "
+      "well-filled cell inside the body are extended from such cells. 0: none "
+      "is extended. Negative: 0.45 in updated and 0.1 in total Lagrangian "
+      "steps. Unit: none.");
     add_parameter(prm, "Filter", filter, Double(0., 100.))(
       "Consistent mass: strength of the high-order filter of the velocity, "
       "which damps what points that cross cells excite: the fraction of the "
