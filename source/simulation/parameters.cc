@@ -2,6 +2,7 @@
 
 #include <greville/simulation/consistent_mass.h>
 #include <greville/simulation/parameters.h>
+#include <greville/simulation/point_fields.h>
 #include <greville/simulation/time_integrator.h>
 
 namespace greville
@@ -352,6 +353,10 @@ namespace greville
     add_parameter(prm, "Statistics every", statistics_every, Double(0.))(
       "Time between two lines of statistics.csv; 0: each step. Unit: s.");
     add_parameter(prm, "Grid fields", grid_fields)("Write the grid as well.");
+    add_parameter(prm, "Fields", fields, List(Selection(output_field_names())))(
+      "Fields of points in .pvtu files: strain is Green's, size the edge of a "
+      "cube of the volume of a point, for glyphs, history what materials keep; "
+      "acceleration is that of the grid, which has velocity and mass anyway.");
     add_parameter(prm, "Probes", probes)(
       "Initial positions, 'x, y; x, y; ...' (m): the point nearest to each is "
       "followed in probes.csv.");

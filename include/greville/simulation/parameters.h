@@ -108,12 +108,22 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    std::string directory;
-    double      fields_every     = 0.;
-    double      statistics_every = 0.;
-    bool        grid_fields      = true;
-    std::string probes;
-    bool        print_times = true;
+    std::string              directory;
+    double                   fields_every     = 0.;
+    double                   statistics_every = 0.;
+    bool                     grid_fields      = true;
+    std::vector<std::string> fields           = {"velocity",
+                                                 "displacement",
+                                                 "stress",
+                                                 "pressure",
+                                                 "von_mises",
+                                                 "J",
+                                                 "density",
+                                                 "body",
+                                                 "id",
+                                                 "history"};
+    std::string              probes;
+    bool                     print_times = true;
   };
 
 
