@@ -261,10 +261,10 @@ namespace greville
         std::uint64_t id = position * n_per_cell;
         for (const auto &point : part.points)
           if (point.weight > 0.)
-            result.push_back({point_of_cell<dim>(point.x, index, lattice),
-                              point.weight * cell_volume,
-                              id++,
-                              cell});
+            {
+              const auto x = point_of_cell<dim>(point.x, index, lattice);
+              result.push_back({x, x, point.weight * cell_volume, id++, cell});
+            }
       }
     return result;
   }
@@ -298,7 +298,6 @@ namespace greville
             // them.
             SurfacePoint<dim> placed;
             placed.x      = point_of_cell<dim>(point.x, index, lattice);
-            placed.image  = placed.x;
             placed.normal = point.weight * point.normal;
             for (unsigned int d = 0; d < dim; ++d)
               for (unsigned int e = 0; e < dim; ++e)

@@ -58,24 +58,38 @@ namespace greville
 
 
     /**
-     * 1 + dt grad w of a field with @p coefficients [component][function].
+     * F^-1 of a point, in 2D in the plane.
+     */
+    template <int dim>
+    dealii::Tensor<2, dim>
+    inverse_F(const ConstPointRef<dim> p)
+    {
+      return dealii::invert(p.matrix(PointLayout<dim>::F));
+    }
+
+
+
+    /**
+     * The increment f = 1 + dt grad w of the deformation of a point, for a
+     * field with @p coefficients [component][function], whose gradient is that
+     * with respect to the position at the begin of the step.
      */
     template <int dim, int n>
     dealii::Tensor<2, dim>
-    increment_at(const Gradients<dim, n> &gradients,
-                 const double (&coefficients)[dim][power(n, dim)],
-                 const double dt)
+    increment_of_point(const ConstPointRef<dim> p,
+                       const PointLayout<dim>  &layout,
+                       const Gradients<dim, n> &gradients,
+                       const double (&coefficients)[dim][power(n, dim)],
+                       const double dt)
     {
-      dealii::Tensor<2, dim> f = dealii::unit_symmetric_tensor<dim>();
+      dealii::Tensor<2, dim> gradient;
       for (int i = 0; i < dim; ++i)
         for (int j = 0; j < dim; ++j)
-          {
-            double sum = 0.;
-            for (int a = 0; a < power(n, dim); ++a)
-              sum += coefficients[i][a] * gradients.values[j][a];
-            f[i][j] += dt * sum;
-          }
-      return f;
+          for (int a = 0; a < power(n, dim); ++a)
+            gradient[i][j] += coefficients[i][a] * gradients.values[j][a];
+      if (layout.is_total_lagrangian())
+        gradient = gradient * inverse_F<dim>(p);
+      return dealii::unit_symmetric_tensor<dim>() + dt * gradient;
     }
   } // namespace internal
 } // namespace greville

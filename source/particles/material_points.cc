@@ -130,7 +130,7 @@ namespace greville
     const auto  center  = lattice.cell_center(
       multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells()));
     for (unsigned int d = 0; d < dim; ++d)
-      p.position(d) = center[d];
+      p.position(d) = p[point_layout.basis_position + d] = center[d];
     p.set_F(unit_symmetric_tensor<3>());
     p.J() = 1.;
   }
@@ -172,7 +172,7 @@ namespace greville
       multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells());
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const double x     = point.position(d);
+        const double x     = point[point_layout.basis_position + d];
         const double h     = lattice.cell_size(d);
         const double lower = lattice.lower(d) + index[d] * h;
         const bool   last  = index[d] + 1 == lattice.n_cells()[d];

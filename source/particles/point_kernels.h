@@ -168,6 +168,94 @@ namespace greville
         values[k] = load(group + (first + k) * simd_width);
     }
 
+    /**
+     * Where the basis functions of a group are taken.
+     */
+    template <int dim>
+    inline __attribute__((always_inline)) void
+    load_basis_positions(const MaterialPoints<dim> &points,
+                         const double              *group,
+                         Simd (&x)[dim])
+    {
+      load_numbers<dim>(group, points.layout().basis_position, x);
+    }
+
+
+
+    /**
+     * The inverse of the deformation gradients (in 2D in the plane) of a group,
+     * which takes gradients with respect to reference positions to those with
+     * respect to current ones.
+     */
+    template <int dim>
+    inline void
+    load_inverse_F(const double *group, Simd (&inverse)[dim][dim])
+    {
+      Simd F[dim][dim];
+      for (int i = 0; i < dim; ++i)
+        load_numbers<dim>(group, PointLayout<dim>::F + i * dim, F[i]);
+      // The transposed cofactors.
+      Simd det = 0.;
+      if constexpr (dim == 2)
+        {
+          inverse[0][0] = F[1][1];
+          inverse[0][1] = -F[0][1];
+          inverse[1][0] = -F[1][0];
+          inverse[1][1] = F[0][0];
+        }
+      else
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            {
+              const int a = (i + 1) % 3, b = (i + 2) % 3;
+              const int c = (j + 1) % 3, d = (j + 2) % 3;
+              inverse[j][i] = F[a][c] * F[b][d] - F[a][d] * F[b][c];
+            }
+      for (int j = 0; j < dim; ++j)
+        det += F[0][j] * inverse[j][0];
+      const Simd factor = 1. / det;
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          inverse[i][j] *= factor;
+    }
+
+
+
+    /**
+     * C = A B, or A B^T.
+     */
+    template <int dim>
+    inline void
+    multiply(const Simd (&A)[dim][dim],
+             const Simd (&B)[dim][dim],
+             Simd (&C)[dim][dim])
+    {
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          {
+            C[i][j] = A[i][0] * B[0][j];
+            for (int k = 1; k < dim; ++k)
+              C[i][j] += A[i][k] * B[k][j];
+          }
+    }
+
+    template <int dim>
+    inline void
+    multiply_transposed(const Simd (&A)[dim][dim],
+                        const Simd (&B)[dim][dim],
+                        Simd (&C)[dim][dim])
+    {
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          {
+            C[i][j] = A[i][0] * B[j][0];
+            for (int k = 1; k < dim; ++k)
+              C[i][j] += A[i][k] * B[j][k];
+          }
+    }
+
+
+
     template <int count>
     inline __attribute__((always_inline)) void
     store_numbers(const Simd *values, const int first, double *group)

@@ -82,9 +82,14 @@ namespace greville
                g = points->next_group(g))
             {
               const double *group = points->group(g);
-              const Simd    J = load(group + PointLayout<dim>::J * simd_width);
-              sum += load(group + PointLayout<dim>::volume0 * simd_width) *
-                     min(max(J, Simd(1.)), Simd(largest_expansion));
+              Simd          volume =
+                load(group + PointLayout<dim>::volume0 * simd_width);
+              if (!points->layout().is_total_lagrangian())
+                volume *=
+                  min(max(load(group + PointLayout<dim>::J * simd_width),
+                          Simd(1.)),
+                      Simd(largest_expansion));
+              sum += volume;
             }
           result[cell] += reduce(sum) / cell_volume;
         }

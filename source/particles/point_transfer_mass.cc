@@ -80,7 +80,7 @@ namespace greville
             {
               const double *group = points.group(g);
               Simd          x[dim];
-              load_numbers<dim>(group, Layout::position, x);
+              load_basis_positions(points, group, x);
               Shape<dim, n> shape;
               shape.template evaluate<false>(geometry, x);
               const Simd m = load(group + Layout::mass * simd_width);

@@ -40,7 +40,7 @@ namespace greville
             {
               const double *group = points.group(g);
               Simd          x[dim];
-              load_numbers<dim>(group, PointLayout<dim>::position, x);
+              load_basis_positions(points, group, x);
               Shape<dim, n> shape;
               shape.template evaluate<derivatives>(geometry, x);
               product(group, shape, u, sums);
@@ -63,6 +63,7 @@ namespace greville
     {
       using Layout               = PointLayout<dim>;
       constexpr int n_z          = dim == 3 ? n : 1;
+      const bool    total        = points.layout().is_total_lagrangian();
       const double  wave_modulus = stiffness.lambda + 2. * stiffness.shear;
       const double  inverse =
         wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
@@ -123,6 +124,14 @@ namespace greville
                 H[i][j] += factors[j] * values[i];
             }
         });
+        Simd inverse[dim][dim];
+        if (total)
+          {
+            Simd reference[dim][dim];
+            std::copy_n(H[0], dim * dim, reference[0]);
+            load_inverse_F<dim>(group, inverse);
+            multiply<dim>(reference, inverse, H);
+          }
         Simd trace = H[0][0];
         for (int i = 1; i < dim; ++i)
           trace += H[i][i];
@@ -134,6 +143,12 @@ namespace greville
               if (i == j)
                 stress[i][j] += lambda * trace;
             }
+        if (total)
+          {
+            Simd sigma[dim][dim];
+            std::copy_n(stress[0], dim * dim, sigma[0]);
+            multiply_transposed<dim>(sigma, inverse, stress);
+          }
         for_each_row([&](const int first, const Simd *factors) {
           for (int i = 0; i < dim; ++i)
             {

@@ -55,6 +55,7 @@ namespace greville
       constexpr int first_force = with_momentum ? 1 + dim : 0;
       constexpr int n_fields    = first_force + (with_force ? dim : 0);
       constexpr int n_z         = dim == 3 ? n : 1;
+      const bool    total       = points.layout().is_total_lagrangian();
 
       for (const unsigned int cell : points.cells())
         {
@@ -66,7 +67,7 @@ namespace greville
             {
               const double *group = points.group(g);
               Simd          x[dim], v[dim];
-              load_numbers<dim>(group, Layout::position, x);
+              load_basis_positions(points, group, x);
               const Simd    m = load(group + Layout::mass * simd_width);
               Shape<dim, n> shape;
               shape.template evaluate<with_force>(geometry, x);
@@ -74,7 +75,8 @@ namespace greville
               if constexpr (with_momentum)
                 load_numbers<dim>(group, Layout::velocity, v);
 
-              // - V sigma, and the force of loads
+              // - V sigma or - V0 P with P = J sigma F^-T, and the force of
+              // loads
               Simd stress[dim][dim], load_force[dim];
               if constexpr (with_force)
                 {
@@ -87,6 +89,13 @@ namespace greville
                         -volume * load(group + (Layout::stress +
                                                 Layout::stress_index(i, j)) *
                                                  simd_width);
+                  if (total)
+                    {
+                      Simd sigma[dim][dim], inverse[dim][dim];
+                      std::copy_n(stress[0], dim * dim, sigma[0]);
+                      load_inverse_F<dim>(group, inverse);
+                      multiply_transposed<dim>(sigma, inverse, stress);
+                    }
                   for (int i = 0; i < dim; ++i)
                     load_force[i] =
                       field_of_load
@@ -281,7 +290,7 @@ namespace greville
             {
               const double *group = points.group(g);
               Simd          x[dim];
-              load_numbers<dim>(group, PointLayout<dim>::position, x);
+              load_basis_positions(points, group, x);
               const Simd m = load(group + PointLayout<dim>::mass * simd_width);
               Shape<dim, n> shape;
               shape.template evaluate<false>(geometry, x);

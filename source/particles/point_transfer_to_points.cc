@@ -106,6 +106,29 @@ namespace greville
 
 
 
+    /**
+     * A bound of the square of the speed that waves have in the reference
+     * configuration over that in the current one, from F^-1: the largest sum of
+     * a row of F^-1 F^-T.
+     */
+    template <int dim>
+    Simd
+    square_of_stretch(const Simd (&inverse)[dim][dim])
+    {
+      Simd B[dim][dim], largest = 0.;
+      multiply_transposed<dim>(inverse, inverse, B);
+      for (int i = 0; i < dim; ++i)
+        {
+          Simd sum = 0.;
+          for (int j = 0; j < dim; ++j)
+            sum += abs(B[i][j]);
+          largest = max(largest, sum);
+        }
+      return largest;
+    }
+
+
+
     template <int dim, int n, typename Kind>
     void
     update_points(MaterialPoints<dim>         &points,
@@ -126,6 +149,7 @@ namespace greville
       constexpr int  n_z            = dim == 3 ? n : 1;
       constexpr bool derivatives    = Kind::deform;
       Simd           fastest = 0., fastest_wave = 0.;
+      const bool     total = points.layout().is_total_lagrangian();
 
       for (const unsigned int cell : points.cells())
         {
@@ -144,11 +168,12 @@ namespace greville
             {
               double *group = points.group(g);
               Simd    x[dim];
-              load_numbers<dim>(group, Layout::position, x);
+              load_basis_positions(points, group, x);
               Shape<dim, n> shape;
               shape.template evaluate<derivatives>(geometry, x);
 
               Simd fields[n_fields], gradient[dim][dim], B[dim][dim];
+              Simd inverse[dim][dim]; // of F
               for (int k = 0; k < n_fields; ++k)
                 fields[k] = 0.;
               for (int i = 0; i < dim; ++i)
@@ -264,12 +289,14 @@ namespace greville
 
               if constexpr (Kind::move)
                 {
+                  if (total)
+                    load_numbers<dim>(group, Layout::position, x);
                   for (int i = 0; i < dim; ++i)
                     {
                       x[i] += update.step * lane_is_used * fields[i];
                       const Simd t =
                         (x[i] - geometry.center[i]) * geometry.inverse_h[i];
-                      left = left || !all_of(abs(t) < 0.5);
+                      left = left || (!total && !all_of(abs(t) < 0.5));
                     }
                   store_numbers<dim>(x, Layout::position, group);
                 }
@@ -277,6 +304,13 @@ namespace greville
               if constexpr (Kind::deform)
                 {
                   Simd increment[dim][dim], F[dim][dim], new_F[dim][dim];
+                  if (total)
+                    {
+                      Simd reference[dim][dim];
+                      std::copy_n(gradient[0], dim * dim, reference[0]);
+                      load_inverse_F<dim>(group, inverse);
+                      multiply<dim>(reference, inverse, gradient);
+                    }
                   for (int i = 0; i < dim; ++i)
                     {
                       load_numbers<dim>(group, Layout::F + i * dim, F[i]);
@@ -294,16 +328,9 @@ namespace greville
                         for (int j = 0; j < dim; ++j)
                           increment[i][j] *= factor;
                     }
+                  multiply<dim>(increment, F, new_F);
                   for (int i = 0; i < dim; ++i)
-                    {
-                      for (int j = 0; j < dim; ++j)
-                        {
-                          new_F[i][j] = increment[i][0] * F[0][j];
-                          for (int k = 1; k < dim; ++k)
-                            new_F[i][j] += increment[i][k] * F[k][j];
-                        }
-                      store_numbers<dim>(new_F[i], Layout::F + i * dim, group);
-                    }
+                    store_numbers<dim>(new_F[i], Layout::F + i * dim, group);
                   Simd det = increment[0][0] * increment[1][1] -
                              increment[0][1] * increment[1][0];
                   if constexpr (dim == 3)
@@ -319,15 +346,19 @@ namespace greville
                     report_bad_point(points, g, count, report);
 
                   // c^2 = modulus / density
-                  load_numbers<dim>(group, Layout::velocity, v);
-                  Simd v2 = v[0] * v[0];
-                  for (int i = 1; i < dim; ++i)
-                    v2 += v[i] * v[i];
+                  Simd v2 = 0.;
+                  if (!total)
+                    {
+                      load_numbers<dim>(group, Layout::velocity, v);
+                      for (int i = 0; i < dim; ++i)
+                        v2 += v[i] * v[i];
+                    }
                   Simd m            = load(group + Layout::mass * simd_width);
                   where(m <= 0., m) = 1.;
-                  const Simd c2 =
-                    load(group + Layout::wave_modulus * simd_width) * J *
-                    load(group + Layout::volume0 * simd_width) / m;
+                  Simd c2 = load(group + Layout::wave_modulus * simd_width) *
+                            J * load(group + Layout::volume0 * simd_width) / m;
+                  if (total)
+                    c2 *= square_of_stretch<dim>(inverse);
                   fastest_wave = max(fastest_wave, sqrt(c2));
                   fastest      = max(fastest, sqrt(c2) + sqrt(v2));
                 }

@@ -28,7 +28,7 @@ namespace greville
                g = points.next_group(g))
             {
               Simd x[dim];
-              load_numbers<dim>(points.group(g), PointLayout<dim>::position, x);
+              load_basis_positions(points, points.group(g), x);
               Shape<dim, n> shape;
               shape.template evaluate<false>(geometry, x);
               Simd N[power(n, dim)];

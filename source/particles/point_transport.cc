@@ -81,7 +81,7 @@ namespace greville
     for (std::size_t k = 0; k < n_leaving; ++k)
       {
         const PointRef<dim> p(leaving.data() + k * size);
-        Point<dim>          x          = p.position();
+        Point<dim>          x          = p.basis_position(points.layout());
         bool                is_outside = false;
         for (unsigned int d = 0; d < dim; ++d)
           {
@@ -98,7 +98,7 @@ namespace greville
             is_outside = is_outside || !(x[d] >= lattice.lower(d) - tolerance &&
                                          x[d] <= lattice.upper(d) + tolerance);
             if (!is_outside)
-              p.position(d) = x[d] =
+              p[points.layout().basis_position + d] = x[d] =
                 std::min(std::max(x[d], lattice.lower(d)), lattice.upper(d));
           }
         if (is_outside)

@@ -127,6 +127,35 @@ namespace greville
 
 
     /**
+     * Change P, and its derivative by f, which belong to gradients with respect
+     * to x_n, to what belongs to those with respect to X.
+     */
+    template <int dim>
+    void
+    pull_back(TrialPoint<dim>      &trial,
+              const Tensor<2, dim> &inverse,
+              const bool            with_tangent)
+    {
+      trial.P = trial.P * transpose(inverse);
+      if (!with_tangent)
+        return;
+      Tensor<4, dim> A, B;
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int J = 0; J < dim; ++J)
+          for (unsigned int j = 0; j < dim; ++j)
+            A[i][J] += inverse[J][j] * trial.dP[i][j];
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int J = 0; J < dim; ++J)
+          for (unsigned int k = 0; k < dim; ++k)
+            for (unsigned int L = 0; L < dim; ++L)
+              for (unsigned int l = 0; l < dim; ++l)
+                B[i][J][k][L] += inverse[L][l] * A[i][J][k][l];
+      trial.dP = B;
+    }
+
+
+
+    /**
      * Name what is wrong with a point.
      */
     template <int dim>
@@ -205,11 +234,11 @@ namespace greville
           states.clear();
           points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
             TrialPoint<dim> &trial = trials.emplace_back();
-            trial.x                = p.position();
+            trial.x                = p.basis_position(layout);
             trial.volume           = p.volume();
             const Gradients<dim, n> gradients(geometry, trial.x);
-            const Tensor<2, dim>    f =
-              increment_at<dim, n>(gradients, coefficients, 1.);
+            const Tensor<2, dim>    f = increment_of_point<dim, n>(
+              p, layout, gradients, coefficients, 1.);
             const Tensor<2, dim> projected = factors ? *factors++ * f : f;
             MaterialPoint        state;
             load_material_point<dim>(p, layout, state);
@@ -256,6 +285,8 @@ namespace greville
                                             change,
                                             with_tangents);
               }
+            if (layout.is_total_lagrangian())
+              pull_back<dim>(trial, inverse_F<dim>(p), with_tangents);
             if (!(ends[k].J > 0.) || !is_finite(trial, with_tangents))
               report_bad_point<dim>(p, ends[k].J, report);
             ++k;

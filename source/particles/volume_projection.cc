@@ -109,7 +109,8 @@ namespace greville
   VolumeProjection<dim>::find_changes(const MaterialPoints<dim> &points,
                                       const double               dt)
   {
-    constexpr int n_functions = power(n, dim);
+    constexpr int           n_functions = power(n, dim);
+    const PointLayout<dim> &layout      = points.layout();
     changes.clear();
     changes.reserve(points.n_points());
     for (const unsigned int cell : points.cells())
@@ -121,9 +122,9 @@ namespace greville
             coefficients[i][a] =
               buffer[std::size_t(geometry.functions[a]) * dim + i];
         points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-          const Gradients<dim, n> gradients(geometry, p.position());
-          changes.push_back(
-            determinant(increment_at<dim, n>(gradients, coefficients, dt)));
+          const Gradients<dim, n> gradients(geometry, p.basis_position(layout));
+          changes.push_back(determinant(increment_of_point<dim, n>(
+            p, layout, gradients, coefficients, dt)));
         });
       }
   }
@@ -159,14 +160,15 @@ namespace greville
     const unsigned int n_functions = lower_space->owned_functions().size() +
                                      lower_space->ghost_functions().size();
     sums.assign(n_functions * 2, 0.);
-    std::size_t k = 0;
+    const PointLayout<dim> &layout = points.layout();
+    std::size_t             k      = 0;
     for (const unsigned int cell : points.cells())
       {
         const CellGeometry<dim, n> geometry(lower_tables, cell);
         points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
           const double volume = p.volume(), theta = changes[k++];
           for_each_value<dim, n>(geometry,
-                                 p.position(),
+                                 p.basis_position(layout),
                                  [&](const unsigned int f, const double N) {
                                    sums[2 * f] += volume * N;
                                    sums[2 * f + 1] += volume * N * theta;
@@ -187,7 +189,7 @@ namespace greville
         points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
           double projected = 0.;
           for_each_value<dim, n>(geometry,
-                                 p.position(),
+                                 p.basis_position(layout),
                                  [&](const unsigned int f, const double N) {
                                    projected += sums[f] * N;
                                  });

@@ -212,7 +212,8 @@ namespace greville
   void
   CentralDifferences<dim>::filter_velocity()
   {
-    if (!consistent || parameters.scheme.filter == 0.)
+    if (!consistent || parameters.scheme.filter == 0. ||
+        parameters.scheme.is_total_lagrangian())
       return;
     const PartTimer timer(log, "filter");
     filter.set_mass(discretization.lumped_mass());
@@ -405,7 +406,10 @@ namespace greville
     std::vector<double>     rates = {trial.motion.fastest_signal,
                                      trial.motion.fastest_wave,
                                      0.};
-    for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
+    const bool points_cross_cells = !parameters.scheme.is_total_lagrangian();
+    for (unsigned int i = 0;
+         points_cross_cells && i < space.owned_functions().size();
+         ++i)
       if (!consistent || consistent->extension()[i] == Extension<dim>::stable)
         {
           double rate = 0.;

@@ -88,7 +88,7 @@ namespace greville
     this->lumped_mass.copy_locally_owned_data_from(lumped);
     transfer.filling(bodies, filled_part);
     const bool unknowns_changed =
-      filling.update(filled_part, parameters.scheme.filling);
+      filling.update(filled_part, parameters.scheme.filling_threshold());
     if (unknowns_changed)
       spline_extension.reinit(this->space(), filling);
     extended_mass.begin(spline_extension, unknowns_changed);

@@ -117,6 +117,7 @@ namespace greville
                              "taylor-least-squares",
                            parameters.scheme.full_cell);
     stamp_of_sums = 0;
+    mass_is_known = false;
     grid_walls    = Walls<dim>(parameters.walls);
     grid_mass     = make_grid_mass<dim>(parameters.scheme.mass,
                                     parameters.grid.degree,
@@ -201,8 +202,11 @@ namespace greville
     }
     if (!is_current)
       {
+        // That of total Lagrangian steps never changes.
         const PartTimer timer(log, "mass");
-        grid_mass->update(lumped, summed, point_transfer);
+        if (!mass_is_known)
+          grid_mass->update(lumped, summed, point_transfer);
+        mass_is_known = parameters.scheme.is_total_lagrangian();
       }
     stamp_of_sums = state.points_stamp;
     return summed;

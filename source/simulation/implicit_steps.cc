@@ -237,7 +237,9 @@ namespace greville
                         body.material,
                         body.name,
                         body.material->strength_reduction(state.time + dt)});
-    if (stamp != state.points_stamp)
+    // The mass of total Lagrangian steps never changes.
+    if (stamp == 0 || (stamp != state.points_stamp &&
+                       !parameters.scheme.is_total_lagrangian()))
       {
         const PartTimer timer(log, "mass");
         system.set_points(bodies);

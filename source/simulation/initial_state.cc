@@ -79,6 +79,58 @@ namespace greville
 
 
     /**
+     * Throw where two bodies share basis functions: in total Lagrangian steps
+     * they would stick to one another wherever they go.
+     */
+    template <int dim>
+    void
+    check_distances(const std::vector<Body<dim>> &bodies,
+                    const SplineSpace<dim>       &space)
+    {
+      // The sum of the numbers of all bodies that a function sees, and the sum
+      // of their squares: of one body, the square of the first is the second
+      // times the number of cells.
+      VectorType count, sum, squares;
+      for (VectorType *vector : {&count, &sum, &squares})
+        space.initialize_vector(*vector);
+      for (unsigned int b = 0; b < bodies.size(); ++b)
+        for (const unsigned int cell : bodies[b].points.cells())
+          for (const unsigned int f : space.cell_functions(cell))
+            {
+              count.local_element(f) += 1.;
+              sum.local_element(f) += b;
+              squares.local_element(f) += b * b;
+            }
+      for (VectorType *vector : {&count, &sum, &squares})
+        vector->compress(VectorOperation::add);
+      std::ostringstream message;
+      for (unsigned int i = 0;
+           i < count.locally_owned_size() && message.str().empty();
+           ++i)
+        if (sum.local_element(i) * sum.local_element(i) !=
+            squares.local_element(i) * count.local_element(i))
+          {
+            auto cell =
+              multi_index<dim>(space.owned_functions()[i], space.n_functions());
+            for (unsigned int d = 0; d < dim; ++d)
+              cell[d] =
+                std::min(cell[d] - std::min(cell[d], space.degree() / 2),
+                         space.lattice().n_cells()[d] - 1);
+            message
+              << "With 'Scheme/Formulation' = total Lagrangian two bodies "
+                 "are so close to one another initially that a B-spline "
+                 "reaches both, near ("
+              << space.lattice().cell_center(cell)
+              << ") m: they would move as one body. Place them at least "
+                 "p + 1 cells apart; they do not see one another in such "
+                 "steps.";
+          }
+      throw_on_all(message.str(), space.communicator());
+    }
+
+
+
+    /**
      * The fastest of a body's points on this process.
      */
     template <int dim>
@@ -90,6 +142,12 @@ namespace greville
       const Moduli moduli = body.material->moduli();
       const double c      = std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) /
                                  body.material->density);
+      signals.wave        = std::max(signals.wave, c);
+      if (body.points.layout().is_total_lagrangian())
+        {
+          signals.fastest = std::max(signals.fastest, c);
+          return;
+        }
       body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
         double v2 = 0., rate = 0.;
         for (unsigned int d = 0; d < dim; ++d)
@@ -101,8 +159,10 @@ namespace greville
         signals.fastest       = std::max(signals.fastest, c + std::sqrt(v2));
         signals.crossing_rate = std::max(signals.crossing_rate, rate);
       });
-      signals.wave = std::max(signals.wave, c);
     }
+
+
+
     /**
      * What schemes and loads of all stages keep in points.
      */
@@ -184,6 +244,8 @@ namespace greville
         Body<dim>        body = make_body<dim>(name, parameters);
         PointLayout<dim> layout(body.material->state_names());
         add_fields(layout, parameters);
+        if (parameters.scheme.is_total_lagrangian())
+          layout.basis_position = PointLayout<dim>::reference;
         const auto left  = make_points(body,
                                       space,
                                       loads.gravity(parameters.time.start),
@@ -200,6 +262,8 @@ namespace greville
     state.first_signal = state.signals.fastest;
     state.time = state.velocity_time = parameters.time.start;
     check_overlap(state.bodies, space);
+    if (parameters.scheme.is_total_lagrangian())
+      check_distances(state.bodies, space);
     AssertThrow(state.n_free > 0,
                 ExcMessage("All bodies have an 'Imposed velocity': there is "
                            "none that feels forces."));

@@ -156,7 +156,8 @@ namespace greville
     if (state.n_steps % share_every != 0)
       return;
     for (Body<dim> *body : deformable_bodies(state.bodies))
-      if (body->material->shares_volume())
+      if (body->material->shares_volume() &&
+          !body->points.layout().is_total_lagrangian())
         {
           const double c =
             std::sqrt(body->material->moduli().bulk / body->material->density);

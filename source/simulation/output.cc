@@ -6,6 +6,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/simulation/output.h>
+#include <greville/simulation/point_fields.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -74,83 +75,42 @@ namespace greville
     class PointsOut : public PatchesOut<0, dim>
     {
     public:
-      PointsOut(const std::vector<Body<dim>> &bodies)
+      PointsOut(const std::vector<Body<dim>>        &bodies,
+                const std::vector<OutputField<dim>> &fields)
       {
-        auto &names = this->names;
-        this->add_vector("velocity");
-        this->add_vector("displacement");
-        for (const char *name : {"stress_xx",
-                                 "stress_yy",
-                                 "stress_zz",
-                                 "stress_xy",
-                                 "stress_xz",
-                                 "stress_yz"})
-          if (dim == 3 || (name[8] != 'z' || name[7] == 'z'))
-            names.push_back(name);
-        for (const char *name :
-             {"pressure", "von_mises", "J", "density", "body", "id"})
-          names.push_back(name);
+        for (const OutputField<dim> &field : fields)
+          if (field.is_vector)
+            this->add_vector(field.name);
+          else
+            this->names.insert(this->names.end(),
+                               field.components.begin(),
+                               field.components.end());
 
-        // A history variable is a field of all points: zero where a material
-        // does not have it.
-        std::vector<std::string> states;
-        for (const Body<dim> &body : bodies)
-          for (const std::string &name : body.material->state_names())
-            if (std::find(states.begin(), states.end(), name) == states.end())
-              states.push_back(name);
-        names.insert(names.end(), states.begin(), states.end());
-
+        std::vector<double> values(this->names.size());
         for (unsigned int b = 0; b < bodies.size(); ++b)
-          add_points(bodies[b], b, states);
-      }
-
-    private:
-      void
-      add_points(const Body<dim>                &body,
-                 const unsigned int              number,
-                 const std::vector<std::string> &states)
-      {
-        std::vector<const PointField *> fields;
-        for (const std::string &name : states)
-          fields.push_back(body.points.layout().find(name));
-        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-          DataOutBase::Patch<0, dim> patch;
-          patch.data.reinit(this->names.size(), 1);
-          unsigned int k = 0;
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              patch.vertices[0][d] = p.position(d);
-              patch.data(k++, 0)   = p.velocity(d);
-            }
-          for (unsigned int d = 0; d < dim; ++d)
-            patch.data(k++, 0) = p.position(d) - p.reference(d);
-          double stress[6] = {};
-          for (unsigned int c = 0; c < PointLayout<dim>::n_stress; ++c)
-            patch.data(k++, 0) = stress[c] = p.stress(c);
-          const double pressure = -(stress[0] + stress[1] + stress[2]) / 3.;
-          double       square   = 0.;
-          for (unsigned int c = 0; c < 6; ++c)
-            square += (c < 3 ? 1.5 : 3.) *
-                      std::pow(stress[c] + (c < 3 ? pressure : 0.), 2);
-          const double J     = p.J();
-          patch.data(k++, 0) = pressure;
-          patch.data(k++, 0) = std::sqrt(square);
-          patch.data(k++, 0) = J;
-          patch.data(k++, 0) = p.mass() / (p.volume0() * J);
-          patch.data(k++, 0) = number;
-          patch.data(k++, 0) = p.id();
-          for (const PointField *field : fields)
-            patch.data(k++, 0) = field ? p[field->first] : 0.;
-          patch.patch_index = this->patches.size();
-          this->patches.push_back(patch);
-        });
+          bodies[b].points.for_each(
+            [&](const unsigned int, ConstPointRef<dim> p) {
+              DataOutBase::Patch<0, dim> patch;
+              patch.vertices[0] = p.position();
+              double *value     = values.data();
+              for (const OutputField<dim> &field : fields)
+                {
+                  field.evaluate(p, bodies[b], b, value);
+                  value += field.components.size();
+                }
+              patch.data.reinit(values.size(), 1);
+              for (unsigned int k = 0; k < values.size(); ++k)
+                patch.data(k, 0) = values[k];
+              patch.patch_index = this->patches.size();
+              this->patches.push_back(patch);
+            });
       }
     };
 
 
 
     /**
-     * Velocity and mass of the grid: a patch of
+     * Velocity, mass and, if it is given, acceleration of the grid: a patch of
      * order p for each cell that a function with mass reaches, and nothing for
      * all others.
      */
@@ -160,12 +120,20 @@ namespace greville
     public:
       GridOut(const SplineSpace<dim> &space,
               const VectorField<dim> &velocity,
-              const VectorType       &mass)
+              const VectorType       &mass,
+              const VectorField<dim> *acceleration)
       {
         this->add_vector("velocity");
         this->names.push_back("mass");
         std::vector<VectorType> fields(velocity.begin(), velocity.end());
         fields.push_back(mass);
+        if (acceleration)
+          {
+            this->add_vector("acceleration");
+            fields.insert(fields.end(),
+                          acceleration->begin(),
+                          acceleration->end());
+          }
         for (const VectorType &field : fields)
           field.update_ghost_values();
 
@@ -206,7 +174,7 @@ namespace greville
               for (unsigned int d = 0; d < dim; ++d)
                 patch.vertices[v][d] =
                   corner[d] + ((v >> d) & 1) * lattice.cell_size(d);
-            patch.data.reinit(dim + 1, n_nodes);
+            patch.data.reinit(fields.size(), n_nodes);
             for (unsigned int node = 0; node < n_nodes; ++node)
               for (unsigned int a = 0; a < n_nodes; ++a)
                 {
@@ -215,7 +183,7 @@ namespace greville
                   double value  = 1.;
                   for (unsigned int d = 0; d < dim; ++d)
                     value *= N[d][at[d] * n + of[d]];
-                  for (unsigned int k = 0; k <= dim; ++k)
+                  for (unsigned int k = 0; k < fields.size(); ++k)
                     patch.data(k, node) +=
                       value * fields[k].local_element(functions[a]);
                 }
@@ -292,10 +260,10 @@ namespace greville
 
 
   template <int dim>
-  FieldOutput<dim>::FieldOutput(const std::string &directory,
-                                const bool         with_grid)
+  FieldOutput<dim>::FieldOutput(const std::string      &directory,
+                                const OutputParameters &parameters)
     : directory(directory)
-    , with_grid(with_grid)
+    , parameters(parameters)
   {}
 
 
@@ -322,7 +290,10 @@ namespace greville
   {
     const unsigned int number = n_written();
 
-    PointsOut<dim> points(bodies);
+    PointsOut<dim> points(bodies,
+                          point_fields(parameters.fields,
+                                       bodies,
+                                       Utilities::MPI::this_mpi_process(comm)));
     points.set_flags(fast_compression());
     times_and_names[0].emplace_back(
       time, write_parallel(points, directory, "points", number, comm));
@@ -337,15 +308,22 @@ namespace greville
                           const std::vector<Body<dim>> &bodies,
                           const SplineSpace<dim>       &space,
                           const VectorField<dim>       &velocity,
-                          const VectorType             &mass)
+                          const VectorType             &mass,
+                          const VectorField<dim>       &acceleration)
   {
     const MPI_Comm     comm   = space.communicator();
     const unsigned int number = n_written();
     write_points(time, bodies, comm);
-    if (!with_grid)
+    if (!parameters.grid_fields)
       return;
 
-    GridOut<dim>          grid(space, velocity, mass);
+    const auto &fields = parameters.fields;
+    const bool  with_acceleration =
+      std::find(fields.begin(), fields.end(), "acceleration") != fields.end();
+    GridOut<dim>          grid(space,
+                      velocity,
+                      mass,
+                      with_acceleration ? &acceleration : nullptr);
     DataOutBase::VtkFlags flags    = fast_compression();
     flags.write_higher_order_cells = true;
     grid.set_flags(flags);

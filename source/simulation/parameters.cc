@@ -2,6 +2,7 @@
 
 #include <greville/simulation/consistent_mass.h>
 #include <greville/simulation/parameters.h>
+#include <greville/simulation/point_fields.h>
 #include <greville/simulation/time_integrator.h>
 
 namespace greville
@@ -90,21 +91,35 @@ namespace greville
   void
   SchemeParameters::declare(ParameterHandler &prm)
   {
+    add_parameter(prm,
+                  "Formulation",
+                  formulation,
+                  Selection("updated Lagrangian|total Lagrangian"))(
+      "Where basis functions are taken: at the current positions of points, "
+      "which move through the grid (updated Lagrangian, for flow and any "
+      "deformation), or at their initial ones (total Lagrangian, for solids: "
+      "the grid is that of the initial configuration, walls act on it, and the "
+      "mass matrix never changes). With total Lagrangian, bodies do not see "
+      "one "
+      "another.");
     add_parameter(prm, "Mass", mass)(
       "The mass M of M a = F: auto (lumped for fluids, Drucker-Prager and "
-      "Mohr-Coulomb materials and with APIC, consistent otherwise), consistent "
+      "Mohr-Coulomb materials and with APIC, consistent otherwise and in total "
+      "Lagrangian steps), consistent "
       "(the exact mass matrix on extended B-splines), lumped, or fmpm-K (K = "
       "1, 2, ...).");
-    add_parameter(prm, "Filling threshold", filling, Double(0., 2.))(
-      "Consistent mass of explicit steps: cells that points fill by this part "
-      "of their volume or "
-      "more are well-filled; B-splines that see no well-filled cell inside the "
-      "body are extended from such cells. 0: none is extended. Unit: none.");
+    add_parameter(prm, "Filling threshold", filling, Double(-1., 2.))(
+      "Consistent mass of explicit steps: cells that points fill by this "
+      "fraction of their volume or more are well-filled; B-splines that see no "
+      "well-filled cell inside the body are extended from such cells. 0: none "
+      "is extended. Negative: 0.45 in updated and 0.1 in total Lagrangian "
+      "steps. Unit: none.");
     add_parameter(prm, "Filter", filter, Double(0., 100.))(
       "Consistent mass: strength of the high-order filter of the velocity, "
       "which damps what points that cross cells excite: the fraction of the "
       "highest mode that is removed per cell that is crossed, five times as "
-      "much for order 1. 0: none; steps then gain energy. Unit: none.");
+      "much for order 1. 0: none; steps then gain energy. Total Lagrangian "
+      "steps cross no cells and have none. Unit: none.");
     add_parameter(prm,
                   "Stress update",
                   stress_update,
@@ -299,6 +314,11 @@ namespace greville
                   degrees,
                   List(Integer(1, SplineSpace<2>::max_degree)))(
       "Orders p to run; empty: that of the grid. Unit: none.");
+    add_parameter(prm,
+                  "Formulations",
+                  formulations,
+                  List(Selection("updated Lagrangian|total Lagrangian")))(
+      "Formulations to run; empty: that of the scheme.");
     add_parameter(prm, "Masses", masses)(
       "Mass solvers to run; empty: that of the scheme.");
     add_parameter(prm,
@@ -339,6 +359,10 @@ namespace greville
     add_parameter(prm, "Statistics every", statistics_every, Double(0.))(
       "Time between two lines of statistics.csv; 0: each step. Unit: s.");
     add_parameter(prm, "Grid fields", grid_fields)("Write the grid as well.");
+    add_parameter(prm, "Fields", fields, List(Selection(output_field_names())))(
+      "Fields of points in .pvtu files: strain is Green's, size the edge of a "
+      "cube of the volume of a point, for glyphs, history what materials keep; "
+      "acceleration is that of the grid, which has velocity and mass anyway.");
     add_parameter(prm, "Probes", probes)(
       "Initial positions, 'x, y; x, y; ...' (m): the point nearest to each is "
       "followed in probes.csv.");

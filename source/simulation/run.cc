@@ -94,7 +94,7 @@ namespace greville
     , simulation(parameters, comm)
     , exact(parameters.exact)
     , measured(parameters.reference)
-    , fields(directory, parameters.output.grid_fields)
+    , fields(directory, parameters.output)
     , probes(parameters.output.probes,
              simulation.bodies(),
              directory + "/probes.csv",
@@ -207,7 +207,8 @@ namespace greville
                      simulation.bodies(),
                      simulation.space(),
                      simulation.state().velocity,
-                     simulation.mass().lumped());
+                     simulation.mass().lumped(),
+                     simulation.state().acceleration);
         next_fields = output.fields_every > 0.
                         ? next_multiple(output.fields_every, now)
                         : std::numeric_limits<double>::infinity();

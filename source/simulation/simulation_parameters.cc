@@ -414,6 +414,8 @@ namespace greville
   {
     if (scheme.transfer == "APIC")
       return "lumped";
+    if (scheme.is_total_lagrangian())
+      return "consistent";
     for (const auto &material : materials)
       if (material.second->spreads())
         return "lumped";
@@ -461,6 +463,7 @@ namespace greville
       check_mass_name(name, "Sweep/Masses");
     check_different(sweep.cells, "Sweep/Cells");
     check_different(sweep.degrees, "Sweep/Orders");
+    check_different(sweep.formulations, "Sweep/Formulations");
     check_different(sweep.masses, "Sweep/Masses");
     check_different(sweep.quadratures, "Sweep/Quadratures");
     smoother.check();
@@ -493,6 +496,20 @@ namespace greville
         SimulationParameters parameters = *this;
         parameters.enter_stage(k);
         const double start = parameters.time.start, end = parameters.time.end;
+        AssertThrow(parameters.scheme.formulation ==
+                      stages[0].scheme.formulation,
+                    ExcMessage(stage_text(k) + "'Scheme/Formulation' is " +
+                               parameters.scheme.formulation +
+                               ", but the first stage has " +
+                               stages[0].scheme.formulation +
+                               ": all stages have the same."));
+        AssertThrow(!(stages[k].reset_displacements &&
+                      parameters.scheme.is_total_lagrangian()),
+                    ExcMessage(stage_text(k) +
+                               "'Reset displacements' does not go with "
+                               "'Scheme/Formulation' = total Lagrangian, in "
+                               "which basis functions belong to the initial "
+                               "positions."));
         AssertThrow(start < end,
                     ExcMessage(stage_text(k) + "'Time/End' is " + text_of(end) +
                                " s, but the stage begins at " + text_of(start) +
@@ -576,6 +593,8 @@ namespace greville
                       " or more, so that none meets itself."));
       }
     check_mass_name(scheme.mass, "Scheme/Mass");
+    if (scheme.is_total_lagrangian())
+      check_total_lagrangian();
     AssertThrow(scheme.transfer == "FLIP" || scheme.flip == 1.,
                 ExcMessage("The parameter 'Scheme/FLIP share' is " +
                            text_of(scheme.flip) +
@@ -598,5 +617,42 @@ namespace greville
                              walls.type[w] +
                              (w < 2 * dim ? ", but has a friction."
                                           : ", but there is none in 2D.")));
+  }
+
+
+
+  void
+  SimulationParameters::check_total_lagrangian() const
+  {
+    const auto refuse = [&](const bool         wrong,
+                            const std::string &parameter,
+                            const std::string &why) {
+      AssertThrow(!wrong,
+                  ExcMessage("'Scheme/Formulation' = total Lagrangian does not "
+                             "go with " +
+                             parameter + ": " + why));
+    };
+    refuse(scheme.transfer == "APIC",
+           "'Scheme/Transfer' = APIC",
+           "take FLIP or PIC.");
+    refuse(scheme.quadrature != "points",
+           "'Scheme/Quadrature' = " + scheme.quadrature,
+           "take points, which stay where they are in their cells.");
+    for (unsigned int w = 0; w < 2 * general.dimension; ++w)
+      refuse(walls.type[w] == "friction",
+             "'Walls/" + WallParameters::names[w] + "' = friction",
+             "walls act on the initial configuration, which does not slide "
+             "along them.");
+    for (const auto &[name, body] : bodies)
+      {
+        const std::string section = "'Body " + name + "/";
+        refuse(!body.imposed_velocity.empty(),
+               section + "Imposed velocity'",
+               "bodies do not see one another.");
+        refuse(!body.stress.empty() || body.K0 >= 0.,
+               section + (body.K0 >= 0. ? "K0'" : "Stress'"),
+               "bodies are free of stress initially; a quasi-static stage "
+               "brings them to rest under their weight.");
+      }
   }
 } // namespace greville

@@ -37,7 +37,9 @@ namespace greville
     bool
     same_kind(const SimulationParameters &a, const SimulationParameters &b)
     {
-      return a.grid.degree == b.grid.degree && a.scheme.mass == b.scheme.mass &&
+      return a.grid.degree == b.grid.degree &&
+             a.scheme.formulation == b.scheme.formulation &&
+             a.scheme.mass == b.scheme.mass &&
              a.scheme.quadrature == b.scheme.quadrature;
     }
 
@@ -50,47 +52,58 @@ namespace greville
       const auto             or_one = [](const auto &list, const auto &one) {
         return list.empty() ? std::decay_t<decltype(list)>{one} : list;
       };
-      const auto &scheme      = parameters.scheme;
-      const auto  degrees     = or_one(sweep.degrees, parameters.grid.degree);
-      const auto  masses      = or_one(sweep.masses, scheme.mass);
-      const auto  quadratures = or_one(sweep.quadratures, scheme.quadrature);
-      const auto &base        = parameters.grid.cells;
+      const auto &scheme       = parameters.scheme;
+      const auto  degrees      = or_one(sweep.degrees, parameters.grid.degree);
+      const auto  masses       = or_one(sweep.masses, scheme.mass);
+      const auto  quadratures  = or_one(sweep.quadratures, scheme.quadrature);
+      const auto  formulations = or_one(sweep.formulations, scheme.formulation);
+      const auto &base         = parameters.grid.cells;
       const unsigned int    most  = *std::max_element(base.begin(), base.end());
       const auto            cells = or_one(sweep.cells, most);
       std::vector<SweepRow> rows;
-      for (const std::string &mass : masses)
-        for (const std::string &quadrature : quadratures)
-          for (const unsigned int degree : degrees)
-            for (const unsigned int n : cells)
-              {
-                SweepRow row;
-                row.parameters                   = parameters;
-                row.cells                        = n;
-                row.parameters.grid.degree       = degree;
-                row.parameters.scheme.mass       = mass;
-                row.parameters.scheme.quadrature = quadrature;
-                for (StageParameters &stage : row.parameters.stages)
-                  {
-                    if (!sweep.masses.empty())
-                      stage.scheme.mass = mass;
-                    if (!sweep.quadratures.empty())
-                      stage.scheme.quadrature = quadrature;
-                  }
-                for (unsigned int &cells : row.parameters.grid.cells)
-                  {
-                    const std::uint64_t product = std::uint64_t(cells) * n;
-                    AssertThrow(cells == 1 || (product % most == 0 &&
-                                               product / most < (1ull << 31)),
-                                ExcMessage(
-                                  "The parameter 'Sweep/Cells' has the entry " +
-                                  std::to_string(n) +
-                                  ", with which 'Grid/Cells' cannot keep "
-                                  "their ratio, or are too many."));
-                    if (cells > 1)
-                      cells = product / most;
-                  }
-                rows.push_back(row);
-              }
+      const auto            add = [&](const std::string &formulation,
+                           const std::string &mass,
+                           const std::string &quadrature,
+                           const unsigned int degree,
+                           const unsigned int n) {
+        SweepRow row;
+        row.parameters             = parameters;
+        row.cells                  = n;
+        row.parameters.grid.degree = degree;
+        // Lists that are empty leave stages what they have.
+        const auto set = [&](SchemeParameters &scheme, const bool all) {
+          if (all || !sweep.formulations.empty())
+            scheme.formulation = formulation;
+          if (all || !sweep.masses.empty())
+            scheme.mass = mass;
+          if (all || !sweep.quadratures.empty())
+            scheme.quadrature = quadrature;
+        };
+        set(row.parameters.scheme, true);
+        for (StageParameters &stage : row.parameters.stages)
+          set(stage.scheme, false);
+        for (unsigned int &cells : row.parameters.grid.cells)
+          {
+            const std::uint64_t product = std::uint64_t(cells) * n;
+            AssertThrow(cells == 1 || (product % most == 0 &&
+                                       product / most < (1ull << 31)),
+                        ExcMessage(
+                          "The parameter 'Sweep/Cells' has the entry " +
+                          std::to_string(n) +
+                          ", with which 'Grid/Cells' cannot keep "
+                                     "their ratio, or are too many."));
+            if (cells > 1)
+              cells = product / most;
+          }
+        row.parameters.check();
+        rows.push_back(row);
+      };
+      for (const std::string &formulation : formulations)
+        for (const std::string &mass : masses)
+          for (const std::string &quadrature : quadratures)
+            for (const unsigned int degree : degrees)
+              for (const unsigned int n : cells)
+                add(formulation, mass, quadrature, degree, n);
       return rows;
     }
 
@@ -103,10 +116,11 @@ namespace greville
                 const MPI_Comm               comm)
     {
       std::ostringstream csv;
-      csv << "mass,quadrature,p,cells,error_l2,error_max,order\n";
+      csv << "formulation,mass,quadrature,p,cells,error_l2,error_max,order\n";
       csv.precision(10);
       out << "  relative error of displacement\n"
-          << "  mass             quadrature      p  cells         L2"
+          << "  formulation         mass             quadrature      p  cells  "
+             "       L2"
           << "    largest  order\n";
       for (const SweepRow &row : rows)
         {
@@ -114,15 +128,15 @@ namespace greville
             continue;
           const SchemeParameters &scheme = row.parameters.scheme;
           const unsigned int      degree = row.parameters.grid.degree;
-          csv << scheme.mass << "," << scheme.quadrature << "," << degree << ","
-              << row.cells << "," << row.errors.l2 << "," << row.errors.max
-              << ",";
-          out << "  " << std::left << std::setw(16) << scheme.mass << " "
-              << std::setw(14) << scheme.quadrature << std::right
-              << std::setw(3) << degree << std::setw(7) << row.cells
-              << std::scientific << std::setprecision(3) << std::setw(11)
-              << row.errors.l2 << std::setw(11) << row.errors.max
-              << std::defaultfloat;
+          csv << scheme.formulation << "," << scheme.mass << ","
+              << scheme.quadrature << "," << degree << "," << row.cells << ","
+              << row.errors.l2 << "," << row.errors.max << ",";
+          out << "  " << std::left << std::setw(19) << scheme.formulation << " "
+              << std::setw(16) << scheme.mass << " " << std::setw(14)
+              << scheme.quadrature << std::right << std::setw(3) << degree
+              << std::setw(7) << row.cells << std::scientific
+              << std::setprecision(3) << std::setw(11) << row.errors.l2
+              << std::setw(11) << row.errors.max << std::defaultfloat;
           if (std::isfinite(row.order))
             {
               csv << row.order;
@@ -151,11 +165,16 @@ namespace greville
       auto       rows      = make_rows(parameters);
       for (std::size_t k = 0; k < rows.size(); ++k)
         {
-          SweepRow          &row  = rows[k];
-          const std::string &mass = row.parameters.scheme.mass;
+          SweepRow          &row         = rows[k];
+          const std::string &mass        = row.parameters.scheme.mass;
+          const std::string &formulation = row.parameters.scheme.formulation;
           const std::string  folder =
-            directory + "/" + mass + "_" + row.parameters.scheme.quadrature +
-            "_p" + std::to_string(row.parameters.grid.degree) + "_" +
+            directory + "/" +
+            (parameters.sweep.formulations.empty()
+               ? ""
+               : formulation.substr(0, formulation.find(' ')) + "_") +
+            mass + "_" + row.parameters.scheme.quadrature + "_p" +
+            std::to_string(row.parameters.grid.degree) + "_" +
             std::to_string(row.cells);
           run_on_first([&]() { create_folder(folder, "Output/Directory"); },
                        comm);
@@ -185,7 +204,8 @@ namespace greville
       std::string failures;
       for (const SweepRow &row : rows)
         if (!row.failure.empty())
-          failures += "\n  " + row.parameters.scheme.mass + ", " +
+          failures += "\n  " + row.parameters.scheme.formulation + ", " +
+                      row.parameters.scheme.mass + ", " +
                       row.parameters.scheme.quadrature + ", order " +
                       std::to_string(row.parameters.grid.degree) + ", " +
                       std::to_string(row.cells) + " cells: " + row.failure;
@@ -218,6 +238,7 @@ namespace greville
 
     const SweepParameters &sweep = parameters.sweep;
     const bool is_sweep = !sweep.cells.empty() || !sweep.degrees.empty() ||
+                          !sweep.formulations.empty() ||
                           !sweep.masses.empty() || !sweep.quadratures.empty();
     if (is_sweep && parameters.general.dimension == 2)
       run_sweep<2>(parameters, directory, out, comm);

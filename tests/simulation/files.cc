@@ -147,8 +147,11 @@ main(int argc, char **argv)
   const auto convergence = lines_of("sweep/convergence.csv");
   print() << convergence[0] << std::endl;
   check("rows of the sweep", convergence.size() == 17);
-  check("first row", convergence[1].rfind("lumped,points,1,4,", 0) == 0);
-  check("last row", convergence[16].rfind("fmpm-2,least-squares,2,8,", 0) == 0);
+  check("first row",
+        convergence[1].rfind("updated Lagrangian,lumped,points,1,4,", 0) == 0);
+  check("last row",
+        convergence[16].rfind("updated Lagrangian,fmpm-2,least-squares,2,8,",
+                              0) == 0);
   check("statistics of each",
         std::filesystem::exists("sweep/fmpm-2_points_p2_8/statistics.csv"));
 

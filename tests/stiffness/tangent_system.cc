@@ -254,6 +254,16 @@ main(int argc, char **argv)
       check_derivative<3>(model + " in 3D", with_model(column_3d(6, 2)));
     }
 
+  const auto deformed = [](const Text &text, const std::string &u) {
+    return text.with("Scheme", {"Formulation = total Lagrangian"})
+      .with("Body body", {"Displacement = " + u})
+      .with("Material solid", {"Model = neo-hookean"});
+  };
+  check_derivative<2>("total Lagrangian",
+                      deformed(column_2d(8, 2), "3 * x + y; x * y - 0.2 * y"));
+  check_derivative<3>("total Lagrangian in 3D",
+                      deformed(column_3d(6, 2), "y + z; x * y; 0.5 * z + y"));
+
   for (const unsigned int n : {16, 32})
     for (const unsigned int p : {1, 2, 3})
       {

@@ -105,6 +105,16 @@ namespace greville
     unsigned int n_state = 0;
     /// Number of doubles of a point.
     unsigned int size = n_fixed;
+    /// The first number of the position at which basis functions are taken:
+    /// `position` in updated Lagrangian steps, `reference` in total Lagrangian
+    /// ones, in which gradients are those with respect to it.
+    unsigned int basis_position = position;
+
+    bool
+    is_total_lagrangian() const
+    {
+      return basis_position == reference;
+    }
 
   private:
     std::vector<PointField> all_fields;

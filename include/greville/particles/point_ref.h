@@ -85,6 +85,15 @@ namespace greville
       return dealii::Point<dim>(vector(Layout::reference));
     }
 
+    /**
+     * Where basis functions are taken.
+     */
+    dealii::Point<dim>
+    basis_position(const Layout &layout) const
+    {
+      return dealii::Point<dim>(vector(layout.basis_position));
+    }
+
     Number &
     mass() const
     {

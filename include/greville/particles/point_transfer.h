@@ -196,7 +196,8 @@ namespace greville
      * The part of each owned cell that points fill: the sum of their volumes
      * over that of the cell, for CellFilling. A point counts V0 if it is
      * compressed and 1.5 V0 at most if it is expanded, so that a stretched body
-     * stays filled and spray does not look like a body.
+     * stays filled and spray does not look like a body. In total Lagrangian
+     * steps it counts V0.
      */
     void
     filling(const std::vector<const MaterialPoints<dim> *> &bodies,

@@ -68,6 +68,10 @@ namespace greville
    * energy per volume. So V_n P : grad u is the change of the energy of a
    * point, and the force has no moment. The derivative is that of S bar.
    *
+   * Points of total Lagrangian steps (PointLayout::basis_position) have the
+   * basis functions at X: f = 1 + grad_X u F_n^-1, and P and its derivative are
+   * those times F_n^-T, which belong to gradients with respect to X.
+   *
    * With a VolumeProjection, the material sees the projected increment, and the
    * derivative is that without the projection.
    */

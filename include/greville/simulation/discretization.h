@@ -196,7 +196,8 @@ namespace greville
 
     VectorType       lumped;
     VectorField<dim> point_momentum;
-    std::uint64_t    stamp_of_sums = 0; // of no state
+    std::uint64_t    stamp_of_sums = 0;     // of no state
+    bool             mass_is_known = false; // for all states
   };
 } // namespace greville
 

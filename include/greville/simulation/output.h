@@ -6,6 +6,7 @@
 #include <greville/base/csv.h>
 #include <greville/particles/body.h>
 #include <greville/particles/point_transfer.h>
+#include <greville/simulation/parameters.h>
 
 #include <string>
 
@@ -21,20 +22,25 @@ namespace greville
   class FieldOutput
   {
   public:
-    FieldOutput(const std::string &directory, const bool with_grid);
+    /**
+     * The parameters are kept by reference.
+     */
+    FieldOutput(const std::string      &directory,
+                const OutputParameters &parameters);
 
     /**
-     * Collective. Points: velocity, displacement, the components of stress,
-     * pressure, von Mises stress, J, density, body, id and history. Grid: @p
-     * velocity and mass per function @p mass, as Lagrange cells of the order
-     * of the space, where there is mass. Vectors have no ghost values.
+     * Collective. Points: the fields of the parameters, see point_fields().
+     * Grid: @p velocity, mass per function @p mass and, where the parameters
+     * want it, @p acceleration, as Lagrange cells of the order of the space,
+     * where there is mass. Vectors have no ghost values.
      */
     void
     write(const double                  time,
           const std::vector<Body<dim>> &bodies,
           const SplineSpace<dim>       &space,
           const VectorField<dim>       &velocity,
-          const VectorType             &mass);
+          const VectorType             &mass,
+          const VectorField<dim>       &acceleration);
 
     /**
      * Collective. Write points only.
@@ -59,8 +65,8 @@ namespace greville
                  const std::string &name,
                  const MPI_Comm     comm);
 
-    const std::string directory;
-    const bool        with_grid;
+    const std::string       directory;
+    const OutputParameters &parameters;
     // Of points and grid.
     std::array<std::vector<std::pair<double, std::string>>, 2> times_and_names;
   };

@@ -93,6 +93,7 @@ namespace greville
 
     std::vector<unsigned int> cells;
     std::vector<unsigned int> degrees;
+    std::vector<std::string>  formulations;
     std::vector<std::string>  masses;
     std::vector<std::string>  quadratures;
   };
@@ -107,12 +108,22 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    std::string directory;
-    double      fields_every     = 0.;
-    double      statistics_every = 0.;
-    bool        grid_fields      = true;
-    std::string probes;
-    bool        print_times = true;
+    std::string              directory;
+    double                   fields_every     = 0.;
+    double                   statistics_every = 0.;
+    bool                     grid_fields      = true;
+    std::vector<std::string> fields           = {"velocity",
+                                                 "displacement",
+                                                 "stress",
+                                                 "pressure",
+                                                 "von_mises",
+                                                 "J",
+                                                 "density",
+                                                 "body",
+                                                 "id",
+                                                 "history"};
+    std::string              probes;
+    bool                     print_times = true;
   };
 
 
@@ -232,8 +243,15 @@ namespace greville
     check_stage() const;
 
     /**
+     * check_stage() of what does not go with total Lagrangian steps.
+     */
+    void
+    check_total_lagrangian() const;
+
+    /**
      * What "auto" stands for: lumped mass where bodies spread into thin layers,
-     * and with APIC; the consistent one otherwise.
+     * and with APIC; the consistent one otherwise, and with total Lagrangian
+     * steps.
      */
     std::string
     default_mass(const SchemeParameters &scheme) const;

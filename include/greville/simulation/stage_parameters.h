@@ -42,8 +42,9 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
+    std::string formulation           = "updated Lagrangian";
     std::string mass                  = "auto";
-    double      filling               = 0.45;
+    double      filling               = -1.;
     double      filter                = 0.4;
     std::string energy_gain           = "stop";
     double      energy_tolerance      = 0.1;
@@ -55,6 +56,22 @@ namespace greville
     std::string volumetric_projection = "none";
     double      full_cell             = 0.5;
     std::string outside               = "error";
+
+    bool
+    is_total_lagrangian() const
+    {
+      return formulation == "total Lagrangian";
+    }
+
+    /**
+     * Of explicit steps. Extended functions cost accuracy: where points stay in
+     * their cells, thinner cuts are good enough.
+     */
+    double
+    filling_threshold() const
+    {
+      return filling >= 0. ? filling : (is_total_lagrangian() ? 0.1 : 0.45);
+    }
   };
 
 
