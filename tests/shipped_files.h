@@ -64,6 +64,8 @@ shipped_files(const std::string &source,
     {"soil_column", "1, 8"},
     {"step_traction", "16, 1"},
     {"twisting_beam_3d", "15, 12, 12"},
+    {"twisting_cylinder_3d", "8, 8, 1"},
+    {"twisting_disk", "8, 8"},
     {"vibrating_bar", "8, 1"},
     {"vibrating_bar_free", "8, 8"},
     {"vibrating_bar_large", "8, 1"}};
@@ -99,15 +101,17 @@ shipped_files(const std::string &source,
             else
               {
                 const auto found = cells.find(file.name);
-                file.small =
-                  section_text("Time", {"Maximum steps = 3"}) +
-                  section_text(
-                    "Sweep",
-                    {"Cells =", "Orders =", "Masses =", "Quadratures ="}) +
-                  section_text("Output",
-                               {"Print times = false",
-                                "Statistics every = 0",
-                                "Directory = " + results});
+                file.small       = section_text("Time", {"Maximum steps = 3"}) +
+                             section_text("Sweep",
+                                          {"Cells =",
+                                           "Orders =",
+                                           "Formulations =",
+                                           "Masses =",
+                                           "Quadratures ="}) +
+                             section_text("Output",
+                                          {"Print times = false",
+                                           "Statistics every = 0",
+                                           "Directory = " + results});
                 if (found != cells.end())
                   file.small +=
                     section_text("Grid", {"Cells = " + found->second});
