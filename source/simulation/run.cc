@@ -65,7 +65,7 @@ namespace greville
   {
     for (const Body<dim> &body : simulation.bodies())
       n_points += body.n_points;
-    auto columns = Statistics<dim>::names();
+    auto columns = Statistics<dim>::names(parameters.general.surface_loads);
     if (!parameters.stages.empty())
       columns.push_back("stage");
     statistics_file.open(directory + "/statistics.csv", columns, 14, comm);

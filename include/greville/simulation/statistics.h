@@ -40,6 +40,8 @@ namespace greville
     /// Cells whose points see no well-filled cell (consistent mass).
     std::uint64_t fragments = 0;
     std::uint64_t n_points  = 0;
+    /// Loads on surfaces with their forces, N (2D: N / m).
+    std::vector<std::pair<std::string, dealii::Tensor<1, dim>>> loads;
 
     /**
      * The columns of statistics.csv with their names.
@@ -47,8 +49,11 @@ namespace greville
     std::vector<std::pair<std::string, double>>
     columns() const;
 
+    /**
+     * The names, with those of the @p loads on surfaces.
+     */
     static std::vector<std::string>
-    names();
+    names(const std::vector<std::string> &loads = {});
 
     std::vector<double>
     values() const;
