@@ -5,12 +5,14 @@
 #include <greville/base/errors.h>
 #include <greville/particles/body.h>
 
+#include "formula_gradient.h"
 #include <algorithm>
 #include <cmath>
 
 namespace greville
 {
   using namespace dealii;
+  using namespace internal;
 
   namespace
   {
@@ -97,32 +99,6 @@ namespace greville
 
 
     /**
-     * Derivatives of formulas by differences of sixth order with these steps.
-     */
-    template <int dim>
-    Tensor<2, 3>
-    gradient_of(const VectorExpression<dim>   &formulas,
-                const Point<dim>              &x,
-                const std::array<double, dim> &steps)
-    {
-      static constexpr double weights[3] = {3. / 4., -3. / 20., 1. / 60.};
-      Tensor<2, 3>            gradient;
-      for (unsigned int j = 0; j < dim; ++j)
-        for (int k = 1; k <= 3; ++k)
-          for (const int side : {-1, 1})
-            {
-              Point<dim> shifted = x;
-              shifted[j] += side * k * steps[j];
-              const Tensor<1, dim> value = formulas(shifted);
-              for (unsigned int i = 0; i < dim; ++i)
-                gradient[i][j] += side * weights[k - 1] / steps[j] * value[i];
-            }
-      return gradient;
-    }
-
-
-
-    /**
      * Initial displacement: it moves a point, deforms it, and lets the
      * material find the stress.
      */
@@ -196,12 +172,11 @@ namespace greville
       const auto velocity = formulas(parameters.velocity, "/Velocity");
 
       // A velocity that jumps shall not get a steep gradient.
-      std::array<double, dim> steps, small_steps;
+      std::array<double, dim>       steps;
+      const std::array<double, dim> small_steps =
+        displacement_steps<dim>(lattice);
       for (unsigned int d = 0; d < dim; ++d)
-        {
-          steps[d]       = 0.1 * lattice.cell_size(d);
-          small_steps[d] = 2e-3 * lattice.cell_size(d);
-        }
+        steps[d] = 0.1 * lattice.cell_size(d);
 
       const double        strength_reduction = material.strength_reduction(0.);
       std::vector<double> values(layout.size);

@@ -58,6 +58,40 @@ namespace greville
 
 
     /**
+     * And the values of the functions.
+     */
+    template <int dim, int n>
+    struct ValuesAndGradients
+    {
+      ValuesAndGradients(const CellGeometry<dim, n> &cell,
+                         const dealii::Point<dim>   &x)
+        : gradients(cell, x)
+      {
+        double N[3][n];
+        for (int d = 0; d < dim; ++d)
+          {
+            const double  t = (x[d] - cell.center[d]) * cell.inverse_h[d];
+            const double *c = cell.polynomials[d];
+            for (int a = 0; a < n; ++a)
+              {
+                N[d][a] = c[a * n + n - 1];
+                for (int k = n - 2; k >= 0; --k)
+                  N[d][a] = N[d][a] * t + c[a * n + k];
+              }
+          }
+        for (int a_z = 0, a = 0; a_z < (dim == 3 ? n : 1); ++a_z)
+          for (int a_y = 0; a_y < n; ++a_y)
+            for (int a_x = 0; a_x < n; ++a_x, ++a)
+              values[a] = N[0][a_x] * N[1][a_y] * (dim == 3 ? N[2][a_z] : 1.);
+      }
+
+      Gradients<dim, n> gradients;
+      double            values[power(n, dim)];
+    };
+
+
+
+    /**
      * F^-1 of a point, in 2D in the plane.
      */
     template <int dim>

@@ -342,7 +342,9 @@ namespace greville
                   const Simd J = det * load(group + Layout::J * simd_width);
                   store(J, group + Layout::J * simd_width);
 
-                  if (!update_material(points, g, count, increment, update))
+                  if (update.material
+                        ? !update_material(points, g, count, increment, update)
+                        : !all_of(J > 0.))
                     report_bad_point(points, g, count, report);
 
                   // c^2 = modulus / density

@@ -481,6 +481,95 @@ namespace greville
 
 
 
+  namespace
+  {
+    template <int dim, int n>
+    double
+    add_force_of_surface(const CellGeometry<dim, n>                &geometry,
+                         const std::vector<TrialSurfacePoint<dim>> &points,
+                         double                                    *sums)
+    {
+      double square                    = 0.;
+      double force[power(n, dim)][dim] = {};
+      for (const TrialSurfacePoint<dim> &point : points)
+        {
+          const ValuesAndGradients<dim, n> N(geometry, point.x);
+          for (int a = 0; a < power(n, dim); ++a)
+            for (int i = 0; i < dim; ++i)
+              force[a][i] += point.area * point.load[i] * N.values[a];
+        }
+      for (int a = 0; a < power(n, dim); ++a)
+        for (int i = 0; i < dim; ++i)
+          {
+            sums[std::size_t(geometry.functions[a]) * dim + i] += force[a][i];
+            square += force[a][i] * force[a][i];
+          }
+      return square;
+    }
+
+
+
+    template <int dim, int n>
+    void
+    stiffness_of_surface(const CellGeometry<dim, n>                &geometry,
+                         const std::vector<TrialSurfacePoint<dim>> &points,
+                         double                                    *matrix)
+    {
+      constexpr int n_functions = power(n, dim);
+      std::fill_n(matrix, n_functions * dim * n_functions * dim, 0.);
+      for (const TrialSurfacePoint<dim> &point : points)
+        {
+          const ValuesAndGradients<dim, n> N(geometry, point.x);
+          double                          *row = matrix;
+          for (int a = 0; a < n_functions; ++a)
+            for (int i = 0; i < dim; ++i)
+              for (int k = 0; k < dim; ++k, row += n_functions)
+                {
+                  const double factor = -point.area * N.values[a];
+                  for (int b = 0; b < n_functions; ++b)
+                    {
+                      double sum = point.by_displacement[i][k] * N.values[b];
+                      for (int L = 0; L < dim; ++L)
+                        sum +=
+                          point.by_gradient[i][k][L] * N.gradients.values[L][b];
+                      row[b] += factor * sum;
+                    }
+                }
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  TrialSums<dim>::add_force(const unsigned int                         cell,
+                            const std::vector<TrialSurfacePoint<dim>> &points)
+  {
+    with_order(tables.space->degree(), [&](const auto size) {
+      constexpr int              n = decltype(size)::value;
+      const CellGeometry<dim, n> geometry(tables, cell);
+      square += add_force_of_surface<dim, n>(geometry, points, sums.data());
+    });
+  }
+
+
+
+  template <int dim>
+  const double *
+  TrialSums<dim>::stiffness(const unsigned int                         cell,
+                            const std::vector<TrialSurfacePoint<dim>> &points)
+  {
+    with_order(tables.space->degree(), [&](const auto size) {
+      constexpr int              n = decltype(size)::value;
+      const CellGeometry<dim, n> geometry(tables, cell);
+      stiffness_of_surface<dim, n>(geometry, points, matrix.data());
+    });
+    return matrix.data();
+  }
+
+
+
   template class TrialStep<2>;
   template class TrialStep<3>;
   template class TrialSums<2>;

@@ -16,6 +16,22 @@ namespace greville
     // Accelerations that change velocities by this fraction of the norm of all
     // velocities in a step are solved for to the tolerance times that change.
     constexpr double negligible_kick = 1e-6;
+
+
+
+    /**
+     * f . (v + w) on this process.
+     */
+    double
+    scalar_product_of_owned(const VectorType &f,
+                            const VectorType &v,
+                            const VectorType &w)
+    {
+      double sum = 0.;
+      for (unsigned int i = 0; i < f.locally_owned_size(); ++i)
+        sum += f.local_element(i) * (v.local_element(i) + w.local_element(i));
+      return sum;
+    }
   } // namespace
 
 
@@ -52,7 +68,8 @@ namespace greville
                         &trial.velocity,
                         &trial.acceleration,
                         &trial.new_velocity,
-                        &work_field})
+                        &work_field,
+                        &surface_velocity})
       discretization.initialize(*field);
   }
 
@@ -158,8 +175,11 @@ namespace greville
                         state.velocity_time + trial.velocity_step);
     {
       const PartTimer timer(log, "loads");
-      const auto      set = [&]() { loads.set(state.bodies, state.time); };
-      if (loads.act_on_points())
+      const auto      set = [&]() {
+        loads.set(state.bodies, state.time);
+        loads.surfaces().set(state.surfaces, state.time);
+      };
+      if (loads.act_on_points() || !state.surfaces.empty())
         fail_with([&]() { run_on_all(set, discretization.communicator()); },
                   false);
     }
@@ -301,6 +321,14 @@ namespace greville
               power += p.mass() * p[load + d] * p.velocity(d);
           });
         }
+    // That of surfaces is what their force gives to the kinetic energy.
+    double work_of_surfaces = 0.;
+    for (unsigned int d = 0; d < dim && !state.surfaces.empty(); ++d)
+      work_of_surfaces +=
+        0.5 * trial.velocity_step *
+        scalar_product_of_owned(discretization.surface_force()[d],
+                                trial.velocity[d],
+                                trial.new_velocity[d]);
     // Walls and obstacles give what a = (v' - v) / dt' needs beyond the force.
     if ((walls.have_moving() || obstacles) && trial.velocity_step > 0.)
       {
@@ -310,7 +338,7 @@ namespace greville
             power -= lumped.local_element(i) * work_field[d].local_element(i) *
                      trial.new_velocity[d].local_element(i);
       }
-    state.energy.add_work(trial.step * power);
+    state.energy.add_work(trial.step * power + work_of_surfaces);
   }
 
 
@@ -375,10 +403,45 @@ namespace greville
                                        discretization.transfer(),
                                        update,
                                        state.time + (move ? trial.step : 0.));
+    update_surfaces(state, update, motion);
     motion.merge(trial.motion);
     trial.motion = std::move(motion);
     if (kick || move)
       state.points_have_changed();
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::update_surfaces(State<dim>             &state,
+                                           const PointUpdate<dim> &update,
+                                           PointMotion            &motion)
+  {
+    if (state.surfaces.empty())
+      return;
+    PointTransfer<dim> &transfer = discretization.transfer();
+    PointUpdate<dim>    move     = update;
+    if (update.acceleration)
+      {
+        const double lag =
+          std::max(0.,
+                   state.time + trial.step - state.velocity_time -
+                     trial.velocity_step);
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            surface_velocity[d] = (*update.velocity)[d];
+            surface_velocity[d].add(lag, (*update.acceleration)[d]);
+          }
+        PointUpdate<dim> kick = update;
+        kick.velocity         = &surface_velocity;
+        kick.deformation      = nullptr;
+        kick.move             = false;
+        greville::update_surfaces(state.surfaces, transfer, kick, motion);
+        move.acceleration = nullptr;
+      }
+    if (move.move || move.deformation)
+      greville::update_surfaces(state.surfaces, transfer, move, motion);
   }
 
 
@@ -508,7 +571,9 @@ namespace greville
           break;
       }
     const std::string problem =
-      discretization.transport_points(state, trial.motion.left_cells);
+      discretization.transport_points(state,
+                                      trial.motion.left_cells,
+                                      trial.motion.left_surface_cells);
     fail_on_all(trial.motion.problem.empty() ? problem : trial.motion.problem,
                 discretization.communicator());
 

@@ -175,6 +175,7 @@ namespace greville
     GridMass<dim>                                  &mass,
     PointTransfer<dim>                             &transfer,
     const std::vector<const Body<dim> *>           &all_bodies,
+    const std::vector<Surface<dim>>                &surfaces,
     const std::vector<const MaterialPoints<dim> *> &mass_points,
     const StepScheme                               &scheme,
     HighestMode<dim>                               &mode)
@@ -190,6 +191,8 @@ namespace greville
         bodies.push_back(body);
         is_viscous = is_viscous || flows;
       }
+    for (const Surface<dim> &surface : surfaces)
+      is_viscous = is_viscous || surface.damping > 0.;
     if (bodies.empty())
       return std::numeric_limits<double>::infinity();
 
@@ -220,6 +223,17 @@ namespace greville
             factor * viscous * (m.bulk_viscosity - 2. / 3. * m.viscosity);
           transfer.add_stiffness(
             body->points, stiffness, source, target, body == bodies[0]);
+        }
+      // Dashpots see an extrapolated velocity, which counts twice.
+      for (const Surface<dim> &surface : surfaces)
+        {
+          const double k = factor * (elastic * surface.stiffness +
+                                     2. * viscous * surface.damping);
+          if (k == 0.)
+            continue;
+          transfer.multiply_mass({&surface.points}, source, product);
+          for (unsigned int d = 0; d < dim; ++d)
+            target[d].add(k, product[d]);
         }
       read_field(y, target);
     };

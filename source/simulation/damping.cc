@@ -87,7 +87,7 @@ namespace greville
     // The energy is that of all processes.
     if (Utilities::MPI::this_mpi_process(discretization.communicator()) == 0)
       state.energy.add_damping(-kinetic);
-    stop_points(state.bodies);
+    stop_points(state);
     state.points_have_changed();
   }
 

@@ -137,6 +137,7 @@ namespace greville
     point_transport.reinit(mesh, space());
     space().initialize_vector(lumped);
     initialize(point_momentum);
+    initialize(force_of_surfaces);
   }
 
 
@@ -199,6 +200,18 @@ namespace greville
                                     is_current ? nullptr : &lumped,
                                     is_current ? nullptr : &point_momentum,
                                     force);
+      if (force && !state.surfaces.empty())
+        {
+          std::vector<const MaterialPoints<dim> *> surfaces;
+          for (const Surface<dim> &surface : state.surfaces)
+            surfaces.push_back(&surface.points);
+          point_transfer.points_to_grid(surfaces,
+                                        nullptr,
+                                        nullptr,
+                                        &force_of_surfaces);
+          for (unsigned int d = 0; d < dim; ++d)
+            (*force)[d] += force_of_surfaces[d];
+        }
     }
     if (!is_current)
       {
@@ -244,7 +257,9 @@ namespace greville
   template <int dim>
   std::string
   Discretization<dim>::transport_points(
-    State<dim> &state, const std::vector<std::vector<unsigned int>> &left_cells)
+    State<dim>                                   &state,
+    const std::vector<std::vector<unsigned int>> &left_cells,
+    const std::vector<std::vector<unsigned int>> &left_surface_cells)
   {
     const PartTimer            timer(log, "transport");
     std::string                problem;
@@ -272,6 +287,25 @@ namespace greville
           }
         if (state.n_steps % defragment_every == defragment_every - 1)
           body.points.defragment();
+      }
+    for (unsigned int s = 0; s < left_surface_cells.size(); ++s)
+      {
+        Surface<dim> &surface = state.surfaces[s];
+        const auto    result =
+          point_transport.move(surface.points, left_surface_cells[s]);
+        if (result.n_removed > 0 && problem.empty() &&
+            (parameters.scheme.outside == "error" ||
+             !std::isfinite(result.outside_position.norm())))
+          {
+            std::ostringstream message;
+            message << "point " << result.outside
+                    << " of the surface of the load '" << surface.name
+                    << "' has left the grid: it is at ("
+                    << result.outside_position << ") m";
+            problem = message.str();
+          }
+        if (state.n_steps % defragment_every == defragment_every - 1)
+          surface.points.defragment();
       }
     state.points_have_changed();
     Utilities::MPI::sum(counts, comm, counts);

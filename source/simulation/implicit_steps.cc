@@ -48,7 +48,10 @@ namespace greville
                         &old_loads,
                         &new_loads,
                         &force,
-                        &work})
+                        &work,
+                        &surface_velocity,
+                        &old_surface_loads,
+                        &new_surface_loads})
       for (VectorType &component : *field)
         system.space().initialize_vector(component);
     system.initialize(last_residual);
@@ -184,10 +187,13 @@ namespace greville
 
   template <int dim>
   void
-  ImplicitSteps<dim>::check_support() const
+  ImplicitSteps<dim>::check_support(const State<dim> &state) const
   {
     if (!scheme.is_static)
       return;
+    for (const Surface<dim> &surface : state.surfaces)
+      if (surface.stiffness > 0.)
+        return;
     static const char *names   = "xyz";
     const auto        &is_held = system.finest().extended().has_held();
     std::string        free;
@@ -243,11 +249,12 @@ namespace greville
       {
         const PartTimer timer(log, "mass");
         system.set_points(bodies);
-        check_support();
+        check_support(state);
         stamp = state.points_stamp;
       }
     // The force of the stresses at the begin, with its sign in M a = F - f.
     loads.clear(state.bodies);
+    loads.surfaces().clear(state.surfaces);
     discretization.sum(state, &old_force);
     sum_loads(state, state.time, old_loads);
     sum_loads(state, state.time + scheme.load_time * dt, new_loads);
@@ -265,7 +272,10 @@ namespace greville
     for (VectorType &component : acceleration)
       component = 0.;
     if (scheme.is_static)
-      return;
+      {
+        start_surfaces(state, dt);
+        return;
+      }
     const PartTimer timer(log, "solve");
     const auto solve = [&](VectorField<dim> &x, const VectorField<dim> &b) {
       const SolveResult result = system.solve_mass(x, b);
@@ -273,6 +283,7 @@ namespace greville
         throw StepFailed("the solver of the mass matrix " + result.reason);
     };
     solve(velocity, discretization.momentum());
+    start_surfaces(state, dt);
     if (scheme.alpha_a != 0. || scheme.alpha_m != 0.)
       {
         discretization.walls().hold_acceleration(acceleration,
@@ -286,6 +297,46 @@ namespace greville
           }
         solve(acceleration, work);
       }
+    // v + share (v' - v) without u.
+    const double share = scheme.load_time;
+    for (unsigned int d = 0; d < dim && !surfaces.empty(); ++d)
+      {
+        surface_velocity[d].equ(1. - share * scheme.gamma * scheme.alpha_v,
+                                velocity[d]);
+        surface_velocity[d].add(
+          share * dt * (1. - scheme.gamma - scheme.gamma * scheme.alpha_a),
+          acceleration[d]);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::start_surfaces(const State<dim> &state, const double dt)
+  {
+    if (state.surfaces.empty())
+      return;
+    SurfaceMotion<dim> begin;
+    begin.v = scheme.is_static ? nullptr : &velocity;
+    for (VectorType &component : displacement)
+      component = 0.;
+    const auto find_loads = [&]() {
+      system.add_surfaces(loads.surfaces().loaded(state.surfaces, state.time),
+                          displacement,
+                          begin,
+                          false,
+                          old_surface_loads);
+    };
+    find_loads();
+    for (unsigned int d = 0; d < dim; ++d)
+      old_loads[d] += old_surface_loads[d];
+    surfaces             = loads.surfaces().loaded(state.surfaces,
+                                       state.time + scheme.load_time * dt);
+    surface_motion.share = scheme.load_time;
+    surface_motion.v     = scheme.is_static ? nullptr : &surface_velocity;
+    surface_motion.v_by_u =
+      scheme.load_time * scheme.gamma * scheme.alpha_u / dt;
   }
 
 
@@ -302,16 +353,33 @@ namespace greville
     std::string problem = system.evaluate(
       bodies, displacement, dt, scheme.stress, with_stiffness, force);
     has_stiffness = with_stiffness;
-    problem       = first_of_all(problem, discretization.communicator());
+    if (!surfaces.empty())
+      {
+        const bool symmetric = system.add_surfaces(surfaces,
+                                                   displacement,
+                                                   surface_motion,
+                                                   with_stiffness,
+                                                   new_surface_loads);
+        if (with_stiffness)
+          surfaces_are_symmetric = symmetric;
+      }
+    problem = first_of_all(problem, discretization.communicator());
     if (!problem.empty())
       return problem;
 
-    system.restrict(r, new_loads, nullptr);
+    // All loads, while the forces of stresses wait.
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        work[d] = new_loads[d];
+        if (!surfaces.empty())
+          work[d] += new_surface_loads[d];
+      }
+    system.restrict(r, work, nullptr);
     force_scale            = std::max(system.force_scale(), r.l2_norm());
     const double old_share = scheme.alpha_f / (1. - scheme.alpha_f);
     for (unsigned int d = 0; d < dim; ++d)
       {
-        force[d] -= new_loads[d];
+        force[d] -= work[d];
         if (old_share != 0.)
           force[d].add(-old_share, old_force[d], -old_share, old_loads[d]);
         if (!scheme.is_static)
@@ -426,6 +494,13 @@ namespace greville
         sum += (((held[i] >> d) & 1 ? reaction[d].local_element(i) : 0.) +
                 new_loads[d].local_element(i)) *
                displacement[d].local_element(i);
+    // Those on surfaces are means, or the means of both ends.
+    const double share = scheme.load_time == 1. ? 0.5 : 1.;
+    for (unsigned int d = 0; d < dim && !surfaces.empty(); ++d)
+      for (unsigned int i = 0; i < reaction[d].locally_owned_size(); ++i)
+        sum += (share * new_surface_loads[d].local_element(i) +
+                (1. - share) * old_surface_loads[d].local_element(i)) *
+               displacement[d].local_element(i);
     state.energy.add_work(sum);
   }
 
@@ -477,7 +552,7 @@ namespace greville
                                 ? 0.
                                 : (1. - scheme.alpha_m) * scheme.alpha_u /
                                     ((1. - scheme.alpha_f) * dt * dt),
-                              is_symmetric);
+                              is_symmetric && surfaces_are_symmetric);
         }
       catch (const ErrorOnAll &error)
         {
@@ -565,25 +640,34 @@ namespace greville
                            state.first_signal,
                            dt);
     if (scheme.is_static)
-      stop_points(state.bodies);
+      stop_points(state);
     else
-      update_points(state.bodies,
-                    discretization.transfer(),
-                    kick,
-                    state.time + dt);
+      {
+        PointMotion kicked = update_points(state.bodies,
+                                           discretization.transfer(),
+                                           kick,
+                                           state.time + dt);
+        update_surfaces(state.surfaces,
+                        discretization.transfer(),
+                        kick,
+                        kicked);
+      }
     PointUpdate<dim> move;
-    move.velocity            = &displacement;
-    move.deformation         = &displacement;
-    move.move                = true;
-    move.step                = dt;
-    move.projection          = discretization.volume_projection();
-    const PointMotion motion = update_points(state.bodies,
-                                             discretization.transfer(),
-                                             move,
-                                             state.time + dt);
+    move.velocity      = &displacement;
+    move.deformation   = &displacement;
+    move.move          = true;
+    move.step          = dt;
+    move.projection    = discretization.volume_projection();
+    PointMotion motion = update_points(state.bodies,
+                                       discretization.transfer(),
+                                       move,
+                                       state.time + dt);
+    update_surfaces(state.surfaces, discretization.transfer(), move, motion);
     state.points_have_changed();
     const std::string problem =
-      discretization.transport_points(state, motion.left_cells);
+      discretization.transport_points(state,
+                                      motion.left_cells,
+                                      motion.left_surface_cells);
     fail_on_all(motion.problem.empty() ? problem : motion.problem,
                 discretization.communicator());
     double speeds[2] = {motion.fastest_signal, motion.fastest_wave};

@@ -258,6 +258,16 @@ namespace greville
           state.n_free += body.n_points;
         state.bodies.push_back(std::move(body));
       }
+    state.surfaces = loads.surfaces().make_surfaces(state.bodies, space);
+    for (Surface<dim> &surface : state.surfaces)
+      {
+        const auto moved =
+          discretization.transport().move(surface.points,
+                                          surface.points.cells());
+        AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
+                    ExcMessage("The surface of 'Surface load " + surface.name +
+                               "' is moved out of the grid initially."));
+      }
     state.signals      = initial_signals(state.bodies, space);
     state.first_signal = state.signals.fastest;
     state.time = state.velocity_time = parameters.time.start;

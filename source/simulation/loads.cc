@@ -40,6 +40,7 @@ namespace greville
 
   template <int dim>
   Loads<dim>::Loads(const SimulationParameters &parameters)
+    : surface_loads(parameters)
   {
     if (!parameters.loads.gravity.empty())
       gravity_formulas = {parameters.loads.gravity, "Loads/Gravity", {"t"}};

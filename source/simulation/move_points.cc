@@ -91,9 +91,14 @@ namespace greville
 
   template <int dim>
   void
-  stop_points(std::vector<Body<dim>> &bodies)
+  stop_points(State<dim> &state)
   {
-    for (Body<dim> *body : deformable_bodies(bodies))
+    for (Surface<dim> &surface : state.surfaces)
+      surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+        for (unsigned int d = 0; d < dim; ++d)
+          p.velocity(d) = 0.;
+      });
+    for (Body<dim> *body : deformable_bodies(state.bodies))
       {
         const PointField *affine = body->points.layout().find("affine");
         body->points.for_each([&](const unsigned int, PointRef<dim> p) {
@@ -150,6 +155,33 @@ namespace greville
 
   template <int dim>
   void
+  update_surfaces(std::vector<Surface<dim>> &surfaces,
+                  PointTransfer<dim>        &transfer,
+                  PointUpdate<dim>           update,
+                  PointMotion               &motion)
+  {
+    update.material   = nullptr;
+    update.projection = nullptr;
+    update.apic       = false;
+    update.flip       = 0.;
+    motion.left_surface_cells.resize(surfaces.size());
+    for (unsigned int s = 0; s < surfaces.size(); ++s)
+      {
+        const PointReport report =
+          transfer.grid_to_points(surfaces[s].points, update);
+        if (update.move)
+          motion.left_surface_cells[s] = report.left_cells;
+        if (report.bad_point >= 0 && motion.problem.empty())
+          motion.problem = "point " + std::to_string(report.bad_point) +
+                           " of the surface of the load '" + surfaces[s].name +
+                           "': " + report.bad_reason;
+      }
+  }
+
+
+
+  template <int dim>
+  void
   share_volume(State<dim> &state, PointTransfer<dim> &transfer, const double h)
   {
     state.time_to_share += state.step;
@@ -176,6 +208,8 @@ namespace greville
   template decltype(impose_velocities<3>) impose_velocities<3>;
   template decltype(update_points<2>)     update_points<2>;
   template decltype(update_points<3>)     update_points<3>;
+  template decltype(update_surfaces<2>)   update_surfaces<2>;
+  template decltype(update_surfaces<3>)   update_surfaces<3>;
   template decltype(share_volume<2>)      share_volume<2>;
   template decltype(share_volume<3>)      share_volume<3>;
 } // namespace greville

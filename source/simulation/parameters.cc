@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/simulation/consistent_mass.h>
 #include <greville/simulation/parameters.h>
 #include <greville/simulation/point_fields.h>
 #include <greville/simulation/time_integrator.h>
+
+#include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 
 namespace greville
 {
@@ -23,6 +27,9 @@ namespace greville
       "Names of materials; each has a section 'Material NAME'.");
     add_parameter(prm, "Tractions", tractions)(
       "Names of tractions; each has a section 'Traction NAME'.");
+    add_parameter(prm, "Surface loads", surface_loads)(
+      "Names of loads on the surfaces of bodies with fitted points; each has a "
+      "section 'Surface load NAME'.");
     add_parameter(prm, "Stages", stages)(
       "Names of stages, one after the other; each has a section 'Stage NAME', "
       "which contains those of the sections Time, Scheme, Walls, Loads, "
@@ -284,6 +291,105 @@ namespace greville
     add_parameter(prm, "Area", area, Double(0.))(
       "The area of the surface, shared by its points as their volumes. Unit: "
       "m^2 (2D: m).");
+  }
+
+
+
+  void
+  SurfaceLoadParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Body", body)(
+      "The name of the body that bears the load. Its 'Placement' is fitted or "
+      "fitted lattice.");
+    add_parameter(prm, "Where", where)(
+      "The part of the surface that bears the load: what is inside this shape "
+      "initially (see Body/Shape; X is called x). It is best to let it end at "
+      "corners and edges of the body, or between two points. Empty: all of it. "
+      "Unit: m.");
+    add_parameter(prm,
+                  "Kind",
+                  kind,
+                  Selection("traction|pressure|dashpot|spring|displacement"))(
+      "traction: a force of constant direction per area; pressure: acts "
+      "against "
+      "the normal, which turns with the surface; dashpot: lets waves leave, "
+      "-rho (c_p v_n n + c_s v_t) with the wave speeds of the body's material; "
+      "spring: -k (x - X); displacement: u(X, t) is given, and held by springs "
+      "-k (x - X - u), which give way by their stress over k.");
+    add_parameter(prm, "Traction", traction)(
+      "traction: formulas of x, y (, z), the initial positions X, Y (, Z) and "
+      "t, separated by semicolons. Unit: Pa.");
+    add_parameter(prm, "Area", area, Selection("initial|current"))(
+      "traction: the area that it is a force per.");
+    add_parameter(prm, "Pressure", pressure)(
+      "pressure: a formula of the same variables; positive values press. Unit: "
+      "Pa.");
+    add_parameter(prm, "Stiffness", stiffness, Double(0.))(
+      "spring, displacement: k, per initial area. 0, with displacement only: "
+      "10 "
+      "times the modulus of pressure waves of the material over the smallest "
+      "edge of a cell, h: the error of the displacement is h / 10 times the "
+      "strain at the surface. Unit: Pa / m.");
+    add_parameter(prm, "Displacement", displacement)(
+      "displacement: formulas of X, Y (, Z) and t, separated by semicolons. "
+      "Unit: m.");
+  }
+
+
+
+  void
+  SurfaceLoadParameters::check(
+    const std::string                           &section,
+    const std::map<std::string, BodyParameters> &bodies) const
+  {
+    std::vector<std::string> names;
+    for (const auto &entry : bodies)
+      names.push_back(entry.first);
+    AssertThrow(bodies.count(body) == 1,
+                ExcMessage("The parameter '" + section + "/Body' is <" + body +
+                           ">; it has to be one of the bodies of "
+                           "'Simulation/Bodies': " +
+                           boost::algorithm::join(names, ", ") + "." +
+                           did_you_mean(body, names)));
+    const BodyParameters &bearer = bodies.at(body);
+    AssertThrow(bearer.points_file.empty() &&
+                  bearer.placement.compare(0, 6, "fitted") == 0,
+                ExcMessage(
+                  "'" + section + "' acts on the surface of 'Body " + body +
+                  "', which is known of a 'Shape' with 'Placement' = fitted or "
+                  "fitted lattice only; here " +
+                  (bearer.points_file.empty()
+                     ? "'Placement' is " + bearer.placement
+                     : "there is a 'Points file'") +
+                  "."));
+    AssertThrow(bearer.imposed_velocity.empty(),
+                ExcMessage("'" + section + "' acts on 'Body " + body +
+                           "', which has an 'Imposed velocity' and feels no "
+                           "force."));
+    // What each kind needs, and all others do without.
+    const auto belongs = [&](const bool                      is_given,
+                             const std::string              &name,
+                             const std::vector<std::string> &kinds,
+                             const bool                      is_needed) {
+      const bool is_its =
+        std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+      AssertThrow(is_its || !is_given,
+                  ExcMessage("The parameter '" + section + "/" + name +
+                             "' belongs to 'Kind' = " +
+                             boost::algorithm::join(kinds, " and ") + ", not " +
+                             kind + "."));
+      AssertThrow(!is_its || is_given || !is_needed,
+                  ExcMessage("'" + section + "' has 'Kind' = " + kind +
+                             " and needs the parameter '" + name + "'."));
+    };
+    belongs(!traction.empty(), "Traction", {"traction"}, true);
+    belongs(area != "initial", "Area", {"traction"}, false);
+    belongs(!pressure.empty(), "Pressure", {"pressure"}, true);
+    belongs(!displacement.empty(), "Displacement", {"displacement"}, true);
+    belongs(stiffness > 0.,
+            "Stiffness",
+            {"spring", "displacement"},
+            kind == "spring");
   }
 
 

@@ -105,7 +105,7 @@ namespace greville
   {
     for (const Body<dim> &body : simulation.bodies())
       n_points += body.n_points;
-    auto columns = Statistics<dim>::names();
+    auto columns = Statistics<dim>::names(parameters.general.surface_loads);
     reactions    = reactions_of<dim>(parameters);
     for (const auto &[wall, component] : reactions)
       columns.push_back(reaction_name(wall, component));

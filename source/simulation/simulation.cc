@@ -109,6 +109,8 @@ namespace greville
         discretization.reinit();
         for (Body<dim> &body : current.bodies)
           body.points.set_space(discretization.space());
+        for (Surface<dim> &surface : current.surfaces)
+          surface.points.set_space(discretization.space());
         integrator = make_time_integrator<dim>(
           parameters.scheme.stress_update,
           {parameters, discretization, loads, current, log});
@@ -162,9 +164,15 @@ namespace greville
     current.slid.clear();
 
     loads.clear(current.bodies);
+    loads.surfaces().clear(current.surfaces);
     const bool reset = !parameters.stages.empty() &&
                        parameters.stages[current.stage].reset_displacements;
     const bool apic = parameters.scheme.transfer == "APIC";
+    for (Surface<dim> &surface : current.surfaces)
+      surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+        for (unsigned int d = 0; reset && d < dim; ++d)
+          p.reference(d) = p.position(d);
+      });
     for (Body<dim> &body : current.bodies)
       {
         const PointField *affine = body.points.layout().find("affine");
@@ -205,6 +213,8 @@ namespace greville
           parameters.materials.at(body.parameters->material).get();
         body.points.set_space(discretization.space());
       }
+    for (Surface<dim> &surface : current.surfaces)
+      surface.points.set_space(discretization.space());
     good.take(current);
   }
 
@@ -363,6 +373,8 @@ namespace greville
     result.fragments  = mass().n_fragments();
     for (unsigned int w = 0; w < 2 * dim; ++w)
       result.reactions[w] = Utilities::MPI::sum(current.reactions[w], comm);
+    result.loads =
+      loads.surfaces().resultants(current.surfaces, current.time, comm);
     return result;
   }
 
@@ -386,6 +398,8 @@ namespace greville
     std::size_t n = good.memory_consumption();
     for (const Body<dim> &body : current.bodies)
       n += body.points.memory_consumption();
+    for (const Surface<dim> &surface : current.surfaces)
+      n += surface.points.memory_consumption();
     return n;
   }
 

@@ -195,18 +195,22 @@ namespace greville
                                             "mass_benchmark");
     const auto body_names     = names_of(lines, "Bodies"),
                law_names      = names_of(lines, "Materials"),
-               traction_names = names_of(lines, "Tractions");
+               traction_names = names_of(lines, "Tractions"),
+               load_names     = names_of(lines, "Surface loads");
     AssertThrow(!body_names.empty(),
                 ExcMessage("The parameter 'Simulation/Bodies' is empty: a "
                            "simulation needs a body."));
     check_sections(lines, "Body", "Bodies", body_names);
     check_sections(lines, "Material", "Materials", law_names);
     check_sections(lines, "Traction", "Tractions", traction_names);
+    check_sections(lines, "Surface load", "Surface loads", load_names);
     check_sections(lines, "Stage", "Stages", names_of(lines, "Stages"));
     for (const std::string &name : body_names)
       bodies[name];
     for (const std::string &name : traction_names)
       tractions[name];
+    for (const std::string &name : load_names)
+      surface_loads[name];
     make_stages(lines);
 
     ParameterHandler prm;
@@ -374,6 +378,8 @@ namespace greville
       declare_section(prm, "Body " + body.first, body.second);
     for (auto &traction : tractions)
       declare_section(prm, "Traction " + traction.first, traction.second);
+    for (auto &load : surface_loads)
+      declare_section(prm, "Surface load " + load.first, load.second);
     for (StageParameters &stage : stages)
       {
         const std::string section = "Stage " + stage.name;
@@ -392,6 +398,7 @@ namespace greville
     SimulationParameters parameters;
     parameters.bodies["NAME"];
     parameters.tractions["NAME"];
+    parameters.surface_loads["NAME"];
     ParameterHandler prm;
     parameters.declare(prm);
     StageParameters stage;
@@ -471,6 +478,8 @@ namespace greville
       AssertThrow(traction.second.area > 0.,
                   ExcMessage("The parameter 'Traction " + traction.first +
                              "/Area' has to be positive."));
+    for (const auto &load : surface_loads)
+      load.second.check("Surface load " + load.first, bodies);
     AssertThrow(reference.time_unit > 0. && reference.value_unit > 0.,
                 ExcMessage("'Reference/Time unit' and 'Reference/Value unit' "
                            "have to be positive."));

@@ -37,6 +37,8 @@ namespace greville
     result.emplace_back("active", active);
     result.emplace_back("points", n_points);
     result.emplace_back("fragments", fragments);
+    for (const auto &load : loads)
+      add("load_" + load.first, load.second);
     return result;
   }
 
@@ -44,10 +46,13 @@ namespace greville
 
   template <int dim>
   std::vector<std::string>
-  Statistics<dim>::names()
+  Statistics<dim>::names(const std::vector<std::string> &loads)
   {
+    Statistics statistics;
+    for (const std::string &load : loads)
+      statistics.loads.emplace_back(load, Tensor<1, dim>());
     std::vector<std::string> result;
-    for (const auto &column : Statistics().columns())
+    for (const auto &column : statistics.columns())
       result.push_back(column.first);
     return result;
   }

@@ -148,8 +148,13 @@ namespace greville
       mass.hold(std::vector<unsigned char>(
         discretization.space().owned_functions().size(), 0));
     const double last     = estimates.last.empty() ? 0. : estimates.last.back();
-    const double estimate = critical_step.estimate(
-      mass, discretization.transfer(), bodies, summed, scheme, estimates.mode);
+    const double estimate = critical_step.estimate(mass,
+                                                   discretization.transfer(),
+                                                   bodies,
+                                                   state.surfaces,
+                                                   summed,
+                                                   scheme,
+                                                   estimates.mode);
 
     estimates.last.push_back(estimate);
     const unsigned int n_kept =

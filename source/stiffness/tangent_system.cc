@@ -80,6 +80,8 @@ namespace greville
   {
     filling.reinit(orders.finest());
     trial.reinit(orders.finest());
+    trial_surfaces.reinit(orders.finest());
+    surface_sums.reinit(orders.finest());
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
       {
         transfers[l].reinit(orders[l]);
@@ -185,8 +187,57 @@ namespace greville
                           space().communicator(),
                           ArrayView<double>(moduli.data(), 2));
     if (with_stiffness && projection)
-      last = {bodies, u, force, dt, stress};
+      last = {bodies, u, force, dt, stress, {}, {}, {}};
     return problem;
+  }
+
+
+
+  template <int dim>
+  bool
+  TangentSystem<dim>::add_surfaces(
+    const std::vector<LoadedSurface<dim>> &surfaces,
+    const VectorField<dim>                &u,
+    const SurfaceMotion<dim>              &motion,
+    const bool                             with_stiffness,
+    VectorField<dim>                      &force)
+  {
+    // Derivatives are differences.
+    constexpr double round_off = 1e-6;
+
+    unsigned int is_asymmetric = 0;
+    surface_sums.clear();
+    for (const LoadedSurface<dim> &surface : surfaces)
+      trial_surfaces.evaluate(
+        surface,
+        u,
+        motion,
+        with_stiffness,
+        [&](const unsigned int cell, const auto &points) {
+          surface_sums.add_force(cell, points);
+          if (!with_stiffness)
+            return;
+          for (unsigned int l = 0; l < levels.size(); ++l)
+            levels[l]->stiffness().add_cell(cell,
+                                            sums[l].stiffness(cell, points));
+          for (const TrialSurfacePoint<dim> &point : points)
+            {
+              const Tensor<2, dim> &D = point.by_displacement;
+              if (point.by_gradient.norm() > 0. ||
+                  (D - transpose(D)).norm() > round_off * D.norm())
+                is_asymmetric = 1;
+            }
+        });
+    surface_sums.take_force(force);
+    if (!with_stiffness)
+      return true;
+    if (projection)
+      {
+        last.surfaces      = surfaces;
+        last.motion        = motion;
+        last.surface_force = force;
+      }
+    return Utilities::MPI::max(is_asymmetric, space().communicator()) == 0;
   }
 
 
@@ -226,6 +277,16 @@ namespace greville
       {
         moved_force[d] -= last.force[d];
         moved_force[d] *= 1. / eps;
+      }
+    if (!last.surfaces.empty())
+      {
+        VectorField<dim> change = last.surface_force;
+        add_surfaces(last.surfaces, moved, last.motion, false, change);
+        for (unsigned int d = 0; d < dim; ++d)
+          moved_force[d].add(-1. / eps,
+                             change[d],
+                             1. / eps,
+                             last.surface_force[d]);
       }
     restrict(dst, moved_force, mass_factor != 0. ? &direction : nullptr);
   }

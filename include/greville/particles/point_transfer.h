@@ -85,7 +85,8 @@ namespace greville
     bool apic = false;
     /// The projection of the changes of volume, if there is one.
     VolumeProjection<dim> *projection = nullptr;
-    /// The law of the points: needed where they are deformed.
+    /// The law of the points, which gives them a stress where they are
+    /// deformed; null: they have none.
     const Material *material = nullptr;
     /// What it says at the end of the step, see Material.
     double strength_reduction = 1.;

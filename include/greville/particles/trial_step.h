@@ -3,6 +3,7 @@
 #ifndef greville_particles_trial_step_h
 #define greville_particles_trial_step_h
 
+#include <greville/particles/trial_surface.h>
 #include <greville/particles/volume_projection.h>
 
 #include <functional>
@@ -115,7 +116,8 @@ namespace greville
 
 
   /**
-   * Sums over TrialPoint of cells, on a space of any order on the same mesh.
+   * Sums over TrialPoint of cells, and over the points of surfaces, on a space
+   * of any order on the same mesh.
    */
   template <int dim>
   class TrialSums
@@ -141,6 +143,13 @@ namespace greville
               const std::vector<TrialPoint<dim>> &points);
 
     /**
+     * Add dA load N.
+     */
+    void
+    add_force(const unsigned int                         cell,
+              const std::vector<TrialSurfacePoint<dim>> &points);
+
+    /**
      * Sum of the squares of all forces that have been added, cell by cell.
      */
     double
@@ -161,6 +170,13 @@ namespace greville
     const double *
     stiffness(const unsigned int                  cell,
               const std::vector<TrialPoint<dim>> &points);
+
+    /**
+     * Likewise what loads on surfaces contribute: minus their derivative.
+     */
+    const double *
+    stiffness(const unsigned int                         cell,
+              const std::vector<TrialSurfacePoint<dim>> &points);
 
   private:
     SpacePolynomials<dim> tables;

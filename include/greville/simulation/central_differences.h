@@ -149,6 +149,16 @@ namespace greville
            const bool              move);
 
     /**
+     * Likewise over those of surfaces, whose velocity is that at the end of the
+     * step, to which grid velocities at half steps are extrapolated: dashpots
+     * need it.
+     */
+    void
+    update_surfaces(State<dim>             &state,
+                    const PointUpdate<dim> &update,
+                    PointMotion            &motion);
+
+    /**
      * MUSL: the velocity of the points that have been kicked.
      */
     void
@@ -193,7 +203,7 @@ namespace greville
       unsigned int     n_iterations = 0, n_all_iterations = 0;
     };
     Trial            trial;
-    VectorField<dim> work_field;
+    VectorField<dim> work_field, surface_velocity;
   };
 } // namespace greville
 

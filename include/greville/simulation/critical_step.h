@@ -91,13 +91,15 @@ namespace greville
   public:
     /**
      * Collective. Infinite where nothing is stiff or viscous. @p mass is that
-     * of the current positions of @p bodies, and of @p mass_points. Begins
-     * with the last @p mode, and overwrites it.
+     * of the current positions of @p bodies, and of @p mass_points. Springs
+     * and dashpots of the loads on @p surfaces count as well. Begins with the
+     * last @p mode, and overwrites it.
      */
     double
     estimate(GridMass<dim>                                  &mass,
              PointTransfer<dim>                             &transfer,
              const std::vector<const Body<dim> *>           &bodies,
+             const std::vector<Surface<dim>>                &surfaces,
              const std::vector<const MaterialPoints<dim> *> &mass_points,
              const StepScheme                               &scheme,
              HighestMode<dim>                               &mode);

@@ -122,9 +122,10 @@ namespace greville
 
     /**
      * Collective. Sum up mass and momentum of the points, and assemble the
-     * mass, unless those of State::points_stamp are there; and the @p force, if
-     * it is given. Returns what has been summed over: the points of bodies that
-     * feel forces, or their reconstruction.
+     * mass, unless those of State::points_stamp are there; and the @p force,
+     * with that of loads on surfaces, if it is given. Returns what has been
+     * summed over: the points of bodies that feel forces, or their
+     * reconstruction.
      */
     const std::vector<const MaterialPoints<dim> *> &
     sum(const State<dim> &state, VectorField<dim> *force = nullptr);
@@ -152,6 +153,15 @@ namespace greville
     }
 
     /**
+     * What loads on surfaces gave to the last force; there are some.
+     */
+    const VectorField<dim> &
+    surface_force() const
+    {
+      return force_of_surfaces;
+    }
+
+    /**
      * Collective. Solve M x = sum for pairs of them, see GridMass::solve().
      * Returns the most iterations of a field. Throws StepFailed where the
      * solver does not converge.
@@ -162,13 +172,15 @@ namespace greville
           const std::vector<double>                   &shares = {});
 
     /**
-     * Collective. Bring points that have left the cells @p left_cells[body] to
-     * their new cells and processes, and count them. Returns what is wrong with
-     * them on this process.
+     * Collective. Bring points that have left the cells @p left_cells[body],
+     * or those of surfaces, to their new cells and processes, and count those
+     * of bodies. Returns what is wrong with them on this process.
      */
     std::string
-    transport_points(State<dim>                                   &state,
-                     const std::vector<std::vector<unsigned int>> &left_cells);
+    transport_points(
+      State<dim>                                   &state,
+      const std::vector<std::vector<unsigned int>> &left_cells,
+      const std::vector<std::vector<unsigned int>> &left_surface_cells = {});
 
   private:
     /**
@@ -195,7 +207,7 @@ namespace greville
     std::vector<const MaterialPoints<dim> *> summed;
 
     VectorType       lumped;
-    VectorField<dim> point_momentum;
+    VectorField<dim> point_momentum, force_of_surfaces;
     std::uint64_t    stamp_of_sums = 0;     // of no state
     bool             mass_is_known = false; // for all states
   };

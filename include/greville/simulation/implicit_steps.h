@@ -58,10 +58,10 @@ namespace greville
     check_parameters(const std::string &name, const State<dim> &initial) const;
 
     /**
-     * Where nothing holds a static body.
+     * Where neither walls nor springs hold a static body.
      */
     void
-    check_support() const;
+    check_support(const State<dim> &state) const;
 
     /**
      * The loads at a time, as forces on the functions.
@@ -84,6 +84,13 @@ namespace greville
                   const VectorType &x,
                   const double      dt,
                   const bool        with_stiffness);
+
+    /**
+     * The loads on surfaces at the begin, and what find_residual() needs for
+     * those in the step.
+     */
+    void
+    start_surfaces(const State<dim> &state, const double dt);
 
     /**
      * Why steps that have been cut to the smallest one still fail.
@@ -126,11 +133,16 @@ namespace greville
     bool                        is_symmetric = true;
 
     // Of the state at hand.
-    std::vector<TrialBody<dim>> bodies;
-    std::uint64_t               stamp = 0; // of the mass
+    std::vector<TrialBody<dim>>     bodies;
+    std::vector<LoadedSurface<dim>> surfaces;
+    SurfaceMotion<dim>              surface_motion;
+    bool                            surfaces_are_symmetric = true;
+    std::uint64_t                   stamp                  = 0; // of the mass
 
     VectorField<dim> velocity, acceleration, displacement;
     VectorField<dim> old_force, old_loads, new_loads, force, work;
+    // Of surfaces: the velocity without what follows from the displacement.
+    VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;
     VectorType       last_residual;
     double           force_scale   = 0.;
     bool             has_stiffness = false; // of the last residual

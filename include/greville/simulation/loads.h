@@ -4,12 +4,14 @@
 #define greville_simulation_loads_h
 
 #include <greville/simulation/point_load.h>
+#include <greville/simulation/surface_loads.h>
 
 namespace greville
 {
   /**
    * Gravity g(t), which acts on the mass of the grid, and all loads on points,
-   * whose sum points carry as an acceleration, the field "load".
+   * whose sum points carry as an acceleration, the field "load"; and those on
+   * surfaces.
    */
   template <int dim>
   class Loads
@@ -40,6 +42,15 @@ namespace greville
     act_on_points() const
     {
       return !point_loads.empty();
+    }
+
+    /**
+     * The loads on surfaces.
+     */
+    const SurfaceLoads<dim> &
+    surfaces() const
+    {
+      return surface_loads;
     }
 
     /**
@@ -84,6 +95,7 @@ namespace greville
 
     VectorExpression<dim> gravity_formulas;
     PointLoads<dim>       point_loads;
+    SurfaceLoads<dim>     surface_loads;
     /// Of the points of a process, m / s^2.
     double largest = 0.;
   };

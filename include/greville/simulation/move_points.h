@@ -19,6 +19,8 @@ namespace greville
     double fastest_signal = 0., fastest_wave = 0.;
     /// By body: cells that at least one point has left.
     std::vector<std::vector<unsigned int>> left_cells;
+    /// Likewise by surface.
+    std::vector<std::vector<unsigned int>> left_surface_cells;
     /// What is wrong with a point, empty if nothing is.
     std::string problem;
 
@@ -40,11 +42,11 @@ namespace greville
              const double            dt);
 
   /**
-   * Set the velocities of bodies that feel forces to zero.
+   * Set the velocities of bodies that feel forces, and of surfaces, to zero.
    */
   template <int dim>
   void
-  stop_points(std::vector<Body<dim>> &bodies);
+  stop_points(State<dim> &state);
 
   /**
    * Give bodies that are moved their velocity at time @p t, s.
@@ -64,6 +66,17 @@ namespace greville
                 PointTransfer<dim>     &transfer,
                 PointUpdate<dim>        update,
                 const double            time);
+
+  /**
+   * Collective. Likewise the points of surfaces, which have no inertia: where
+   * points are kicked, theirs take the velocity of the grid.
+   */
+  template <int dim>
+  void
+  update_surfaces(std::vector<Surface<dim>> &surfaces,
+                  PointTransfer<dim>        &transfer,
+                  PointUpdate<dim>           update,
+                  PointMotion               &motion);
 
   /**
    * Collective. Points of fluids share their changes of volume, every ten steps

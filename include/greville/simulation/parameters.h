@@ -33,6 +33,7 @@ namespace greville
     std::vector<std::string> bodies;
     std::vector<std::string> materials;
     std::vector<std::string> tractions;
+    std::vector<std::string> surface_loads;
     std::vector<std::string> stages;
   };
 
@@ -84,6 +85,34 @@ namespace greville
 
 
   /**
+   * A load on the surface of a body with fitted points.
+   */
+  struct SurfaceLoadParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    /**
+     * Throw dealii::ExcMessage where the parameters of the @p section do not go
+     * with the kind of the load or with the @p bodies.
+     */
+    void
+    check(const std::string                           &section,
+          const std::map<std::string, BodyParameters> &bodies) const;
+
+    std::string body;
+    std::string where;
+    std::string kind = "traction";
+    std::string traction;
+    std::string area = "initial";
+    std::string pressure;
+    double      stiffness = 0.;
+    std::string displacement;
+  };
+
+
+
+  /**
    * Runs over many meshes.
    */
   struct SweepParameters
@@ -130,7 +159,7 @@ namespace greville
 
   /**
    * All parameters of a simulation: a value, which programs may copy and
-   * change. Bodies, materials, tractions and stages have a section each, whose
+   * change. Bodies, materials, loads and stages have a section each, whose
    * names the file itself gives.
    *
    * A simulation with stages takes the sections of its stages in place of those
@@ -174,6 +203,7 @@ namespace greville
     std::map<std::string, BodyParameters>                  bodies;
     std::map<std::string, std::shared_ptr<const Material>> materials;
     std::map<std::string, TractionParameters>              tractions;
+    std::map<std::string, SurfaceLoadParameters>           surface_loads;
 
     /**
      * One with a file that names no stages.

@@ -6,6 +6,7 @@
 #include <greville/particles/body.h>
 #include <greville/particles/point_transfer.h>
 #include <greville/particles/points_copy.h>
+#include <greville/particles/surface.h>
 #include <greville/simulation/energy_balance.h>
 
 #include <array>
@@ -137,6 +138,8 @@ namespace greville
   struct State : StateWithoutBodies<dim>
   {
     std::vector<Body<dim>> bodies;
+    /// One for each of SurfaceLoads, in its order.
+    std::vector<Surface<dim>> surfaces;
 
     /**
      * Tells positions and velocities of points from all others: sums over the
@@ -172,10 +175,13 @@ namespace greville
       points.resize(state.bodies.size());
       for (unsigned int b = 0; b < points.size(); ++b)
         points[b].copy(state.bodies[b].points);
+      surfaces.resize(state.surfaces.size());
+      for (unsigned int s = 0; s < surfaces.size(); ++s)
+        surfaces[s].copy(state.surfaces[s].points);
     }
 
     /**
-     * Overwrite a state of the same bodies.
+     * Overwrite a state of the same bodies and surfaces.
      */
     void
     restore(State<dim> &state) const
@@ -183,6 +189,8 @@ namespace greville
       static_cast<StateWithoutBodies<dim> &>(state) = rest;
       for (unsigned int b = 0; b < points.size(); ++b)
         points[b].restore(state.bodies[b].points);
+      for (unsigned int s = 0; s < surfaces.size(); ++s)
+        surfaces[s].restore(state.surfaces[s].points);
       state.points_have_changed();
     }
 
@@ -195,12 +203,14 @@ namespace greville
       std::size_t n = 0;
       for (const PointsCopy<dim> &copy : points)
         n += copy.memory_consumption();
+      for (const PointsCopy<dim> &copy : surfaces)
+        n += copy.memory_consumption();
       return n;
     }
 
   private:
     StateWithoutBodies<dim>      rest;
-    std::vector<PointsCopy<dim>> points;
+    std::vector<PointsCopy<dim>> points, surfaces;
   };
 } // namespace greville
 

@@ -42,6 +42,8 @@ namespace greville
     std::uint64_t n_points  = 0;
     /// Of walls in implicit steps. These are not among the columns().
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
+    /// Loads on surfaces with their forces, N (2D: N / m).
+    std::vector<std::pair<std::string, dealii::Tensor<1, dim>>> loads;
 
     /**
      * The columns of statistics.csv with their names.
@@ -49,8 +51,11 @@ namespace greville
     std::vector<std::pair<std::string, double>>
     columns() const;
 
+    /**
+     * The names, with those of the @p loads on surfaces.
+     */
     static std::vector<std::string>
-    names();
+    names(const std::vector<std::string> &loads = {});
 
     std::vector<double>
     values() const;

@@ -144,6 +144,18 @@ namespace greville
              VectorField<dim>                  &force);
 
     /**
+     * Collective. The force of loads on @p surfaces for the displacement @p u.
+     * If @p with_stiffness, add their stiffness to that of the last evaluate().
+     * Returns whether all derivatives are symmetric; true without them.
+     */
+    bool
+    add_surfaces(const std::vector<LoadedSurface<dim>> &surfaces,
+                 const VectorField<dim>                &u,
+                 const SurfaceMotion<dim>              &motion,
+                 const bool                             with_stiffness,
+                 VectorField<dim>                      &force);
+
+    /**
      * Collective. The Euclidean norm of the forces that the cells give to the
      * last internal force, which balance each other for the most part.
      */
@@ -230,6 +242,10 @@ namespace greville
       VectorField<dim>            u, force;
       double                      dt     = 0.;
       StepStress                  stress = StepStress::end;
+
+      std::vector<LoadedSurface<dim>> surfaces;
+      SurfaceMotion<dim>              motion;
+      VectorField<dim>                surface_force;
     };
 
     /**
@@ -274,6 +290,8 @@ namespace greville
     std::vector<std::unique_ptr<TangentLevel<dim>>> levels;
     std::vector<TrialSums<dim>>                     sums;
     TrialStep<dim>                                  trial;
+    TrialSurfaces<dim>                              trial_surfaces;
+    TrialSums<dim>                                  surface_sums;
     std::unique_ptr<PMultigrid<dim>>                multigrid;
     bool                                            symmetric = true;
     VolumeProjection<dim>                          *projection;
