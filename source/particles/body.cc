@@ -232,6 +232,12 @@ namespace greville
         AssertThrow(parameters.shape.empty() || parameters.points_file.empty(),
                     ExcMessage("'" + section +
                                "' has both 'Shape' and 'Points file'."));
+        AssertThrow(
+          !(parameters.shape.empty() && parameters.points_file.empty()),
+          ExcMessage("The parameter '" + section +
+                     "/Shape' is empty: it takes a formula like " +
+                     (dim == 2 ? "box(0, 0, 1, 2)" : "box(0, 0, 0, 1, 1, 2)") +
+                     ", unless there is a 'Points file'."));
         const auto new_points =
           parameters.points_file.empty()
             ? place_points<dim>(parameters, section, space)
