@@ -128,6 +128,7 @@ namespace greville
     /**
      * Throw where a body is given in more than one way.
      */
+    template <int dim>
     void
     check_geometry(const BodyParameters &parameters, const std::string &section)
     {
@@ -143,6 +144,12 @@ namespace greville
                                    "' and '" + given.first + "'."));
             last = given.first;
           }
+      AssertThrow(!last.empty(),
+                  ExcMessage(
+                    "The parameter '" + section +
+                    "/Shape' is empty: it takes a formula like " +
+                    (dim == 2 ? "box(0, 0, 1, 2)" : "box(0, 0, 0, 1, 1, 2)") +
+                    ", unless there is a 'Shape file' or a 'Points file'."));
     }
 
 
@@ -251,7 +258,7 @@ namespace greville
     body.points.reinit(space, layout);
     run_on_all(
       [&]() {
-        check_geometry(parameters, section);
+        check_geometry<dim>(parameters, section);
         const auto new_points =
           parameters.points_file.empty()
             ? place_points<dim>(parameters, section, space)

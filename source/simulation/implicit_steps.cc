@@ -202,8 +202,9 @@ namespace greville
         free += (free.empty() ? "" : ", ") + std::string(1, names[d]);
     if (!free.empty())
       throw StepFailed("the body can move freely in " + free +
-                         ": no wall holds it there, so that a quasi-static "
-                         "step has no solution",
+                         ": no wall of 'Walls' and no 'Surface load' of "
+                         "springs holds it there, so that a quasi-static step "
+                         "has no solution",
                        false);
   }
 
