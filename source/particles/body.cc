@@ -51,11 +51,12 @@ namespace greville
                                    "/K0' needs a gravity along an axis, but "
                                    "'Loads/Gravity' is (" +
                                    text_of(gravity) + ") m / s^2 at t = 0."));
-            cell_size = lattice.cell_size(axis);
-            upwards   = gravity[axis] < 0. ? 1. : -1.;
-            surface   = {parameters.surface,
-                         section + "/Surface",
-                         coordinate_names<dim>()};
+            cell_size   = lattice.cell_size(axis);
+            grid_height = lattice.upper(axis) - lattice.lower(axis);
+            upwards     = gravity[axis] < 0. ? 1. : -1.;
+            surface     = {parameters.surface,
+                           section + "/Surface",
+                           coordinate_names<dim>()};
           }
       }
 
@@ -73,6 +74,12 @@ namespace greville
                           " m beyond the parameter 'Surface', which is " +
                           text_of(height) +
                           " m there; nothing of a body with K0 does."));
+            AssertThrow(depth < deepest * grid_height,
+                        ExcMessage(
+                          "the parameter 'Surface' is " + text_of(height) +
+                          " m there, which is " + text_of(depth) +
+                          " m above this point: more than " + text_of(deepest) +
+                          " heights of the grid. Is it given in m?"));
             for (unsigned int d = 0; d < 3; ++d)
               result[d][d] =
                 -weight * std::max(0., depth) * (d == axis ? 1. : K0);
@@ -87,11 +94,14 @@ namespace greville
       }
 
     private:
-      double                                       K0;
-      double                                       weight;
-      unsigned int                                 axis      = dim;
-      double                                       upwards   = 1.;
-      double                                       cell_size = 0.;
+      double       K0;
+      double       weight;
+      unsigned int axis    = dim;
+      double       upwards = 1.;
+      // Depths beyond this many heights of the grid are errors.
+      static constexpr double                      deepest     = 1000.;
+      double                                       cell_size   = 0.;
+      double                                       grid_height = 0.;
       VectorExpression<1>                          surface;
       VectorExpression<PointLayout<dim>::n_stress> components;
     };
@@ -126,7 +136,7 @@ namespace greville
 
 
     /**
-     * Throw where a body is given in more than one way.
+     * Throw where a body is given in more than one way, or in none.
      */
     template <int dim>
     void
