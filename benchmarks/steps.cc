@@ -132,14 +132,20 @@ main(int argc, char **argv)
   Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   if (argc != 3 && argc != 5)
     {
-      std::cerr
-        << "usage: step_benchmark FILE.prm MASS [FIRST_STEP LAST_STEP]\n";
+      std::cerr << "usage: step_benchmark FILE.prm [total-]MASS [FIRST_STEP "
+                   "LAST_STEP]\n";
       return 2;
     }
   try
     {
       SimulationParameters parameters(argv[1]);
-      parameters.scheme.mass = argv[2];
+      // "total-consistent": total Lagrangian steps.
+      const std::string total = "total-", name = argv[2];
+      const bool        is_total = name.rfind(total, 0) == 0;
+      parameters.scheme.mass     = is_total ? name.substr(total.size()) : name;
+      if (is_total)
+        parameters.scheme.formulation = "total Lagrangian";
+      parameters.check();
       const unsigned int first =
         argc == 5 ? Utilities::string_to_int(argv[3]) : 10;
       const unsigned int last =
