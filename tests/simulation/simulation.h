@@ -119,6 +119,32 @@ struct Simulated
 
 
 /**
+ * Whether a 2D simulation is refused with a message that has @p wanted.
+ */
+inline void
+check_refused(const std::string &name,
+              const Text        &text,
+              const std::string &wanted)
+{
+  std::string message;
+  try
+    {
+      Simulated<2> simulated(text);
+    }
+  catch (const std::exception &error)
+    {
+      message = message_of(error);
+    }
+  // Nobody reads the file any more when it is written again.
+  MPI_Barrier(MPI_COMM_WORLD);
+  check(name, message.find(wanted) != std::string::npos);
+  if (message.find(wanted) == std::string::npos)
+    print() << "<" << message << ">" << std::endl;
+}
+
+
+
+/**
  * A body of the unit density in a grid, at rest and without loads.
  */
 inline Text

@@ -333,29 +333,6 @@ namespace
 
 
 
-  void
-  check_message(const std::string &name,
-                const Text        &text,
-                const std::string &wanted)
-  {
-    std::string message;
-    try
-      {
-        Simulated<2> simulated(text);
-      }
-    catch (const std::exception &error)
-      {
-        message = message_of(error);
-      }
-    // Nobody reads the file any more when it is written again.
-    MPI_Barrier(MPI_COMM_WORLD);
-    check(name, message.find(wanted) != std::string::npos);
-    if (message.find(wanted) == std::string::npos)
-      print() << "<" << message << ">" << std::endl;
-  }
-
-
-
   /**
    * Confined compression: each step stretches by 1 - (d' - d) / L, as a wall
    * holds the edge of the grid.
@@ -471,44 +448,44 @@ main(int argc, char **argv)
   check_files();
 
   const Text good = in_two_stages(block("USL"));
-  check_message("unknown stage",
+  check_refused("unknown stage",
                 good.with("Simulation", {"Stages = one, too"}),
                 "'Simulation/Stages' does not name <two>");
-  check_message("stage without section",
+  check_refused("stage without section",
                 good.with("Simulation", {"Stages = one, two, three"}),
                 "there is no section 'Stage three'");
-  check_message("end before the last one",
+  check_refused("end before the last one",
                 with_stage(good, "two", "Time", {"End = 0.1"}),
                 "Stage 2 (two): 'Time/End' is 0.1 s, but the stage begins at "
                 "0.2 s");
-  check_message("start of a stage",
+  check_refused("start of a stage",
                 with_stage(good, "two", "Time", {"Start = 0.1"}),
                 "a stage begins where the one before ends");
-  check_message("section that all stages share",
+  check_refused("section that all stages share",
                 with_stage(good, "two", "Grid", {"Order = 2"}),
                 "there is no section 'Stage two/Grid'");
-  check_message("typo in a stage",
+  check_refused("typo in a stage",
                 with_stage(good, "two", "Time", {"Ende = 2"}),
                 "there is no parameter 'Ende'");
-  check_message("integrator of a later stage",
+  check_refused("integrator of a later stage",
                 with_stage(good,
                            "two",
                            "Scheme",
                            {"Stress update = newmark", "Transfer = APIC"}),
                 "Stage 2 (two): ");
-  check_message("start behind the end",
+  check_refused("start behind the end",
                 block("USL").with("Time", {"Start = 3"}),
                 "'Time/Start' is 3 s, behind 'Time/End'");
-  check_message("velocity and displacement of a wall",
+  check_refused("velocity and displacement of a wall",
                 block("USL").with("Walls",
                                   {"Top = moving",
                                    "Top velocity = 1; 0",
                                    "Top displacement = t; 0"}),
                 "both of 'Top velocity'");
-  check_message("displacement of a wall that does not move",
+  check_refused("displacement of a wall that does not move",
                 block("USL").with("Walls", {"Top displacement = t; 0"}),
                 "'Top displacement' is <t; 0>");
-  check_message("displacement of a wall along its normal",
+  check_refused("displacement of a wall along its normal",
                 block("USL").with("Walls",
                                   {"Top = moving", "Top displacement = 0; t"}),
                 "'Walls/Top displacement' moves the wall along its normal");

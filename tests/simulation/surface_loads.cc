@@ -477,27 +477,6 @@ namespace
 
 
   void
-  check_refused(const std::string &name,
-                const Text        &text,
-                const std::string &wanted)
-  {
-    std::string message;
-    try
-      {
-        Simulated<2> simulated(text);
-      }
-    catch (const std::exception &error)
-      {
-        message = message_of(error);
-      }
-    // Nobody reads the file any more when it is written again.
-    MPI_Barrier(MPI_COMM_WORLD);
-    check(name, message.find(wanted) != std::string::npos);
-    if (message.find(wanted) == std::string::npos)
-      print() << "<" << message << ">" << std::endl;
-  }
-
-  void
   check_parameters()
   {
     const Text                     block = block_2d("box(0.2, 0.2, 0.7, 0.7)");

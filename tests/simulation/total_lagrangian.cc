@@ -8,29 +8,6 @@ namespace
 {
   const std::vector<std::string> total = {"Formulation = total Lagrangian"};
 
-  void
-  check_refused(const std::string &name,
-                const Text        &text,
-                const std::string &wanted)
-  {
-    std::string message;
-    try
-      {
-        Simulated<2> simulated(text);
-      }
-    catch (const std::exception &error)
-      {
-        message = message_of(error);
-      }
-    // Nobody reads the file any more when it is written again.
-    MPI_Barrier(MPI_COMM_WORLD);
-    check(name, message.find(wanted) != std::string::npos);
-    if (message.find(wanted) == std::string::npos)
-      print() << "<" << message << ">" << std::endl;
-  }
-
-
-
   /**
    * The relative error of the manufactured solution of the shipped file.
    */

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/simulation/implicit_steps.h>
+#include <greville/simulation/step_errors.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+// What ImplicitSteps refuses and says.
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::check_parameters(const std::string &name,
+                                       const State<dim>  &initial) const
+  {
+    const auto refuse = [&](const bool         wrong,
+                            const std::string &parameter,
+                            const std::string &why) {
+      AssertThrow(!wrong,
+                  ExcMessage("'Scheme/Stress update' = " + name +
+                             " does not go with " + parameter + ": " + why));
+    };
+    refuse(parameters.time.step.empty(),
+           "an empty 'Time/Step'",
+           "an implicit step has no critical length; give one.");
+    refuse(discretization.walls().have_friction(),
+           "'Walls' = friction",
+           "implicit steps have fixed, sliding and moving walls.");
+    refuse(!rigid_bodies(initial.bodies).empty(),
+           "'Imposed velocity' of a body",
+           "implicit steps do not know obstacles.");
+    refuse(scheme.stress == StepStress::energy_consistent &&
+             parameters.scheme.volumetric_projection != "none",
+           "'Scheme/Volumetric projection' = " +
+             parameters.scheme.volumetric_projection,
+           "the force of the projection does not conserve energy; take another "
+           "scheme.");
+    refuse(parameters.implicit_solver.method == "cg" &&
+             parameters.scheme.volumetric_projection != "none",
+           "'Implicit solver/Method' = cg and 'Scheme/Volumetric projection' "
+           "= " +
+             parameters.scheme.volumetric_projection,
+           "the projection makes tangents that are not symmetric; take auto or "
+           "fgmres.");
+    refuse(parameters.scheme.transfer == "APIC",
+           "'Scheme/Transfer' = APIC",
+           "take FLIP or PIC.");
+    refuse(parameters.scheme.quadrature != "points",
+           "'Scheme/Quadrature' = " + parameters.scheme.quadrature,
+           "take points.");
+    refuse(parameters.scheme.mass != "consistent" &&
+             parameters.scheme.mass != "lumped",
+           "'Scheme/Mass' = " + parameters.scheme.mass,
+           "take consistent or lumped.");
+    refuse(parameters.loads.cundall != 0. || parameters.loads.kinetic,
+           "damping in 'Loads'",
+           "quasi-static finds states at rest, backward-euler and "
+           "generalized-alpha damp.");
+  }
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::describe_failure(const State<dim> &state) const
+  {
+    // Each function needs the strains of some points.
+    const unsigned int least = std::max(2u, system.space().degree());
+    std::string        too_few;
+    for (const Body<dim> &body : state.bodies)
+      {
+        const auto &n = body.parameters->points_per_direction;
+        if (body.parameters->points_file.empty() &&
+            *std::min_element(n.begin(), n.end()) < least)
+          too_few =
+            "'Body " + body.name + "/Points per direction' is " +
+            text_of(*std::min_element(n.begin(), n.end())) +
+            ": with fewer than " + text_of(least) + " the stiffness of order " +
+            text_of(system.space().degree()) + " is singular, or close to it. ";
+      }
+    std::string text = too_few;
+    if (scheme.is_static && too_few.empty())
+      text = "no equilibrium has been found beyond t = " + text_of(state.time) +
+             " s. Where loads, walls or the strength of materials go on "
+             "changing, this is the limit of what the bodies bear; a dynamic "
+             "scheme goes beyond it. Bodies that are thinner than a cell "
+             "somewhere need more points ('Points per direction'). In detail, ";
+    text += "the step has been cut to " + text_of(2. * state.step_fraction) +
+            " of 'Time/Step', and still " + rejection;
+    return text;
+  }
+
+
+
+  template <int dim>
+  std::vector<SolverLevel>
+  ImplicitSteps<dim>::solver_levels() const
+  {
+    std::vector<SolverLevel>    result;
+    const TangentParameters    &solver    = parameters.implicit_solver;
+    const OrderHierarchy<dim>  &hierarchy = system.hierarchy();
+    const PMultigridParameters &cycle     = solver.multigrid;
+    for (unsigned int l = 0; l < hierarchy.n_levels(); ++l)
+      if (l + 1 == hierarchy.n_levels() || solver.preconditioner != "smoother")
+        result.push_back({hierarchy[l].degree(),
+                          dim * std::uint64_t(hierarchy[l].n_dofs()),
+                          l == 0 && hierarchy.n_levels() > 1
+                            ? cycle.coarse_preconditioner
+                            : cycle.smoother});
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::check_support(const State<dim> &state) const
+  {
+    if (!scheme.is_static)
+      return;
+    for (const Surface<dim> &surface : state.surfaces)
+      if (surface.stiffness > 0.)
+        return;
+    static const char *names   = "xyz";
+    const auto        &is_held = system.finest().extended().has_held();
+    std::string        free;
+    for (unsigned int d = 0; d < dim; ++d)
+      if (!is_held[d])
+        free += (free.empty() ? "" : ", ") + std::string(1, names[d]);
+    if (!free.empty())
+      throw StepFailed("the body can move freely in " + free +
+                         ": no wall of 'Walls' and no 'Surface load' of "
+                         "springs holds it there, so that a quasi-static step "
+                         "has no solution",
+                       false);
+  }
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::describe_residual() const
+  {
+    // The largest entry of all processes, and where its function is.
+    const SplineSpace<dim> &space   = system.space();
+    double                  largest = 0.;
+    unsigned int            place   = 0;
+    for (unsigned int i = 0; i < last_residual.locally_owned_size(); ++i)
+      if (std::abs(last_residual.local_element(i)) > largest)
+        {
+          largest = std::abs(last_residual.local_element(i));
+          place   = i / dim;
+        }
+    const MPI_Comm comm = discretization.communicator();
+    const double   all  = Utilities::MPI::max(largest, comm);
+    std::string    text;
+    if (all > 0. && largest == all)
+      {
+        const auto i =
+          multi_index<dim>(space.owned_functions()[place], space.n_functions());
+        std::ostringstream message;
+        message << "; the largest residual, " << all
+                << (dim == 2 ? " N / m" : " N") << ", is at (";
+        for (unsigned int d = 0; d < dim; ++d)
+          message << (d == 0 ? "" : ", ")
+                  << space.knots(d).greville_abscissa(i[d]);
+        message << ") m";
+        text = message.str();
+      }
+    return first_of_all(text, comm);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::print(const State<dim>   &state,
+                            const double        dt,
+                            const NewtonResult &result) const
+  {
+    if (!parameters.newton.log ||
+        Utilities::MPI::this_mpi_process(discretization.communicator()) != 0)
+      return;
+    std::ostringstream text;
+    for (unsigned int k = 0; k < result.iterations.size(); ++k)
+      {
+        const NewtonIteration &row = result.iterations[k];
+        text << "  step " << state.n_steps + 1 << ", dt = " << dt
+             << " s, iteration " << k << ": residual " << row.residual << " ("
+             << row.relative << ")";
+        if (k > 0)
+          text << ", step " << row.step << ", " << row.linear_iterations
+               << " linear iterations";
+        text << '\n';
+      }
+    std::cout << text.str() << std::flush;
+  }
+
+
+
+  template class ImplicitSteps<2>;
+  template class ImplicitSteps<3>;
+} // namespace greville
