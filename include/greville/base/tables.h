@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_base_tables_h
+#define greville_base_tables_h
+
+#include <deal.II/base/mpi.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Rows of numbers that are spread over the processes: all rows of the first
+   * process come before those of the second.
+   */
+  struct DistributedTable
+  {
+    std::string              name;
+    std::vector<std::string> columns;
+    /// The rows of this process, one after the other.
+    std::vector<double> values;
+
+    std::size_t
+    n_rows() const
+    {
+      return columns.empty() ? 0 : values.size() / columns.size();
+    }
+  };
+
+
+
+  /**
+   * Texts and tables, both by name, as a file has them.
+   */
+  struct TablesFile
+  {
+    std::map<std::string, std::string> texts;
+    std::vector<DistributedTable>      tables;
+
+    /**
+     * The table of a name. Throws dealii::ExcMessage where there is none.
+     */
+    const DistributedTable &
+    table(const std::string &name) const;
+
+    /**
+     * The text of a name. Throws dealii::ExcMessage where there is none.
+     */
+    const std::string &
+    text(const std::string &name) const;
+  };
+
+
+
+  /**
+   * Collective. Write @p content to a file of HDF5: texts are attributes of the
+   * file, a table is a data set of doubles with its columns as an attribute.
+   * Each of them has a checksum, which does not depend on the number of
+   * processes.
+   *
+   * The file appears under its name when it is complete and on the disk: it is
+   * written to FILE.new, which takes the place of what was there. Throws
+   * dealii::ExcMessage on all processes where that fails.
+   */
+  void
+  write_tables(const std::string &file,
+               const TablesFile  &content,
+               const MPI_Comm     comm);
+
+
+
+  /**
+   * Collective. Read a file of write_tables() on any number of processes: each
+   * gets the same number of rows of a table, but for one. Throws
+   * dealii::ExcMessage on all processes where the file cannot be read, is
+   * truncated, or does not have its checksums.
+   */
+  TablesFile
+  read_tables(const std::string &file, const MPI_Comm comm);
+} // namespace greville
+
+#endif

@@ -1,0 +1,554 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/base/tables.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <hdf5.h>
+#include <sstream>
+#include <unistd.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr const char *checksum_name = "checksum";
+    constexpr const char *columns_name  = "columns";
+
+    // Elements that one call of HDF5 writes or reads: MPI-IO counts bytes by
+    // int.
+    constexpr hsize_t most_elements = 1u << 27;
+
+
+
+    /**
+     * What HDF5 makes, with the function that closes it.
+     */
+    class Handle
+    {
+    public:
+      Handle(const hid_t id, herr_t (*close)(hid_t))
+        : id(id)
+        , close(close)
+      {
+        AssertThrow(id >= 0, ExcMessage("HDF5 has failed"));
+      }
+
+      Handle(const Handle &) = delete;
+
+      ~Handle()
+      {
+        if (id >= 0)
+          close(id);
+      }
+
+      operator hid_t() const
+      {
+        return id;
+      }
+
+      /**
+       * Close it, and look whether that works: data may be written by it.
+       */
+      void
+      finish()
+      {
+        const hid_t closed = id;
+        id                 = -1;
+        AssertThrow(close(closed) >= 0, ExcMessage("HDF5 cannot close"));
+      }
+
+    private:
+      hid_t id;
+      herr_t (*close)(hid_t);
+    };
+
+
+
+    void
+    check(const herr_t result)
+    {
+      AssertThrow(result >= 0, ExcMessage("HDF5 has failed"));
+    }
+
+
+
+    /**
+     * HDF5 prints what goes wrong, on all processes; our messages say it once.
+     */
+    class Silence
+    {
+    public:
+      Silence()
+      {
+        H5Eget_auto2(H5E_DEFAULT, &function, &data);
+        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+      }
+
+      ~Silence()
+      {
+        H5Eset_auto2(H5E_DEFAULT, function, data);
+      }
+
+    private:
+      H5E_auto2_t function = nullptr;
+      void       *data     = nullptr;
+    };
+
+
+
+    /**
+     * The finalizer of MurmurHash3: a bijection of 64 bits that spreads them.
+     */
+    std::uint64_t
+    mix(std::uint64_t x)
+    {
+      x ^= x >> 33;
+      x *= 0xff51afd7ed558ccdull;
+      x ^= x >> 33;
+      x *= 0xc4ceb9fe1a85ec53ull;
+      return x ^ (x >> 33);
+    }
+
+
+
+    /**
+     * A sum over the numbers with their places, so that every process can add
+     * up its own.
+     */
+    std::uint64_t
+    checksum(const std::vector<double> &values, const std::uint64_t first)
+    {
+      std::uint64_t sum = 0;
+      for (std::size_t k = 0; k < values.size(); ++k)
+        {
+          std::uint64_t bits;
+          std::memcpy(&bits, &values[k], sizeof(bits));
+          sum += mix(bits + 0x9e3779b97f4a7c15ull * (first + k + 1));
+        }
+      return sum;
+    }
+
+
+
+    std::uint64_t
+    checksum(const std::map<std::string, std::string> &texts)
+    {
+      std::uint64_t sum = 0;
+      for (const auto &[name, text] : texts)
+        for (const std::string &word : {name, text})
+          {
+            sum = mix(sum + word.size());
+            for (const unsigned char c : word)
+              sum = mix(sum + c);
+          }
+      return sum;
+    }
+
+
+
+    std::uint64_t
+    sum_of(const std::uint64_t value, const MPI_Comm comm)
+    {
+      std::uint64_t sum = 0;
+      MPI_Allreduce(&value, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
+      return sum;
+    }
+
+
+
+    void
+    write_text(const hid_t        object,
+               const std::string &name,
+               const std::string &text)
+    {
+      // HDF5 has no empty texts.
+      const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+      check(H5Tset_size(type, std::max<std::size_t>(1, text.size())));
+      check(H5Tset_strpad(type, H5T_STR_NULLPAD));
+      const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+      Handle       attribute(
+        H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
+        H5Aclose);
+      check(H5Awrite(attribute, type, text.empty() ? "\0" : text.data()));
+      attribute.finish();
+    }
+
+
+
+    std::string
+    read_text(const hid_t object, const std::string &name)
+    {
+      const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT),
+                             H5Aclose);
+      const Handle type(H5Aget_type(attribute), H5Tclose);
+      AssertThrow(H5Tget_class(type) == H5T_STRING &&
+                    H5Tis_variable_str(type) == 0,
+                  ExcMessage("an attribute is no text"));
+      std::string text(H5Tget_size(type), '\0');
+      check(H5Aread(attribute, type, &text[0]));
+      while (!text.empty() && text.back() == '\0')
+        text.pop_back();
+      return text;
+    }
+
+
+
+    std::vector<std::string>
+    names_of_attributes(const hid_t object)
+    {
+      std::vector<std::string> names;
+      const auto               add =
+        [](hid_t, const char *name, const H5A_info_t *, void *list) -> herr_t {
+        static_cast<std::vector<std::string> *>(list)->push_back(name);
+        return 0;
+      };
+      hsize_t n = 0;
+      check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, &n, +add, &names));
+      return names;
+    }
+
+
+
+    std::vector<std::string>
+    names_of_tables(const hid_t file)
+    {
+      std::vector<std::string> names;
+      const auto               add =
+        [](hid_t, const char *name, const H5L_info_t *, void *list) -> herr_t {
+        static_cast<std::vector<std::string> *>(list)->push_back(name);
+        return 0;
+      };
+      hsize_t n = 0;
+      check(H5Literate(file, H5_INDEX_NAME, H5_ITER_INC, &n, +add, &names));
+      return names;
+    }
+
+
+
+    std::string
+    join(const std::vector<std::string> &words)
+    {
+      std::string text;
+      for (const std::string &word : words)
+        text += (text.empty() ? "" : ",") + word;
+      return text;
+    }
+
+
+
+    std::vector<std::string>
+    split(const std::string &text)
+    {
+      std::vector<std::string> words;
+      std::istringstream       stream(text);
+      for (std::string word; std::getline(stream, word, ',');)
+        words.push_back(word);
+      return words;
+    }
+
+
+
+    /**
+     * Rows [first, first + n_rows) of a data set from or to @p values, by
+     * @p transfer(memory space, file space, list, place). All processes call
+     * it equally often, and throw together.
+     */
+    template <typename Transfer>
+    void
+    transfer_rows(const hsize_t   first,
+                  const hsize_t   n_rows,
+                  const hsize_t   n_columns,
+                  const hid_t     data_set,
+                  const MPI_Comm  comm,
+                  const Transfer &transfer)
+    {
+      const Handle space(H5Dget_space(data_set), H5Sclose);
+      const Handle list(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+      check(H5Pset_dxpl_mpio(list, H5FD_MPIO_COLLECTIVE));
+      const hsize_t chunk = std::max<hsize_t>(1, most_elements / n_columns);
+      const hsize_t n_chunks =
+        Utilities::MPI::max<std::uint64_t>((n_rows + chunk - 1) / chunk, comm);
+      bool has_failed = false;
+      for (hsize_t k = 0; k < n_chunks; ++k)
+        {
+          const hsize_t begin    = std::min(n_rows, k * chunk);
+          const hsize_t n        = std::min(chunk, n_rows - begin);
+          const hsize_t start[2] = {first + begin, 0};
+          const hsize_t count[2] = {n, n_columns};
+          const Handle  memory(H5Screate_simple(2, count, nullptr), H5Sclose);
+          if (n > 0)
+            check(H5Sselect_hyperslab(
+              space, H5S_SELECT_SET, start, nullptr, count, nullptr));
+          else
+            {
+              check(H5Sselect_none(space));
+              check(H5Sselect_none(memory));
+            }
+          has_failed =
+            transfer(memory, space, list, begin * n_columns) < 0 || has_failed;
+        }
+      throw_on_all(has_failed ? "HDF5 has failed" : "", comm);
+    }
+
+
+
+    void
+    write_table(const hid_t             file,
+                const DistributedTable &table,
+                const MPI_Comm          comm)
+    {
+      const std::uint64_t own   = table.n_rows();
+      std::uint64_t       first = 0;
+      MPI_Exscan(&own, &first, 1, MPI_UINT64_T, MPI_SUM, comm);
+      if (Utilities::MPI::this_mpi_process(comm) == 0)
+        first = 0;
+      const hsize_t n_columns = table.columns.size();
+      const hsize_t size[2]   = {sum_of(own, comm), n_columns};
+      const Handle  space(H5Screate_simple(2, size, nullptr), H5Sclose);
+      Handle        data_set(H5Dcreate2(file,
+                                 table.name.c_str(),
+                                 H5T_NATIVE_DOUBLE,
+                                 space,
+                                 H5P_DEFAULT,
+                                 H5P_DEFAULT,
+                                 H5P_DEFAULT),
+                      H5Dclose);
+      write_text(data_set, columns_name, join(table.columns));
+      write_text(data_set,
+                 checksum_name,
+                 std::to_string(
+                   sum_of(checksum(table.values, first * n_columns), comm)));
+      if (size[0] > 0)
+        transfer_rows(first,
+                      own,
+                      n_columns,
+                      data_set,
+                      comm,
+                      [&](const hid_t       memory,
+                          const hid_t       file_space,
+                          const hid_t       list,
+                          const std::size_t begin) {
+                        return H5Dwrite(data_set,
+                                        H5T_NATIVE_DOUBLE,
+                                        memory,
+                                        file_space,
+                                        list,
+                                        table.values.data() + begin);
+                      });
+      data_set.finish();
+    }
+
+
+
+    DistributedTable
+    read_table(const hid_t file, const std::string &name, const MPI_Comm comm)
+    {
+      DistributedTable table;
+      table.name = name;
+      const Handle data_set(H5Dopen2(file, name.c_str(), H5P_DEFAULT),
+                            H5Dclose);
+      table.columns = split(read_text(data_set, columns_name));
+      const Handle space(H5Dget_space(data_set), H5Sclose);
+      hsize_t      size[2] = {0, 0};
+      AssertThrow(H5Sget_simple_extent_ndims(space) == 2 &&
+                    H5Sget_simple_extent_dims(space, size, nullptr) == 2 &&
+                    size[1] == table.columns.size() && size[1] > 0,
+                  ExcMessage("the table " + name + " has a wrong shape"));
+      const std::uint64_t n = Utilities::MPI::n_mpi_processes(comm);
+      const std::uint64_t r = Utilities::MPI::this_mpi_process(comm);
+      // Not size * r / n, which may be too large.
+      const auto begin = [&](const std::uint64_t k) {
+        return size[0] / n * k + std::min<std::uint64_t>(size[0] % n, k);
+      };
+      const hsize_t first = begin(r), own = begin(r + 1) - first;
+      table.values.resize(own * size[1]);
+      if (size[0] > 0)
+        transfer_rows(first,
+                      own,
+                      size[1],
+                      data_set,
+                      comm,
+                      [&](const hid_t       memory,
+                          const hid_t       file_space,
+                          const hid_t       list,
+                          const std::size_t at) {
+                        return H5Dread(data_set,
+                                       H5T_NATIVE_DOUBLE,
+                                       memory,
+                                       file_space,
+                                       list,
+                                       table.values.data() + at);
+                      });
+      const std::string found =
+        std::to_string(sum_of(checksum(table.values, first * size[1]), comm));
+      AssertThrow(found == read_text(data_set, checksum_name),
+                  ExcMessage("the table " + name +
+                             " does not have its checksum"));
+      return table;
+    }
+
+
+
+    /**
+     * The list of HDF5 for files of all processes.
+     */
+    Handle
+    parallel_access(const MPI_Comm comm)
+    {
+      const hid_t list = H5Pcreate(H5P_FILE_ACCESS);
+      if (list >= 0)
+        {
+          H5Pset_fapl_mpio(list, comm, MPI_INFO_NULL);
+          // Files of before have no attributes beyond 64 kB.
+          H5Pset_libver_bounds(list, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
+        }
+      return {list, H5Pclose};
+    }
+
+
+
+    void
+    write_to_disk(const std::string &file)
+    {
+      const int descriptor = open(file.c_str(), O_RDONLY);
+      if (descriptor < 0)
+        return;
+      const int result = fsync(descriptor);
+      close(descriptor);
+      AssertThrow(result == 0, ExcMessage(write_error(file)));
+    }
+  } // namespace
+
+
+
+  const DistributedTable &
+  TablesFile::table(const std::string &name) const
+  {
+    for (const DistributedTable &table : tables)
+      if (table.name == name)
+        return table;
+    AssertThrow(false, ExcMessage("there is no table " + name));
+    return tables[0];
+  }
+
+
+
+  const std::string &
+  TablesFile::text(const std::string &name) const
+  {
+    const auto found = texts.find(name);
+    AssertThrow(found != texts.end(), ExcMessage("there is no text " + name));
+    return found->second;
+  }
+
+
+
+  void
+  write_tables(const std::string &file,
+               const TablesFile  &content,
+               const MPI_Comm     comm)
+  {
+    const std::string unfinished = file + ".new";
+    const Silence     silence;
+    std::string       message;
+    // A file that cannot be made is found by the first process alone, so that
+    // MPI-IO does not report it from all.
+    run_on_first(
+      [&]() {
+        errno = 0;
+        const int descriptor =
+          open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+        AssertThrow(descriptor >= 0, ExcMessage(write_error(unfinished)));
+        close(descriptor);
+      },
+      comm);
+    try
+      {
+        const Handle access = parallel_access(comm);
+        Handle       handle(
+          H5Fcreate(unfinished.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access),
+          H5Fclose);
+        for (const auto &[name, text] : content.texts)
+          write_text(handle, name, text);
+        write_text(handle,
+                   checksum_name,
+                   std::to_string(checksum(content.texts)));
+        for (const DistributedTable &table : content.tables)
+          write_table(handle, table, comm);
+        handle.finish();
+      }
+    catch (const std::exception &)
+      {
+        message = write_error(unfinished);
+      }
+    message = first_of_all(message, comm);
+    run_on_first(
+      [&]() {
+        if (message.empty())
+          {
+            write_to_disk(unfinished);
+            std::filesystem::rename(unfinished, file);
+            write_to_disk(std::filesystem::path(file).parent_path());
+            return;
+          }
+        std::error_code error;
+        std::filesystem::remove(unfinished, error);
+        AssertThrow(false, ExcMessage(message));
+      },
+      comm);
+  }
+
+
+
+  TablesFile
+  read_tables(const std::string &file, const MPI_Comm comm)
+  {
+    const Silence silence;
+    run_on_first(
+      [&]() {
+        AssertThrow(access(file.c_str(), R_OK) == 0,
+                    ExcMessage("Cannot read <" + file +
+                               ">: " + std::strerror(errno) + "."));
+        AssertThrow(H5Fis_hdf5(file.c_str()) > 0,
+                    ExcMessage("<" + file +
+                               "> is no file of HDF5, or is truncated."));
+      },
+      comm);
+    TablesFile  content;
+    std::string message;
+    try
+      {
+        const Handle access = parallel_access(comm);
+        const Handle handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access),
+                            H5Fclose);
+        std::string  sum;
+        for (const std::string &name : names_of_attributes(handle))
+          if (name == checksum_name)
+            sum = read_text(handle, name);
+          else
+            content.texts[name] = read_text(handle, name);
+        AssertThrow(sum == std::to_string(checksum(content.texts)),
+                    ExcMessage("its texts do not have their checksum"));
+        for (const std::string &name : names_of_tables(handle))
+          content.tables.push_back(read_table(handle, name, comm));
+      }
+    catch (const std::exception &error)
+      {
+        message =
+          "Cannot read <" + file +
+          ">, which is truncated or has been changed: " + message_of(error) +
+          ".";
+      }
+    throw_on_all(message, comm);
+    return content;
+  }
+} // namespace greville

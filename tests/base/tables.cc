@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// Tables and texts in files: what is written is read on all processes, by rows
+// in their order; files that are truncated, foreign or changed are refused;
+// what fails to be written leaves the file of before.
+
+#include <deal.II/base/mpi.h>
+
+#include <greville/base/tables.h>
+
+#include "../tests.h"
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+TablesFile
+example(const MPI_Comm comm, const double scale)
+{
+  const unsigned int process = Utilities::MPI::this_mpi_process(comm);
+  TablesFile         content;
+  content.texts = {{"empty", ""},
+                   {"long", std::string(200000, 'x') + "\n"},
+                   {"words", "a = 1"}};
+  content.tables.push_back({"rows", {"number", "process", "value"}, {}});
+  // More rows on one process than on others, and none on the last of many.
+  for (unsigned int k = 0; k < (process == 3 ? 0 : 7 + 5 * process); ++k)
+    for (const double x : {double(k), double(process), scale * std::sqrt(k)})
+      content.tables[0].values.push_back(x);
+  content.tables.push_back({"nothing", {"a"}, {}});
+  content.tables.push_back({"one row", {"nan", "inf", "zero"}, {}});
+  if (process == 0)
+    content.tables[2].values = {std::nan(""), -INFINITY, -0.};
+  return content;
+}
+
+
+
+std::vector<double>
+all(const DistributedTable &table, const MPI_Comm comm)
+{
+  std::vector<double> result;
+  for (const auto &part : Utilities::MPI::all_gather(comm, table.values))
+    result.insert(result.end(), part.begin(), part.end());
+  return result;
+}
+
+
+
+void
+check_refused(const std::string &file,
+              const std::string &text,
+              const MPI_Comm     comm)
+{
+  std::string message;
+  try
+    {
+      read_tables(file, comm);
+    }
+  catch (const std::exception &error)
+    {
+      message = message_of(error);
+    }
+  check("<" + text + "> in <" + message + ">",
+        message.find(text) != std::string::npos);
+}
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const MPI_Comm                   comm = MPI_COMM_WORLD;
+  const bool is_first = Utilities::MPI::this_mpi_process(comm) == 0;
+
+  const TablesFile written = example(comm, 1.);
+  write_tables("tables.h5", written, comm);
+  check("no unfinished file", !std::filesystem::exists("tables.h5.new"));
+  const TablesFile read = read_tables("tables.h5", comm);
+  check("texts", read.texts == written.texts);
+  check("number of tables", read.tables.size() == 3);
+  for (const DistributedTable &table : written.tables)
+    {
+      const DistributedTable &other = read.table(table.name);
+      check("columns of " + table.name, other.columns == table.columns);
+      const auto a = all(table, comm), b = all(other, comm);
+      check("bits of " + table.name,
+            a.size() == b.size() &&
+              std::memcmp(a.data(), b.data(), 8 * a.size()) == 0);
+      const auto n = Utilities::MPI::min_max_avg(double(other.n_rows()), comm);
+      check("rows of " + table.name + " are shared", n.max - n.min, 1.);
+    }
+
+  // Files that are not what they were.
+  check_refused("missing.h5", "No such file", comm);
+  const auto size = std::filesystem::file_size("tables.h5");
+  for (const double fraction : {0., 0.1, 0.5, 0.99})
+    {
+      if (is_first)
+        {
+          std::filesystem::copy("tables.h5", "truncated.h5");
+          std::filesystem::resize_file("truncated.h5", fraction * size);
+        }
+      MPI_Barrier(comm);
+      check_refused("truncated.h5", "truncated", comm);
+      MPI_Barrier(comm);
+      if (is_first)
+        std::filesystem::remove("truncated.h5");
+    }
+  // One bit of a number, and a letter of a text.
+  for (const bool of_text : {false, true})
+    {
+      if (is_first)
+        {
+          std::ifstream in("tables.h5", std::ios::binary);
+          std::string   bytes((std::istreambuf_iterator<char>(in)), {});
+          const double  x = std::sqrt(5.);
+          std::string   wanted(of_text ? "a = 1" : "12345678");
+          if (!of_text)
+            std::memcpy(&wanted[0], &x, sizeof(x));
+          const auto place = bytes.find(wanted);
+          check("the number is there", place != std::string::npos);
+          bytes[place] ^= 1;
+          std::ofstream("changed.h5", std::ios::binary) << bytes;
+        }
+      MPI_Barrier(comm);
+      check_refused("changed.h5", "has been changed", comm);
+      MPI_Barrier(comm);
+    }
+  if (is_first)
+    std::ofstream("foreign.h5") << "time,step\n0,1\n";
+  MPI_Barrier(comm);
+  check_refused("foreign.h5", "is no file of HDF5", comm);
+
+  // A file cannot take the place of a folder.
+  if (is_first)
+    std::filesystem::create_directories("folder.h5/a");
+  MPI_Barrier(comm);
+  for (const std::string name : {"folder.h5", "no_folder/a.h5"})
+    {
+      bool is_refused = false;
+      try
+        {
+          write_tables(name, written, comm);
+        }
+      catch (const std::exception &)
+        {
+          is_refused = true;
+        }
+      check("refused " + name, is_refused);
+    }
+  write_tables("tables.h5", example(comm, 2.), comm);
+  const auto twice = all(read_tables("tables.h5", comm).table("rows"), comm);
+  check("the newer file", twice[3 * 4 + 2] == 4.);
+}
