@@ -9,7 +9,9 @@
 
 #include <cerrno>
 #include <cmath>
+#include <fcntl.h>
 #include <filesystem>
+#include <unistd.h>
 
 namespace greville
 {
@@ -79,6 +81,63 @@ namespace greville
       out.open(file);
     out.precision(precision);
     write_line(names);
+  }
+
+
+
+  void
+  CsvWriter::go_on(const std::string              &name,
+                   const std::vector<std::string> &names,
+                   const unsigned int              precision,
+                   const std::uint64_t             n_bytes,
+                   const MPI_Comm                  communicator)
+  {
+    file = name;
+    comm = communicator;
+    out.precision(precision);
+    run_on_first(
+      [&]() {
+        std::string header, found;
+        for (const std::string &column : names)
+          header += (header.empty() ? "" : ",") + column;
+        std::getline(std::ifstream(file), found);
+        std::error_code error;
+        AssertThrow(std::filesystem::file_size(file, error) >= n_bytes &&
+                      !error,
+                    ExcMessage("<" + file +
+                               "> is shorter than it was at the checkpoint."));
+        AssertThrow(found == header,
+                    ExcMessage("<" + file + "> has the columns <" + found +
+                               ">, and the run that goes on writes <" + header +
+                               ">."));
+        std::filesystem::resize_file(file, n_bytes, error);
+        errno = error.value();
+        if (!error)
+          out.open(file, std::ios::app);
+        AssertThrow(out.is_open(), ExcMessage(write_error(file)));
+      },
+      comm);
+  }
+
+
+
+  std::uint64_t
+  CsvWriter::sync()
+  {
+    std::uint64_t n_bytes = 0;
+    if (!file.empty())
+      run_on_first(
+        [&]() {
+          errno                = 0;
+          const int descriptor = ::open(file.c_str(), O_RDONLY);
+          AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
+          const int result = fsync(descriptor);
+          close(descriptor);
+          AssertThrow(result == 0, ExcMessage(write_error(file)));
+          n_bytes = std::filesystem::file_size(file);
+        },
+        comm);
+    return n_bytes;
   }
 
 

@@ -57,6 +57,31 @@ namespace greville
 
 
   template <int dim>
+  std::vector<std::string>
+  PointLayout<dim>::names() const
+  {
+    std::vector<PointField> fields = {{"position", position, dim},
+                                      {"velocity", velocity, dim},
+                                      {"mass", mass, 1},
+                                      {"volume0", volume0, 1},
+                                      {"J", J, 1},
+                                      {"stress", stress, n_stress},
+                                      {"wave_modulus", wave_modulus, 1},
+                                      {"F", F, n_F},
+                                      {"reference", reference, dim},
+                                      {"id", id, 1}};
+    fields.insert(fields.end(), all_fields.begin(), all_fields.end());
+    std::vector<std::string> result(size);
+    for (const PointField &field : fields)
+      for (unsigned int k = 0; k < field.n_components; ++k)
+        result[field.first + k] =
+          field.name + (field.n_components == 1 ? "" : "_" + std::to_string(k));
+    return result;
+  }
+
+
+
+  template <int dim>
   void
   MaterialPoints<dim>::reinit(const SplineSpace<dim> &space,
                               const PointLayout<dim> &layout)

@@ -34,10 +34,16 @@ namespace greville
   PointTransport<dim>::find_owners(
     const std::vector<std::uint64_t> &cells) const
   {
+    const auto               &own = spline_space->owned_cells();
     std::vector<unsigned int> owners;
     bool                      all_known = true;
     for (const std::uint64_t cell : cells)
       {
+        if (std::binary_search(own.begin(), own.end(), cell))
+          {
+            owners.push_back(Utilities::MPI::this_mpi_process(comm));
+            continue;
+          }
         const auto found = owners_of_ghost_cells.find(cell);
         all_known        = all_known && found != owners_of_ghost_cells.end();
         owners.push_back(found != owners_of_ghost_cells.end()
@@ -76,8 +82,7 @@ namespace greville
     const std::size_t  n_leaving = leaving.size() / size;
     result.n_moved               = n_leaving;
 
-    std::vector<std::uint64_t> foreign_cells;
-    std::vector<std::size_t>   foreign_points;
+    std::vector<double> foreign;
     for (std::size_t k = 0; k < n_leaving; ++k)
       {
         const PointRef<dim> p(leaving.data() + k * size);
@@ -121,36 +126,48 @@ namespace greville
                         ArrayView<const double>(&p[0], size));
         else
           {
-            foreign_cells.push_back(position);
-            foreign_points.push_back(k);
+            ++result.n_sent;
+            foreign.push_back(double(position));
+            foreign.insert(foreign.end(), &p[0], &p[0] + size);
           }
       }
-    result.n_sent = foreign_points.size();
-
     if (Utilities::MPI::n_mpi_processes(comm) > 1)
-      {
-        const auto owners = find_owners(foreign_cells);
-        std::map<unsigned int, std::vector<double>> to_send;
-        for (std::size_t k = 0; k < foreign_points.size(); ++k)
-          {
-            auto         &message = to_send[owners[k]];
-            const double *values  = leaving.data() + foreign_points[k] * size;
-            message.push_back(double(foreign_cells[k]));
-            message.insert(message.end(), values, values + size);
-          }
-        for (const auto &message : Utilities::MPI::some_to_some(comm, to_send))
-          for (std::size_t k = 0; k < message.second.size(); k += size + 1)
-            {
-              const auto found =
-                std::lower_bound(cells.begin(),
-                                 cells.end(),
-                                 std::uint64_t(message.second[k]));
-              points.insert(found - cells.begin(),
-                            ArrayView<const double>(&message.second[k + 1],
-                                                    size));
-            }
-      }
+      insert(points, foreign);
     return result;
+  }
+
+
+
+  template <int dim>
+  void
+  PointTransport<dim>::insert(MaterialPoints<dim>       &points,
+                              const std::vector<double> &rows)
+  {
+    const std::size_t          width = points.layout().size + 1;
+    std::vector<std::uint64_t> places;
+    for (std::size_t k = 0; k < rows.size(); k += width)
+      places.push_back(std::uint64_t(rows[k]));
+    const auto         owners  = find_owners(places);
+    const unsigned int process = Utilities::MPI::this_mpi_process(comm);
+    std::map<unsigned int, std::vector<double>> to_send;
+    for (std::size_t k = 0; k < owners.size(); ++k)
+      to_send[owners[k]].insert(to_send[owners[k]].end(),
+                                rows.begin() + k * width,
+                                rows.begin() + (k + 1) * width);
+    auto own      = to_send.extract(process);
+    auto received = Utilities::MPI::some_to_some(comm, to_send);
+    if (!own.empty())
+      received[process].swap(own.mapped());
+
+    const auto &cells = spline_space->owned_cells();
+    for (const auto &message : received)
+      for (std::size_t k = 0; k < message.second.size(); k += width)
+        points.insert(std::lower_bound(cells.begin(),
+                                       cells.end(),
+                                       std::uint64_t(message.second[k])) -
+                        cells.begin(),
+                      ArrayView<const double>(&message.second[k + 1],
+                                              width - 1));
   }
 
 

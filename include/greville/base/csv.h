@@ -5,6 +5,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <cstdint>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -64,10 +65,29 @@ namespace greville
          const MPI_Comm                  comm);
 
     /**
-     * Write a line, and all of the file to the disk.
+     * Go on with a file of open() after its first @p n_bytes: what comes
+     * behind them is removed. Throws where the file is shorter or has other
+     * columns.
+     */
+    void
+    go_on(const std::string              &file,
+          const std::vector<std::string> &names,
+          const unsigned int              precision,
+          const std::uint64_t             n_bytes,
+          const MPI_Comm                  comm);
+
+    /**
+     * Write a line. It is in the file when the process ends, however it does.
      */
     void
     write(const std::vector<double> &values);
+
+    /**
+     * Write the file to the disk. Returns its number of bytes, 0 where it has
+     * not been opened.
+     */
+    std::uint64_t
+    sync();
 
   private:
     template <typename T>

@@ -102,6 +102,12 @@ namespace greville
     unsigned int
     first(const std::string &name) const;
 
+    /**
+     * A name for each number, in their order: "position_0", ..., "mass", ...
+     */
+    std::vector<std::string>
+    names() const;
+
     unsigned int n_state = 0;
     /// Number of doubles of a point.
     unsigned int size = n_fixed;

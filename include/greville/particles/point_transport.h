@@ -49,6 +49,15 @@ namespace greville
     move(MaterialPoints<dim>             &points,
          const std::vector<unsigned int> &left_cells);
 
+    /**
+     * Collective. Insert points into their cells, wherever these are: @p rows
+     * has the lexicographic position of the cell and the numbers of a point,
+     * one point after the other. Points of a cell get the order of the
+     * processes that call with them, and of their rows there.
+     */
+    void
+    insert(MaterialPoints<dim> &points, const std::vector<double> &rows);
+
   private:
     std::vector<unsigned int>
     find_owners(const std::vector<std::uint64_t> &cells) const;

@@ -72,7 +72,36 @@ namespace greville
     double
     gain(const double energy, const MPI_Comm comm);
 
+    /**
+     * Call @p all(name, number) for the numbers that all processes share, and
+     * @p sum(name, number) for those of which each has its part.
+     */
+    template <typename All, typename Sum>
+    void
+    visit_numbers(const All &all, const Sum &sum)
+    {
+      visit(*this, all, sum);
+    }
+
+    template <typename All, typename Sum>
+    void
+    visit_numbers(const All &all, const Sum &sum) const
+    {
+      visit(*this, all, sum);
+    }
+
   private:
+    template <typename Balance, typename All, typename Sum>
+    static void
+    visit(Balance &balance, const All &all, const Sum &sum)
+    {
+      all("energy_at_start", balance.start);
+      all("largest_energy", balance.largest);
+      all("lowest_damping", balance.lowest_damping);
+      sum("work", balance.own_work);
+      sum("damping", balance.own_damping);
+    }
+
     double start = 0., largest = 0., own_work = 0., own_damping = 0.;
     double lowest_damping = 0.; // of D, where gain() has seen it
   };

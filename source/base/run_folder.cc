@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/base/run_folder.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sys/file.h>
+#include <unistd.h>
+#include <vector>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    std::vector<std::filesystem::path>
+    results_in(const std::string &folder)
+    {
+      static const std::regex names(
+        R"((parameters\.prm|summary\.json|(statistics|probes|convergence)\.csv)"
+        R"(|(points|grid|surface)[A-Za-z0-9_-]*\.(pvd|pvtu|vtu)|)"
+        R"((points|grid|surface)\w*_[0-9]+\.[0-9]+\.vtu|)"
+        R"(checkpoint_[0-9]+\.h5(\.new)?)(\.tmp)?)");
+      std::vector<std::filesystem::path> results;
+      for (const auto &entry : std::filesystem::directory_iterator(folder))
+        if (entry.is_regular_file() &&
+            std::regex_match(entry.path().filename().string(), names))
+          results.push_back(entry.path());
+      return results;
+    }
+
+
+
+    void
+    treat_earlier_results(const std::string   &folder,
+                          const std::string   &parameter,
+                          const EarlierResults earlier)
+    {
+      const auto results = results_in(folder);
+      if (results.empty() || earlier == EarlierResults::keep)
+        return;
+      AssertThrow(earlier != EarlierResults::refuse,
+                  ExcMessage("The folder <" + folder + "> of the parameter '" +
+                             parameter + "' has results of an earlier run, <" +
+                             results[0].filename().string() +
+                             "> for instance, and 'Output/Earlier results' = "
+                             "refuse."));
+      if (earlier == EarlierResults::remove)
+        {
+          for (const auto &file : results)
+            std::filesystem::remove(file);
+          return;
+        }
+      unsigned int n     = 1;
+      const auto   aside = [&]() {
+        return std::filesystem::path(folder) / ("earlier_" + std::to_string(n));
+      };
+      while (std::filesystem::exists(aside()))
+        ++n;
+      std::filesystem::create_directory(aside());
+      for (const auto &file : results)
+        std::filesystem::rename(file, aside() / file.filename());
+    }
+  } // namespace
+
+
+
+  RunFolder::RunFolder(const std::string   &path,
+                       const std::string   &parameter,
+                       const EarlierResults earlier,
+                       const MPI_Comm       comm)
+    : folder(path)
+  {
+    run_on_first(
+      [&]() {
+        create_folder(folder, parameter);
+        lock(parameter);
+        try
+          {
+            treat_earlier_results(folder, parameter, earlier);
+          }
+        catch (const ExceptionBase &)
+          {
+            release();
+            throw;
+          }
+        catch (const std::filesystem::filesystem_error &error)
+          {
+            release();
+            AssertThrow(false,
+                        ExcMessage("Earlier results in the folder <" + folder +
+                                   "> of the parameter '" + parameter +
+                                   "' cannot be moved or removed: " +
+                                   error.code().message() + "."));
+          }
+      },
+      comm);
+  }
+
+
+
+  void
+  RunFolder::lock(const std::string &parameter)
+  {
+    const std::string file = folder + "/lock";
+    errno                  = 0;
+    lock_descriptor = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    AssertThrow(lock_descriptor >= 0, ExcMessage(write_error(file)));
+    if (flock(lock_descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+      {
+        std::string holder;
+        std::getline(std::ifstream(file), holder);
+        close(lock_descriptor);
+        lock_descriptor = -1;
+        AssertThrow(false,
+                    ExcMessage("The folder <" + folder +
+                               "> of the parameter '" + parameter +
+                               "' is in use by another run" +
+                               (holder.empty() ? "" : ": " + holder) + "."));
+      }
+    // A file system without locks holds none.
+    char host[256] = "";
+    gethostname(host, sizeof(host) - 1);
+    const std::string text =
+      "process " + std::to_string(getpid()) + " on " + host + "\n";
+    if (ftruncate(lock_descriptor, 0) != 0 ||
+        write(lock_descriptor, text.data(), text.size()) !=
+          ssize_t(text.size()))
+      AssertThrow(false, ExcMessage(write_error(file)));
+  }
+
+
+
+  void
+  RunFolder::release()
+  {
+    if (lock_descriptor < 0)
+      return;
+    unlink((folder + "/lock").c_str());
+    close(lock_descriptor);
+    lock_descriptor = -1;
+  }
+
+
+
+  RunFolder::~RunFolder()
+  {
+    release();
+  }
+} // namespace greville

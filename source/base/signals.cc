@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/signals.h>
+
+#include <array>
+#include <csignal>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Those that end a run come behind SIGUSR1, so that the largest place wins.
+    constexpr std::array<int, 4> signals = {{SIGUSR1, SIGHUP, SIGINT, SIGTERM}};
+
+    constexpr std::array<const char *, 4> names = {
+      {"SIGUSR1", "SIGHUP", "SIGINT", "SIGTERM"}};
+
+    std::array<struct sigaction, 4> before;
+
+    // The place of the signal that has come, + 1.
+    volatile std::sig_atomic_t last = 0;
+  } // namespace
+} // namespace greville
+
+extern "C"
+{
+  static void
+  greville_catch_signal(const int signal)
+  {
+    for (int k = 0; k < int(greville::signals.size()); ++k)
+      if (greville::signals[k] == signal)
+        {
+          if (k + 1 > greville::last)
+            greville::last = k + 1;
+          if (k > 0)
+            std::signal(signal, SIG_DFL);
+        }
+  }
+}
+
+namespace greville
+{
+  SignalCatcher::SignalCatcher()
+  {
+    last                    = 0;
+    struct sigaction action = {};
+    action.sa_handler       = greville_catch_signal;
+    sigemptyset(&action.sa_mask);
+    // MPI's system calls go on.
+    action.sa_flags = SA_RESTART;
+    for (unsigned int k = 0; k < signals.size(); ++k)
+      sigaction(signals[k], &action, &before[k]);
+  }
+
+
+
+  SignalCatcher::~SignalCatcher()
+  {
+    for (unsigned int k = 0; k < signals.size(); ++k)
+      sigaction(signals[k], &before[k], nullptr);
+  }
+
+
+
+  int
+  SignalCatcher::take(const MPI_Comm comm)
+  {
+    const int own   = last;
+    const int place = Utilities::MPI::max(own, comm);
+    // One that comes in between is found by the next call.
+    if (last == own)
+      last = 0;
+    return place == 0 ? 0 : signals[place - 1];
+  }
+
+
+
+  std::string
+  SignalCatcher::name(const int signal)
+  {
+    for (unsigned int k = 0; k < signals.size(); ++k)
+      if (signals[k] == signal)
+        return names[k];
+    return "";
+  }
+} // namespace greville

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/simulation/checkpoint.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // The number changes with the meaning of texts and tables.
+    constexpr const char *format = "Greville checkpoint 1";
+
+    constexpr const char *prefix = "checkpoint_";
+
+    constexpr unsigned int n_generations = 2;
+
+
+
+    /**
+     * Checkpoints of a folder, the newest first.
+     */
+    std::vector<std::string>
+    checkpoints_in(const std::string &folder)
+    {
+      std::vector<std::string> files;
+      std::error_code          error;
+      for (const auto &entry :
+           std::filesystem::directory_iterator(folder, error))
+        if (entry.path().extension() == ".h5" &&
+            entry.path().filename().string().rfind(prefix, 0) == 0)
+          files.push_back(entry.path().string());
+      std::sort(files.rbegin(), files.rend());
+      return files;
+    }
+  } // namespace
+
+
+
+  std::string
+  write_checkpoint(const std::string &folder,
+                   const unsigned int n_steps,
+                   TablesFile         content,
+                   const MPI_Comm     comm)
+  {
+    content.texts["format"]  = format;
+    content.texts["version"] = GREVILLE_VERSION;
+    const std::string file =
+      folder + "/" + prefix + Utilities::int_to_string(n_steps, 10) + ".h5";
+    write_tables(file, content, comm);
+    run_on_first(
+      [&]() {
+        const auto files = checkpoints_in(folder);
+        for (unsigned int k = 0, n_older = 0; k < files.size(); ++k)
+          // Newer ones are of a run that has been left.
+          if (files[k] > file ||
+              (files[k] < file && ++n_older >= n_generations))
+            std::filesystem::remove(files[k]);
+      },
+      comm);
+    return file;
+  }
+
+
+
+  Checkpoint
+  read_checkpoint(const std::string &folder, const MPI_Comm comm)
+  {
+    // What the first process sees.
+    std::string list;
+    if (Utilities::MPI::this_mpi_process(comm) == 0)
+      for (const std::string &file : checkpoints_in(folder))
+        list += file + "\n";
+    std::istringstream files(Utilities::MPI::broadcast(comm, list));
+    Checkpoint         checkpoint;
+    while (std::getline(files, checkpoint.file))
+      try
+        {
+          checkpoint.content       = read_tables(checkpoint.file, comm);
+          const std::string &other = checkpoint.content.text("format");
+          AssertThrow(other == format,
+                      ExcMessage("Cannot read <" + checkpoint.file +
+                                 ">: it has the format <" + other +
+                                 ">, and this version of the program reads <" +
+                                 format + ">."));
+          return checkpoint;
+        }
+      catch (const std::exception &error)
+        {
+          checkpoint.refused.push_back(message_of(error));
+        }
+    std::string reasons;
+    for (const std::string &reason : checkpoint.refused)
+      reasons += " " + reason;
+    AssertThrow(false,
+                ExcMessage("There is no checkpoint in the folder <" + folder +
+                           "> that a run can go on from." + reasons));
+    return checkpoint;
+  }
+} // namespace greville

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/simulation/state_tables.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * Call @p all(name, number) for each number that all processes share, and
+     * @p sum(name, number) for those of which each has its part.
+     */
+    template <int dim, typename StateType, typename All, typename Sum>
+    void
+    visit_numbers(StateType &state, const All &all, const Sum &sum)
+    {
+      all("time", state.time);
+      all("velocity_time", state.velocity_time);
+      all("step", state.step);
+      all("velocity_step", state.velocity_step);
+      all("stage", state.stage);
+      all("n_steps", state.n_steps);
+      all("n_removed", state.n_removed);
+      all("n_free", state.n_free);
+      sum("n_sent", state.n_sent);
+      all("n_iterations", state.n_iterations);
+      all("n_all_iterations", state.n_all_iterations);
+      all("n_rejections", state.n_rejections);
+      all("step_fraction", state.step_fraction);
+      all("fastest", state.signals.fastest);
+      all("wave", state.signals.wave);
+      all("crossing_rate", state.signals.crossing_rate);
+      all("first_signal", state.first_signal);
+      all("critical_step", state.estimates.critical);
+      all("next_estimate", state.estimates.next);
+      all("steps_between_estimates", state.estimates.n_between);
+      all("wave_at_estimate", state.estimates.wave);
+      all("mode_is_known", state.estimates.mode.is_known);
+      all("step_of_mode", state.estimates.mode.step);
+      all("n_history", state.history.n);
+      all("step_before", state.history.steps[0]);
+      all("step_before_that", state.history.steps[1]);
+      state.energy.visit_numbers(all, sum);
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        for (unsigned int d = 0; d < dim; ++d)
+          sum("reaction_" + std::to_string(w) + "_" + std::to_string(d),
+              state.reactions[w][d]);
+      all("warned_gain", state.warned_gain);
+      all("last_kinetic", state.last_kinetic);
+      all("time_to_share", state.time_to_share);
+    }
+
+
+
+    /**
+     * The fields of the grid with their names.
+     */
+    template <typename StateType>
+    auto
+    fields_of(StateType &state)
+    {
+      using Field = decltype(&state.velocity);
+      return std::vector<std::pair<std::string, Field>>{
+        {"velocity", &state.velocity},
+        {"acceleration", &state.acceleration},
+        {"mode", &state.estimates.mode.force},
+        {"acceleration_before", &state.history.accelerations[0]},
+        {"acceleration_before_that", &state.history.accelerations[1]}};
+    }
+
+
+
+    template <int dim>
+    std::vector<std::string>
+    columns_of(const PointLayout<dim> &layout)
+    {
+      std::vector<std::string> columns = {"cell"};
+      for (const std::string &name : layout.names())
+        columns.push_back(name);
+      return columns;
+    }
+
+
+
+    /**
+     * The points in the order in which insert() makes the same lists of them.
+     */
+    template <int dim>
+    DistributedTable
+    table_of(const std::string &name, const MaterialPoints<dim> &points)
+    {
+      DistributedTable table{name, columns_of(points.layout()), {}};
+      table.values.reserve(points.n_points() * table.columns.size());
+      std::vector<unsigned int> groups;
+      for (const unsigned int cell : points.cells())
+        {
+          groups.clear();
+          for (unsigned int g = points.first_group(cell);
+               g != MaterialPoints<dim>::none;
+               g = points.next_group(g))
+            groups.push_back(g);
+          for (unsigned int k = groups.size(); k-- > 0;)
+            for (unsigned int lane = 0;
+                 lane < (k == 0 ? points.n_in_first_group(cell)
+                                : MaterialPoints<dim>::width);
+                 ++lane)
+              {
+                const ConstPointRef<dim> p = points.point(groups[k], lane);
+                table.values.push_back(
+                  double(points.space().owned_cells()[cell]));
+                for (unsigned int i = 0; i < points.layout().size; ++i)
+                  table.values.push_back(p[i]);
+              }
+        }
+      return table;
+    }
+
+
+
+    template <int dim>
+    void
+    set_points(MaterialPoints<dim>    &points,
+               const DistributedTable &table,
+               const std::string      &what,
+               PointTransport<dim>    &transport)
+    {
+      AssertThrow(table.columns == columns_of(points.layout()),
+                  ExcMessage(what + " has other numbers at its points: another "
+                                    "material, transfer or load."));
+      const PointLayout<dim> layout = points.layout();
+      points.reinit(points.space(), layout);
+      transport.insert(points, table.values);
+    }
+
+
+
+    template <int dim>
+    DistributedTable
+    field_table(const std::string      &name,
+                const VectorField<dim> &field,
+                const SplineSpace<dim> &space)
+    {
+      DistributedTable table{name, {"function"}, {}};
+      for (unsigned int d = 0; d < dim; ++d)
+        table.columns.push_back(std::string(1, "xyz"[d]));
+      if (field[0].size() == 0)
+        return table;
+      const auto &functions = space.owned_functions();
+      for (unsigned int i = 0; i < functions.size(); ++i)
+        {
+          table.values.push_back(double(functions[i]));
+          for (unsigned int d = 0; d < dim; ++d)
+            table.values.push_back(field[d].local_element(i));
+        }
+      return table;
+    }
+
+
+
+    template <int dim>
+    void
+    set_field(VectorField<dim>          &field,
+              const DistributedTable    &table,
+              const Discretization<dim> &discretization)
+    {
+      const SplineSpace<dim> &space = discretization.space();
+      const MPI_Comm          comm  = space.communicator();
+      const std::size_t       n     = table.n_rows();
+      if (Utilities::MPI::max<unsigned int>(n > 0, comm) == 0)
+        {
+          field = {};
+          return;
+        }
+      discretization.initialize(field);
+      constexpr unsigned int     width = 1 + dim;
+      std::vector<std::uint64_t> positions;
+      for (std::size_t k = 0; k < n; ++k)
+        positions.push_back(std::uint64_t(table.values[k * width]));
+      const auto numbers = space.global_numbers(positions);
+
+      IndexSet rows(space.n_dofs());
+      {
+        auto sorted = numbers;
+        std::sort(sorted.begin(), sorted.end());
+        rows.add_indices(sorted.begin(), sorted.end());
+        rows.compress();
+      }
+      const auto owners =
+        Utilities::MPI::compute_index_owner(space.locally_owned_dofs(),
+                                            rows,
+                                            comm);
+      std::map<unsigned int, std::vector<double>> to_send;
+      for (std::size_t k = 0; k < n; ++k)
+        {
+          auto &message = to_send[owners[rows.index_within_set(numbers[k])]];
+          message.push_back(double(numbers[k]));
+          message.insert(message.end(),
+                         table.values.begin() + k * width + 1,
+                         table.values.begin() + (k + 1) * width);
+        }
+      const unsigned int process  = Utilities::MPI::this_mpi_process(comm);
+      auto               own      = to_send.extract(process);
+      auto               received = Utilities::MPI::some_to_some(comm, to_send);
+      if (!own.empty())
+        received[process].swap(own.mapped());
+      for (const auto &message : received)
+        for (std::size_t k = 0; k < message.second.size(); k += width)
+          for (unsigned int d = 0; d < dim; ++d)
+            field[d](types::global_dof_index(message.second[k])) =
+              message.second[k + 1 + d];
+    }
+
+
+
+    /**
+     * The only rows of a small table, on all processes.
+     */
+    std::vector<double>
+    all_values(const DistributedTable &table, const MPI_Comm comm)
+    {
+      std::vector<double> result;
+      for (const auto &part : Utilities::MPI::all_gather(comm, table.values))
+        result.insert(result.end(), part.begin(), part.end());
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  std::vector<DistributedTable>
+  make_tables(const State<dim> &state, const SplineSpace<dim> &space)
+  {
+    const MPI_Comm comm     = space.communicator();
+    const bool     is_first = Utilities::MPI::this_mpi_process(comm) == 0;
+
+    DistributedTable numbers{"state", {}, {}};
+    const auto       add = [&](const std::string &name, const double value) {
+      numbers.columns.push_back(name);
+      if (is_first)
+        numbers.values.push_back(value);
+    };
+    visit_numbers<dim>(
+      state,
+      [&](const std::string &name, const auto value) {
+        add(name, double(value));
+      },
+      [&](const std::string &name, const auto value) {
+        add(name, double(Utilities::MPI::sum(value, comm)));
+      });
+    DistributedTable estimates{"step_estimates", {"step"}, {}};
+    if (is_first)
+      estimates.values = state.estimates.last;
+
+    std::vector<DistributedTable> tables = {std::move(numbers),
+                                            std::move(estimates)};
+    for (const auto &[name, field] : fields_of(state))
+      tables.push_back(field_table<dim>(name, *field, space));
+    for (unsigned int b = 0; b < state.bodies.size(); ++b)
+      tables.push_back(
+        table_of("body_" + std::to_string(b), state.bodies[b].points));
+    for (unsigned int s = 0; s < state.surfaces.size(); ++s)
+      tables.push_back(
+        table_of("surface_" + std::to_string(s), state.surfaces[s].points));
+    return tables;
+  }
+
+
+
+  template <int dim>
+  void
+  set_from_tables(State<dim>          &state,
+                  const TablesFile    &content,
+                  Discretization<dim> &discretization)
+  {
+    const MPI_Comm comm     = discretization.communicator();
+    const bool     is_first = Utilities::MPI::this_mpi_process(comm) == 0;
+
+    const DistributedTable &numbers  = content.table("state");
+    const auto              values   = all_values(numbers, comm);
+    const auto              value_of = [&](const std::string &name) {
+      const auto found =
+        std::find(numbers.columns.begin(), numbers.columns.end(), name);
+      AssertThrow(found != numbers.columns.end(),
+                  ExcMessage("there is no number " + name));
+      return values[found - numbers.columns.begin()];
+    };
+    AssertThrow(values.size() == numbers.columns.size(),
+                ExcMessage("the table state has not one row"));
+    visit_numbers<dim>(
+      state,
+      [&](const std::string &name, auto &value) {
+        value = std::decay_t<decltype(value)>(value_of(name));
+      },
+      [&](const std::string &name, auto &value) {
+        value = is_first ? std::decay_t<decltype(value)>(value_of(name)) : 0;
+      });
+    state.estimates.last = all_values(content.table("step_estimates"), comm);
+    state.slid.clear();
+
+    for (const auto &[name, field] : fields_of(state))
+      set_field<dim>(*field, content.table(name), discretization);
+    for (unsigned int b = 0; b < state.bodies.size(); ++b)
+      set_points(state.bodies[b].points,
+                 content.table("body_" + std::to_string(b)),
+                 "'Body " + state.bodies[b].name + "'",
+                 discretization.transport());
+    for (unsigned int s = 0; s < state.surfaces.size(); ++s)
+      set_points(state.surfaces[s].points,
+                 content.table("surface_" + std::to_string(s)),
+                 "'Surface load " + state.surfaces[s].name + "'",
+                 discretization.transport());
+    state.points_have_changed();
+  }
+
+
+
+  template decltype(make_tables<2>)     make_tables<2>;
+  template decltype(make_tables<3>)     make_tables<3>;
+  template decltype(set_from_tables<2>) set_from_tables<2>;
+  template decltype(set_from_tables<3>) set_from_tables<3>;
+} // namespace greville
