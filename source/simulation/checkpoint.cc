@@ -3,6 +3,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/parameters.h>
 #include <greville/simulation/checkpoint.h>
 
 #include <algorithm>
@@ -40,7 +41,96 @@ namespace greville
       std::sort(files.rbegin(), files.rend());
       return files;
     }
+
+
+
+    /**
+     * The values of all parameters by "Section/Parameter" from a text of
+     * ParameterHandler.
+     */
+    std::map<std::string, std::string>
+    values_of(const std::string &text)
+    {
+      std::map<std::string, std::string> values;
+      std::vector<std::string>           sections;
+      std::istringstream                 lines(text);
+      for (std::string line; std::getline(lines, line);)
+        {
+          line           = Utilities::trim(line.substr(0, line.find(" # ")));
+          const auto  is = line.find('=');
+          std::string where;
+          for (const std::string &section : sections)
+            where += section + "/";
+          if (line.rfind("subsection ", 0) == 0)
+            sections.push_back(Utilities::trim(line.substr(11)));
+          else if (line == "end" && !sections.empty())
+            sections.pop_back();
+          else if (line.rfind("set ", 0) == 0 && is != std::string::npos)
+            values[where + Utilities::trim(line.substr(4, is - 4))] =
+              Utilities::trim(line.substr(is + 1));
+        }
+      return values;
+    }
+
+
+
+    bool
+    may_change(const std::string &parameter)
+    {
+      const auto is = [&](const std::string &end) {
+        return parameter.size() >= end.size() &&
+               parameter.compare(parameter.size() - end.size(),
+                                 end.size(),
+                                 end) == 0;
+      };
+      for (const std::string section :
+           {"Output/", "Checkpoints/", "Reference/"})
+        if (parameter.rfind(section, 0) == 0)
+          return true;
+      return is("Time/End") || is("Time/Maximum steps");
+    }
   } // namespace
+
+
+
+  void
+  CheckpointParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Every steps", every_steps)(
+      "Number of steps between two checkpoints; 0: none for this reason.");
+    add_parameter(prm, "Every minutes", every_minutes, Patterns::Double(0.))(
+      "Wall time between two checkpoints; 0: none for this reason. Unit: min.");
+    add_parameter(prm, "At the end", at_end)(
+      "Write one at the end of the run, for runs that start from there or go "
+      "on beyond it.");
+  }
+
+
+
+  std::string
+  describe_changes(const std::string &before, const std::string &now)
+  {
+    const auto  old_values = values_of(before), new_values = values_of(now);
+    std::string changes;
+    const auto  add = [&](const std::string &parameter,
+                         const std::string &old_value,
+                         const std::string &new_value) {
+      if (!may_change(parameter) && old_value != new_value)
+        changes += "\n  '" + parameter + "': " + old_value + " there, " +
+                   new_value + " here";
+    };
+    for (const auto &[parameter, value] : old_values)
+      {
+        const auto found = new_values.find(parameter);
+        add(parameter,
+            value,
+            found == new_values.end() ? "(none)" : found->second);
+      }
+    for (const auto &[parameter, value] : new_values)
+      if (old_values.count(parameter) == 0)
+        add(parameter, "(none)", value);
+    return changes;
+  }
 
 
 

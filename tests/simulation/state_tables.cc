@@ -66,9 +66,11 @@ namespace
         // How often a solver iterates depends on its blocks.
         if (column == "iterations")
           continue;
-        const bool   is_momentum = column.find("momentum") != std::string::npos;
-        const double scale =
-          is_momentum ? momentum : std::abs(columns[k].second) + 1e-9;
+        double scale = std::abs(columns[k].second) + 1e-9;
+        if (column.find("momentum") != std::string::npos)
+          scale = momentum;
+        else if (column.rfind("load_", 0) == 0)
+          scale = a.loads[0].second.norm();
         check(name + ", " + column,
               std::abs(columns[k].second - others[k].second) / scale,
               tolerance);
@@ -131,5 +133,33 @@ main(int argc, char **argv)
   test<2>("MUSL, APIC",
           text.with("Scheme", {"Stress update = MUSL", "Transfer = APIC"}));
   test<2>("fmpm", text.with("Scheme", {"Mass = fmpm-3"}));
-  test<2>("consistent", text.with("Scheme", {"Mass = consistent"}), 1e-8);
+  test<2>("consistent",
+          text.with("Scheme", {"Mass = consistent"})
+            .with("Solver", {"Tolerance = 1e-13"}),
+          1e-9);
+
+  const Text total =
+    text.with("Scheme", {"Formulation = total Lagrangian"})
+      .with("Body body", {"Placement = fitted"})
+      .with("Simulation", {"Surface loads = top"})
+      .with("Surface load top",
+            {"Body = body",
+             "Where = y > 0.3999",
+             "Kind = pressure",
+             "Pressure = 5"})
+      .with("Walls", {"Bottom = sliding", "Bottom friction = 0"})
+      .with("Solver", {"Tolerance = 1e-13"});
+  test<2>("total Lagrangian, lumped", total);
+  test<2>("total Lagrangian, consistent",
+          total.with("Scheme", {"Mass = consistent"}),
+          1e-9);
+  const Text newmark =
+    total.with("Scheme", {"Mass = consistent", "Stress update = newmark"})
+      .with("Time", {"Step = 0.005"})
+      .with("Newton", {"Tolerance = 1e-12"});
+  test<2>("newmark", newmark, 1e-8);
+  test<3>("3D",
+          block_3d("ball(0.5, 0.5, 0.5, 0.3)")
+            .with("Body body", {"Velocity = 0.2; -0.5 * y; 0.1 * z"})
+            .with("Time", {"End = 10"}));
 }

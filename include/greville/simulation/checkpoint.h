@@ -3,6 +3,8 @@
 #ifndef greville_simulation_checkpoint_h
 #define greville_simulation_checkpoint_h
 
+#include <deal.II/base/parameter_handler.h>
+
 #include <greville/base/tables.h>
 
 #include <string>
@@ -10,6 +12,35 @@
 
 namespace greville
 {
+  /**
+   * When a run writes its state to the disk. It does so on SIGUSR1, SIGTERM,
+   * SIGINT and SIGHUP in any case.
+   */
+  struct CheckpointParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    unsigned int every_steps   = 0;
+    double       every_minutes = 15.;
+    bool         at_end        = true;
+  };
+
+
+
+  /**
+   * The differences between two sets of parameters, as
+   * SimulationParameters::used() writes them, that a run cannot go on with: all
+   * but those of the sections 'Output', 'Checkpoints' and 'Reference', and of
+   * the parameters 'End' and 'Maximum steps' of 'Time'. Returns one line for
+   * each, with the parameter, and its value there and here; empty if there is
+   * none.
+   */
+  std::string
+  describe_changes(const std::string &before, const std::string &now);
+
+
+
   /**
    * Collective. Write @p content to the file checkpoint_NNNNNNNN.h5 of
    * @p folder with the number of steps in its name, with the format and the
