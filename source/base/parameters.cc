@@ -52,7 +52,7 @@ namespace greville
     void
     print_section(std::ostream                      &out,
                   const boost::property_tree::ptree &tree,
-                  const std::string                 &title)
+                  const std::string                 &section)
     {
       const auto value_of = [](const boost::property_tree::ptree &entry,
                                const char                        *key) {
@@ -63,7 +63,7 @@ namespace greville
         if (child.second.find("value") != child.second.not_found())
           {
             if (!has_entries)
-              out << "## " << title << "\n\n"
+              out << "## " << (section.empty() ? "General" : section) << "\n\n"
                   << "| parameter | default | allowed | meaning |\n"
                   << "| --- | --- | --- | --- |\n";
             has_entries = true;
@@ -80,7 +80,10 @@ namespace greville
         out << '\n';
       for (const auto &child : tree)
         if (child.second.find("value") == child.second.not_found())
-          print_section(out, child.second, demangle(child.first));
+          print_section(out,
+                        child.second,
+                        (section.empty() ? "" : section + "/") +
+                          demangle(child.first));
     }
   } // namespace
 
@@ -101,7 +104,7 @@ namespace greville
         << "this page with the program.\n"
         << "A file has the form `subsection SECTION`, `set PARAMETER = VALUE`, "
         << "`end`.\n\n";
-    print_section(out, tree, "General");
+    print_section(out, tree, "");
   }
 
 

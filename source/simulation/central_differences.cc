@@ -526,8 +526,18 @@ namespace greville
 
 
   template <int dim>
+  bool
+  CentralDifferences<dim>::may_reject() const
+  {
+    return consistent && parameters.time.step.empty() &&
+           order != StressUpdate::USF;
+  }
+
+
+
+  template <int dim>
   void
-  CentralDifferences<dim>::advance(State<dim> &state, const double dt)
+  CentralDifferences<dim>::try_step(State<dim> &state, const double dt)
   {
     trial.step             = dt;
     trial.velocity_step    = half_steps ? 0.5 * (state.step + dt) : dt;
@@ -535,24 +545,38 @@ namespace greville
     trial.motion           = PointMotion();
     if (state.n_rejections == 0)
       trial.n_iterations = trial.n_all_iterations = 0;
+    if (!may_reject())
+      return;
     find_acceleration(state);
 
-    // A given step is taken, and so is one that has been rejected before.
-    if (consistent && parameters.time.step.empty() &&
-        order != StressUpdate::USF)
+    // One that has been rejected before is taken.
+    const bool is_too_long =
+      state.n_rejections == 0 &&
+      step_size.shows_faster_mode(state, trial.acceleration, dt);
+    // The guess of another trial.
+    std::swap(state.acceleration, trial.acceleration);
+    if (is_too_long)
       {
-        if (state.n_rejections == 0 &&
-            step_size.shows_faster_mode(state, trial.acceleration, dt))
-          {
-            std::swap(state.acceleration, trial.acceleration);
-            state.estimates.mode.is_known = true;
-            state.estimates.mode.force    = trial.force;
-            throw StepRejected("accelerations show a mode of the grid that is "
-                               "too fast");
-          }
+        state.estimates.mode.is_known = true;
+        state.estimates.mode.force    = trial.force;
+        throw StepRejected("accelerations show a mode of the grid that is "
+                           "too fast");
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::advance(State<dim> &state, const double dt)
+  {
+    if (may_reject())
+      {
+        std::swap(state.acceleration, trial.acceleration);
         step_size.remember(state, trial.acceleration, dt);
       }
-
+    else
+      find_acceleration(state);
     find_new_velocity(state);
     const VectorField<dim> *const a = &trial.acceleration;
     const VectorField<dim> *const v = &trial.new_velocity;

@@ -34,11 +34,11 @@ namespace greville
      */
     template <int dim, int n, typename Value>
     std::optional<Errors>
-    errors_of(const VectorExpression<n>    &formulas,
-              const std::vector<Body<dim>> &bodies,
-              const double                  t,
-              const MPI_Comm                comm,
-              const Value                  &value)
+    errors_of(const VectorExpression<n> &formulas,
+              const BodyList<dim>       &bodies,
+              const double               t,
+              const MPI_Comm             comm,
+              const Value               &value)
     {
       if (formulas.is_zero())
         return {};
@@ -95,10 +95,10 @@ namespace greville
 
   template <int dim>
   ExactErrors
-  ExactSolution<dim>::errors(const std::vector<Body<dim>> &bodies,
-                             const double                  t,
-                             const double                  t_velocity,
-                             const MPI_Comm                comm) const
+  ExactSolution<dim>::errors(const BodyList<dim> &bodies,
+                             const double         t,
+                             const double         t_velocity,
+                             const MPI_Comm       comm) const
   {
     using Ref    = const ConstPointRef<dim>;
     const auto u = [](Ref p, const unsigned int d) {
@@ -208,10 +208,10 @@ namespace greville
 
   template <int dim>
   Distance
-  MeasuredData<dim>::surface_distance(const std::vector<Body<dim>> &bodies,
-                                      const double                  h,
-                                      const double                  floor,
-                                      const MPI_Comm                comm) const
+  MeasuredData<dim>::surface_distance(const BodyList<dim> &bodies,
+                                      const double         h,
+                                      const double         floor,
+                                      const MPI_Comm       comm) const
   {
     std::vector<double> heights(surface.size(), floor);
     for (const Body<dim> &body : bodies)

@@ -319,7 +319,7 @@ namespace greville
 
   template <int dim>
   void
-  ImplicitSteps<dim>::advance(State<dim> &state, const double dt)
+  ImplicitSteps<dim>::try_step(State<dim> &state, const double dt)
   {
     start_step(state, dt);
     // The guess: the velocity goes on. Walls move by their displacement, or by
@@ -337,7 +337,7 @@ namespace greville
     system.initialize(x);
     system.read(x, displacement);
 
-    unsigned int  n_linear = 0, n_all_linear = 0;
+    n_linear = n_all_linear = 0;
     NewtonProblem problem;
     // The guess is linearized at once: it gets both with one pass over points.
     bool is_guess    = true;
@@ -398,6 +398,15 @@ namespace greville
         rejection = result.reason + describe_residual();
         throw StepRejected(rejection);
       }
+    n_newton = result.n_iterations();
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::advance(State<dim> &state, const double dt)
+  {
     find_reactions(state);
 
     // v', and what the points get.
@@ -431,7 +440,7 @@ namespace greville
     state.n_iterations  = n_linear;
     state.n_all_iterations += n_all_linear;
     ++state.n_steps;
-    if (result.n_iterations() <= parameters.implicit.easy_iterations)
+    if (n_newton <= parameters.implicit.easy_iterations)
       state.step_fraction = std::min(1., 2. * state.step_fraction);
   }
 

@@ -122,8 +122,9 @@ namespace greville
                  "reaches both, near ("
               << space.lattice().cell_center(cell)
               << ") m: they would move as one body. Place them at least "
-                 "p + 1 cells apart; they do not see one another in such "
-                 "steps.";
+                 "p + 1 cells apart, or give each a grid of its own "
+                 "('Grid/Per body' = true); they do not see one another in "
+                 "such steps.";
           }
       throw_on_all(message.str(), space.communicator());
     }

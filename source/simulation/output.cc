@@ -75,7 +75,7 @@ namespace greville
     class PointsOut : public PatchesOut<0, dim>
     {
     public:
-      PointsOut(const std::vector<Body<dim>>        &bodies,
+      PointsOut(const BodyList<dim>                 &bodies,
                 const std::vector<OutputField<dim>> &fields)
       {
         for (const OutputField<dim> &field : fields)
@@ -269,54 +269,52 @@ namespace greville
 
 
   template <int dim>
+  template <typename DataOutType>
   void
-  FieldOutput<dim>::write_record(const unsigned int kind,
-                                 const std::string &name,
-                                 const MPI_Comm     comm)
+  FieldOutput<dim>::write_next(const std::string &name,
+                               const double       time,
+                               const DataOutType &data,
+                               const MPI_Comm     comm)
   {
+    auto &written = times_and_names[name];
+    written.emplace_back(
+      time, write_parallel(data, directory, name, written.size(), comm));
     std::ostringstream text;
-    DataOutBase::write_pvd_record(text, times_and_names[kind]);
+    DataOutBase::write_pvd_record(text, written);
     run_on_first(
-      [&]() { write_atomically(directory + "/" + name, text.str()); }, comm);
+      [&]() { write_atomically(directory + "/" + name + ".pvd", text.str()); },
+      comm);
   }
 
 
 
   template <int dim>
   void
-  FieldOutput<dim>::write_points(const double                  time,
-                                 const std::vector<Body<dim>> &bodies,
-                                 const MPI_Comm                comm)
+  FieldOutput<dim>::write_points(const double         time,
+                                 const BodyList<dim> &bodies,
+                                 const MPI_Comm       comm)
   {
-    const unsigned int number = n_written();
-
     PointsOut<dim> points(bodies,
                           point_fields(parameters.fields,
                                        bodies,
                                        Utilities::MPI::this_mpi_process(comm)));
     points.set_flags(fast_compression());
-    times_and_names[0].emplace_back(
-      time, write_parallel(points, directory, "points", number, comm));
-    write_record(0, "points.pvd", comm);
+    write_next("points", time, points, comm);
   }
 
 
 
   template <int dim>
   void
-  FieldOutput<dim>::write(const double                  time,
-                          const std::vector<Body<dim>> &bodies,
-                          const SplineSpace<dim>       &space,
-                          const VectorField<dim>       &velocity,
-                          const VectorType             &mass,
-                          const VectorField<dim>       &acceleration)
+  FieldOutput<dim>::write_grid(const double            time,
+                               const SplineSpace<dim> &space,
+                               const VectorField<dim> &velocity,
+                               const VectorType       &mass,
+                               const VectorField<dim> &acceleration,
+                               const std::string      &body)
   {
-    const MPI_Comm     comm   = space.communicator();
-    const unsigned int number = n_written();
-    write_points(time, bodies, comm);
     if (!parameters.grid_fields)
       return;
-
     const auto &fields = parameters.fields;
     const bool  with_acceleration =
       std::find(fields.begin(), fields.end(), "acceleration") != fields.end();
@@ -327,18 +325,19 @@ namespace greville
     DataOutBase::VtkFlags flags    = fast_compression();
     flags.write_higher_order_cells = true;
     grid.set_flags(flags);
-    times_and_names[1].emplace_back(
-      time, write_parallel(grid, directory, "grid", number, comm));
-    write_record(1, "grid.pvd", comm);
+    write_next("grid" + (body.empty() ? "" : "_" + body),
+               time,
+               grid,
+               space.communicator());
   }
 
 
 
   template <int dim>
-  Probes<dim>::Probes(const std::string            &text,
-                      const std::vector<Body<dim>> &bodies,
-                      const std::string            &file_name,
-                      const MPI_Comm                comm)
+  Probes<dim>::Probes(const std::string   &text,
+                      const BodyList<dim> &bodies,
+                      const std::string   &file_name,
+                      const MPI_Comm       comm)
     : comm(comm)
   {
     for (const std::string &position : Utilities::split_string_list(text, ';'))
@@ -379,9 +378,9 @@ namespace greville
           }
         const double best = Utilities::MPI::min(nearest, comm);
         double       size = 0.;
-        for (unsigned int d = 0; d < dim; ++d)
-          size =
-            std::max(size, bodies[0].points.space().lattice().cell_size(d));
+        for (const Body<dim> &body : bodies)
+          for (unsigned int d = 0; d < dim; ++d)
+            size = std::max(size, body.points.space().lattice().cell_size(d));
         AssertThrow(best <= size * size,
                     ExcMessage("The parameter 'Output/Probes' has the position "
                                "<" +
@@ -414,7 +413,7 @@ namespace greville
 
   template <int dim>
   void
-  Probes<dim>::write(const double time, const std::vector<Body<dim>> &bodies)
+  Probes<dim>::write(const double time, const BodyList<dim> &bodies)
   {
     if (probes.empty())
       return;

@@ -50,6 +50,30 @@ namespace greville
       "Cells in each direction. Unit: none.");
     add_parameter(prm, "Order", degree, Integer(1, SplineSpace<2>::max_degree))(
       "Order p of the B-splines. Unit: none.");
+    add_parameter(prm, "Per body", per_body)(
+      "With total Lagrangian steps: each body has fields of its own on the "
+      "part of the grid around it, so that bodies may be close to one another. "
+      "It is so, too, where a body has a section 'Grid'.");
+  }
+
+
+
+  void
+  BodyGridParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Lower corner", lower, List(Double(), 0, 3))(
+      "The grid of this body in total Lagrangian steps, of which the part "
+      "around the body is taken; then each body has a grid of its own. "
+      "Empty: as in the section 'Grid' outside. Walls act on sides that lie "
+      "on those of that grid. Unit: m.");
+    add_parameter(prm, "Upper corner", upper, List(Double(), 0, 3))(
+      "Likewise. Unit: m.");
+    add_parameter(prm, "Cells", cells, List(Integer(1), 0, 3))(
+      "Cells between the corners in each direction; they are needed where a "
+      "corner is given. Empty: as in the section 'Grid' outside. Unit: none.");
+    add_parameter(prm, "Order", degree, Integer(0, SplineSpace<2>::max_degree))(
+      "Order p of the B-splines. 0: as in the section 'Grid' outside. Unit: "
+      "none.");
   }
 
 

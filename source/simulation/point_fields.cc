@@ -59,7 +59,7 @@ namespace greville
     template <int dim>
     void
     add_history(std::vector<OutputField<dim>> &fields,
-                const std::vector<Body<dim>>  &bodies)
+                const BodyList<dim>           &bodies)
     {
       std::vector<std::string> names;
       for (const Body<dim> &body : bodies)
@@ -183,7 +183,7 @@ namespace greville
   template <int dim>
   std::vector<OutputField<dim>>
   point_fields(const std::vector<std::string> &names,
-               const std::vector<Body<dim>>   &bodies,
+               const BodyList<dim>            &bodies,
                const unsigned int              process)
   {
     std::vector<OutputField<dim>> result;

@@ -91,19 +91,19 @@ namespace greville
     , out(out)
     , comm(comm)
     , is_first(Utilities::MPI::this_mpi_process(comm) == 0)
-    , simulation(parameters, comm)
+    , ensemble(parameters, comm)
     , exact(parameters.exact)
     , measured(parameters.reference)
     , fields(directory, parameters.output)
     , probes(parameters.output.probes,
-             simulation.bodies(),
+             ensemble.bodies(),
              directory + "/probes.csv",
              comm)
-    , next_fields(simulation.state().time)
-    , next_statistics(simulation.state().time)
+    , next_fields(common().time)
+    , next_statistics(common().time)
     , is_terminal(isatty(STDOUT_FILENO) == 1)
   {
-    for (const Body<dim> &body : simulation.bodies())
+    for (const Body<dim> &body : ensemble.bodies())
       n_points += body.n_points;
     auto columns = Statistics<dim>::names(parameters.general.surface_loads);
     reactions    = reactions_of<dim>(parameters);
@@ -114,7 +114,7 @@ namespace greville
     statistics_file.open(directory + "/statistics.csv", columns, 14, comm);
     // A formula that fails is better found now than at the end.
     const double end = parameters.end_of_run();
-    exact.errors(simulation.bodies(), end, end, comm);
+    exact.errors(ensemble.bodies(), end, end, comm);
   }
 
 
@@ -126,50 +126,49 @@ namespace greville
     print_header();
     begin = last_shown = std::chrono::steady_clock::now();
     if (parameters.output.grid_fields)
-      simulation.fill_grid();
+      ensemble.fill_grid();
     write_due(false);
-    while (!simulation.is_finished())
+    while (!ensemble.is_finished())
       {
         try
           {
-            simulation.step();
+            ensemble.step();
           }
         catch (const std::exception &)
           {
             if (is_terminal && parameters.output.print_times)
               out << "\r\033[K" << std::flush;
             // The fields of the grid are those of the step that failed.
-            fields.write_points(simulation.state().time,
-                                simulation.bodies(),
-                                comm);
+            fields.write_points(common().time, ensemble.bodies(), comm);
             throw;
           }
-        if (simulation.state().stage != last_stage)
+        if (common().stage != last_stage)
           {
-            last_stage = simulation.state().stage;
+            last_stage = common().stage;
             out << '\n';
             print_stage();
           }
-        for (const std::string &warning : simulation.take_warnings())
+        for (const std::string &warning : ensemble.take_warnings())
           out << "Warning: " << warning << std::endl;
-        const bool is_last = simulation.is_finished();
+        const bool is_last = ensemble.is_finished();
         write_due(is_last);
         print_progress(is_last);
       }
 
     RunSummary summary;
     summary.wall_time = seconds_since(begin);
-    summary.errors    = exact.errors(simulation.bodies(),
-                                  simulation.state().time,
-                                  simulation.state().velocity_time,
+    summary.errors    = exact.errors(ensemble.bodies(),
+                                  common().time,
+                                  common().velocity_time,
                                   comm);
     summary.front     = largest_front;
     if (measured.has_surface())
-      summary.surface =
-        measured.surface_distance(simulation.bodies(),
-                                  simulation.space().lattice().cell_size(0),
-                                  simulation.space().lattice().lower(1),
-                                  comm);
+      summary.surface = measured.surface_distance(ensemble.bodies(),
+                                                  (parameters.grid.upper[0] -
+                                                   parameters.grid.lower[0]) /
+                                                    parameters.grid.cells[0],
+                                                  parameters.grid.lower[1],
+                                                  comm);
     if (measured.has_series())
       summary.series = measured.series_distance();
     print_summary(summary);
@@ -184,7 +183,7 @@ namespace greville
   SimulationRun<dim>::write_due(const bool is_last)
   {
     const OutputParameters &output = parameters.output;
-    const double            time   = simulation.state().time;
+    const double            time   = common().time;
     const double            now =
       time + 1e-12 * std::max({std::abs(time),
                                std::abs(parameters.time.start),
@@ -195,7 +194,7 @@ namespace greville
       return every > 0. ? start + every * (std::floor((t - start) / every) + 1.)
                         : t;
     };
-    const bool is_stage_end = is_last || simulation.is_stage_finished();
+    const bool is_stage_end = is_last || ensemble.first().is_stage_finished();
     if (is_stage_end || now >= next_statistics)
       {
         write_statistics();
@@ -203,12 +202,19 @@ namespace greville
       }
     if (is_stage_end || now >= next_fields)
       {
-        fields.write(simulation.state().time,
-                     simulation.bodies(),
-                     simulation.space(),
-                     simulation.state().velocity,
-                     simulation.mass().lumped(),
-                     simulation.state().acceleration);
+        fields.write_points(time, ensemble.bodies(), comm);
+        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+          {
+            const Simulation<dim> &part = ensemble.part(k);
+            fields.write_grid(time,
+                              part.space(),
+                              part.state().velocity,
+                              part.mass().lumped(),
+                              part.state().acceleration,
+                              parameters.has_body_grids()
+                                ? part.bodies()[0].name
+                                : "");
+          }
         next_fields = output.fields_every > 0.
                         ? next_multiple(output.fields_every, now)
                         : std::numeric_limits<double>::infinity();
@@ -221,15 +227,15 @@ namespace greville
   void
   SimulationRun<dim>::write_statistics()
   {
-    const Statistics<dim> row = simulation.statistics();
+    const Statistics<dim> row = ensemble.statistics();
     largest_front             = std::max(largest_front, row.front);
     measured.add(row);
-    probes.write(simulation.state().time, simulation.bodies());
+    probes.write(common().time, ensemble.bodies());
     auto values = row.values();
     for (const auto &[wall, component] : reactions)
       values.push_back(row.reactions[wall][component]);
     if (!parameters.stages.empty())
-      values.push_back(simulation.state().stage + 1);
+      values.push_back(common().stage + 1);
     statistics_file.write(values);
   }
 
@@ -242,12 +248,28 @@ namespace greville
     out << "Greville, " << dim << "D, " << Utilities::MPI::n_mpi_processes(comm)
         << " process(es)\n\n"
         << "  body             material         points\n";
-    for (const Body<dim> &body : simulation.bodies())
+    for (const Body<dim> &body : ensemble.bodies())
       out << "  " << std::left << std::setw(16) << body.name << " "
           << std::setw(16) << body.parameters->material << std::right
           << std::setw(7) << body.n_points << '\n';
-    out << "\n  grid: " << cells_text(parameters.grid.cells) << " cells, order "
-        << parameters.grid.degree << '\n';
+    if (parameters.has_body_grids())
+      {
+        out << "\n  grid of          cells            order\n";
+        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+          {
+            const Simulation<dim> &part = ensemble.part(k);
+            const GridParameters  &grid = part.stage_parameters().grid;
+            out << "  " << std::left << std::setw(16) << part.bodies()[0].name
+                << " " << std::setw(16) << cells_text(grid.cells) << std::right
+                << std::setw(6) << grid.degree << '\n';
+          }
+        out << '\n';
+      }
+    else
+      out << "\n  grid: " << cells_text(parameters.grid.cells)
+          << " cells, order " << parameters.grid.degree << '\n';
+    if (parameters.scheme.is_total_lagrangian() && ensemble.bodies().size() > 1)
+      out << "  Bodies do not see one another in total Lagrangian steps.\n";
     print_stage();
   }
 
@@ -257,17 +279,31 @@ namespace greville
   void
   SimulationRun<dim>::print_stage()
   {
-    const SchemeParameters &scheme = simulation.stage_parameters().scheme;
-    const TimeParameters   &time   = simulation.stage_parameters().time;
+    const SchemeParameters &scheme = ensemble.first().stage_parameters().scheme;
+    const TimeParameters   &time   = ensemble.first().stage_parameters().time;
     if (!parameters.stages.empty())
       out << "  " << parameters.stage_text(last_stage) << "t = " << time.start
           << " to " << time.end << " s\n";
     out << "  mass: " << scheme.mass;
-    if (simulation.mass().solver() != scheme.mass)
-      out << " (" << simulation.mass().solver() << ")";
+    const std::string &solver = ensemble.first().mass().solver();
+    if (solver != scheme.mass)
+      out << " (" << solver << ")";
     out << ", " << scheme.stress_update << ", " << scheme.transfer
         << ", quadrature by " << scheme.quadrature << "\n\n";
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      {
+        if (parameters.has_body_grids())
+          out << "  grid of " << ensemble.part(k).bodies()[0].name << ":\n";
+        print_levels(ensemble.part(k));
+      }
+  }
 
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::print_levels(const Simulation<dim> &simulation)
+  {
     const std::vector<SolverLevel> levels = simulation.solver_levels();
     if (!levels.empty())
       {
@@ -306,7 +342,7 @@ namespace greville
     const double start   = parameters.time.start;
     const double end     = parameters.end_of_run();
     const double elapsed = seconds_since(begin);
-    const double part    = (simulation.state().time - start) / (end - start);
+    const double part    = (common().time - start) / (end - start);
     // A terminal is refreshed five times a second, a file gets ten lines.
     if (!is_last && (is_terminal ? seconds_since(last_shown) < 0.2
                                  : part < last_shown_time + 0.1))
@@ -315,14 +351,17 @@ namespace greville
     last_shown_time = std::floor(10. * part) / 10.;
     std::ostringstream line;
     line << std::setprecision(4) << parameters.stage_text(last_stage) << "step "
-         << simulation.state().n_steps << ", t = " << simulation.state().time
-         << " of " << end << " s, dt = " << simulation.state().step << " s";
-    if (simulation.state().n_iterations > 0)
-      line << ", " << simulation.state().n_iterations << " iterations";
+         << common().n_steps << ", t = " << common().time << " of " << end
+         << " s, dt = " << common().step << " s";
+    unsigned int n_iterations = 0;
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      n_iterations =
+        std::max(n_iterations, ensemble.part(k).state().n_iterations);
+    if (n_iterations > 0)
+      line << ", " << n_iterations << " iterations";
     line << ", " << std::setprecision(3)
-         << 1e-6 * n_points * simulation.state().n_steps / elapsed
-         << " M points/s, " << std::ceil(elapsed / part * (1. - part))
-         << " s left";
+         << 1e-6 * n_points * common().n_steps / elapsed << " M points/s, "
+         << std::ceil(elapsed / part * (1. - part)) << " s left";
     if (is_terminal)
       out << "\r\033[K" << line.str() << (is_last ? "\n" : "") << std::flush;
     else
@@ -350,28 +389,40 @@ namespace greville
   void
   SimulationRun<dim>::print_summary(const RunSummary &summary)
   {
-    const State<dim> &state = simulation.state();
+    const State<dim>   &state     = common();
+    const std::uint64_t n_removed = ensemble.sum(
+      [](const Simulation<dim> &part) { return part.state().n_removed; });
     out << "\n  " << state.n_steps << " steps to t = " << std::setprecision(6)
         << state.time << " s, " << n_points << " points";
-    if (state.n_removed > 0)
-      out << ", of which " << state.n_removed << " have left the grid";
+    if (n_removed > 0)
+      out << ", of which " << n_removed << " have left the grid";
     out << '\n';
-    const ConsistentMass<dim> *const mass = simulation.consistent_mass();
-    if (mass && state.n_steps > 0)
+    if (ensemble.first().consistent_mass() && state.n_steps > 0)
       {
-        const auto functions   = mass->extension().counts();
-        const bool is_implicit = !simulation.solver_levels().empty();
+        typename Extension<dim>::Counts functions;
+        std::uint64_t n_iterations = 0, n_factorizations = 0, n_fragments = 0;
+        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+          {
+            const ConsistentMass<dim> &mass =
+              *ensemble.part(k).consistent_mass();
+            const auto counts = mass.extension().counts();
+            functions.stable += counts.stable;
+            functions.extended += counts.extended;
+            functions.lumped += counts.lumped;
+            n_iterations += ensemble.part(k).state().n_all_iterations;
+            n_factorizations += mass.n_factorizations();
+            n_fragments += mass.n_fragments();
+          }
+        const bool is_implicit = !ensemble.first().solver_levels().empty();
         out << (is_implicit ? "  linear systems of Newton's method: "
                             : "  mass: ")
-            << std::setprecision(3)
-            << double(state.n_all_iterations) / state.n_steps
+            << std::setprecision(3) << double(n_iterations) / state.n_steps
             << " iterations per step";
         if (!is_implicit)
-          out << ", " << mass->n_factorizations() << " factorizations";
+          out << ", " << n_factorizations << " factorizations";
         out << "; at the end " << functions.stable << " stable, "
             << functions.extended << " extended, " << functions.lumped
-            << " lumped functions, " << mass->n_fragments()
-            << " cells of fragments\n";
+            << " lumped functions, " << n_fragments << " cells of fragments\n";
       }
     if (parameters.output.print_times)
       {
@@ -388,7 +439,7 @@ namespace greville
               << std::defaultfloat;
         };
         double rest = summary.wall_time;
-        for (const auto &part : simulation.part_times())
+        for (const auto &part : ensemble.part_times())
           {
             print(part.first, part.second);
             rest -= part.second;
@@ -417,15 +468,23 @@ namespace greville
   void
   SimulationRun<dim>::write_summary(const RunSummary &summary)
   {
-    const State<dim> &state    = simulation.state();
-    const double      critical = state.estimates.critical;
-    double            n_cells  = 1.;
-    for (const unsigned int n : parameters.grid.cells)
-      n_cells *= n;
+    const State<dim> &state    = common();
+    double            critical = state.estimates.critical, n_cells = 0.;
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      {
+        const Simulation<dim> &part = ensemble.part(k);
+        critical         = std::min(critical, part.state().estimates.critical);
+        double n_of_part = 1.;
+        for (const unsigned int n : part.stage_parameters().grid.cells)
+          n_of_part *= n;
+        n_cells += n_of_part;
+      }
     JsonWriter json;
     json.add("dimension", dim)
       .add("points", n_points)
-      .add("removed_points", state.n_removed)
+      .add("removed_points", ensemble.sum([](const Simulation<dim> &part) {
+        return part.state().n_removed;
+      }))
       .add("cells", n_cells)
       .add("p", parameters.grid.degree)
       .add("mass", parameters.scheme.mass)
@@ -437,11 +496,15 @@ namespace greville
       .add("point_steps_per_second",
            double(n_points) * state.n_steps / summary.wall_time)
       .add("bytes_per_point", bytes_per_point())
-      .add("points_sent", Utilities::MPI::sum(state.n_sent, comm));
+      .add("points_sent",
+           Utilities::MPI::sum(ensemble.sum([](const Simulation<dim> &part) {
+             return part.state().n_sent;
+           }),
+                               comm));
     if (std::isfinite(critical) && critical > 0.)
       json.add("critical_step", critical);
     json.add("front", summary.front).begin("parts");
-    for (const auto &part : simulation.part_times())
+    for (const auto &part : ensemble.part_times())
       json.add(part.first, part.second);
     json.end().begin("errors");
     const auto errors = [&](const std::string           &name,
@@ -477,7 +540,7 @@ namespace greville
   double
   SimulationRun<dim>::bytes_per_point() const
   {
-    return Utilities::MPI::sum(double(simulation.points_memory()), comm) /
+    return Utilities::MPI::sum(double(ensemble.points_memory()), comm) /
            n_points;
   }
 

@@ -27,6 +27,11 @@ namespace greville
     SimulationParameters
     first_stage_of(SimulationParameters parameters)
     {
+      AssertThrow(!parameters.has_body_grids(),
+                  ExcMessage("Bodies have grids of their own ('Grid/Per body' "
+                             "or a section 'Grid' of a body): they are "
+                             "simulations of their own, and greville::Ensemble "
+                             "takes their common steps."));
       parameters.enter_stage(0);
       return parameters;
     }
@@ -247,29 +252,7 @@ namespace greville
 
   template <int dim>
   void
-  Simulation<dim>::advance(double &dt)
-  {
-    for (current.n_rejections = 0;; ++current.n_rejections)
-      try
-        {
-          dt = integrator->propose_step(current);
-          integrator->advance(current, dt);
-          return;
-        }
-      catch (const StepRejected &rejection)
-        {
-          if (current.n_rejections == most_rejections)
-            throw StepFailed("the step has been shortened " +
-                             std::to_string(most_rejections) +
-                             " times, and still " + rejection.what());
-        }
-  }
-
-
-
-  template <int dim>
-  void
-  Simulation<dim>::step()
+  Simulation<dim>::remember()
   {
     // Implicit steps are few, and go until there is no solution.
     const bool is_implicit = !integrator->solver_levels().empty();
@@ -278,32 +261,60 @@ namespace greville
       good.take(current);
     // Programs may have changed them.
     current.points_have_changed();
-    double dt = current.step;
-    try
-      {
-        const bool is_first = current.n_steps == 0 || is_stage_finished();
-        if (is_stage_finished())
-          next_stage();
-        advance(dt);
-        {
-          const PartTimer timer(log, "volume of fluids");
-          share_volume(current,
-                       discretization.transfer(),
-                       discretization.cell_size());
-        }
-        if (is_first)
-          check_fragments();
-        energy_guard.check(current, is_finished());
-      }
-    catch (const StepFailed &failure)
-      {
-        go_back(failure, dt);
-      }
-    catch (...)
-      {
-        good.restore(current);
-        throw;
-      }
+    proposed = current.step;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::begin_step()
+  {
+    is_first_step_of_stage = current.n_steps == 0 || is_stage_finished();
+    if (is_stage_finished())
+      next_stage();
+    current.n_rejections = 0;
+    proposed             = integrator->propose_step(current);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::propose_again(const StepRejected &rejection)
+  {
+    if (current.n_rejections == most_rejections)
+      throw StepFailed("the step has been shortened " +
+                       std::to_string(most_rejections) + " times, and still " +
+                       rejection.what());
+    ++current.n_rejections;
+    proposed = integrator->propose_step(current);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::take_step(const double dt)
+  {
+    integrator->advance(current, dt);
+    {
+      const PartTimer timer(log, "volume of fluids");
+      share_volume(current,
+                   discretization.transfer(),
+                   discretization.cell_size());
+    }
+    if (is_first_step_of_stage)
+      check_fragments();
+    energy_guard.check(current, is_finished());
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::end_step()
+  {
     if (current.n_free == 0)
       log.warnings.push_back("The last point has left the grid at t = " +
                              std::to_string(current.time) +
@@ -315,12 +326,86 @@ namespace greville
 
   template <int dim>
   void
-  Simulation<dim>::go_back(const StepFailed &failure, const double dt)
+  Simulation<dim>::step()
+  {
+    step_together({this});
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::step_together(const std::vector<Simulation *> &simulations)
+  {
+    for (Simulation *simulation : simulations)
+      simulation->remember();
+    // Whose turn it is, and the step that is being tried.
+    Simulation *at_hand  = simulations.front();
+    double      dt       = at_hand->proposed;
+    const auto  for_each = [&](const auto &action) {
+      for (Simulation *simulation : simulations)
+        {
+          at_hand = simulation;
+          action(*simulation);
+        }
+    };
+    const auto restore_others = [&](const Simulation *failed) {
+      for (Simulation *simulation : simulations)
+        if (simulation != failed)
+          simulation->good.restore(simulation->current);
+    };
+    try
+      {
+        for_each([](Simulation &simulation) { simulation.begin_step(); });
+        for (bool is_rejected = true; is_rejected;)
+          {
+            dt = simulations.front()->proposed;
+            for (const Simulation *simulation : simulations)
+              dt = std::min(dt, simulation->proposed);
+            try
+              {
+                for_each([&](Simulation &simulation) {
+                  simulation.integrator->try_step(simulation.current, dt);
+                });
+                is_rejected = false;
+              }
+            catch (const StepRejected &rejection)
+              {
+                at_hand->propose_again(rejection);
+              }
+          }
+        for_each([&](Simulation &simulation) { simulation.take_step(dt); });
+      }
+    catch (const StepFailed &failure)
+      {
+        restore_others(at_hand);
+        at_hand->go_back(failure,
+                         dt,
+                         simulations.size() == 1
+                           ? ""
+                           : " of 'Body " + at_hand->current.bodies[0].name +
+                               "'");
+      }
+    catch (...)
+      {
+        restore_others(nullptr);
+        throw;
+      }
+    for_each([](Simulation &simulation) { simulation.end_step(); });
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::go_back(const StepFailed  &failure,
+                           const double       dt,
+                           const std::string &of)
   {
     std::ostringstream message;
-    message << "Step " << current.n_steps + 1 << " at t = " << current.time
-            << " s, dt = " << dt << " s: " << without_stop(failure.what())
-            << ". ";
+    message << "Step " << current.n_steps + 1 << of
+            << " at t = " << current.time << " s, dt = " << dt
+            << " s: " << without_stop(failure.what()) << ". ";
     if (failure.by_materials)
       message << describe_materials(current.bodies) << " "
               << loads.what_is_large(current.time,

@@ -75,8 +75,8 @@ namespace greville
         if (line.section.compare(0, kind.size() + 1, kind + " ") == 0)
           {
             sections.push_back(line.section.substr(kind.size() + 1));
-            // Stages contain sections.
-            if (kind == "Stage")
+            // Stages contain sections, and bodies a grid.
+            if (kind == "Stage" || kind == "Body")
               sections.back() =
                 sections.back().substr(0, sections.back().find('/'));
             AssertThrow(
@@ -206,7 +206,10 @@ namespace greville
     check_sections(lines, "Surface load", "Surface loads", load_names);
     check_sections(lines, "Stage", "Stages", names_of(lines, "Stages"));
     for (const std::string &name : body_names)
-      bodies[name];
+      {
+        bodies[name];
+        body_grids[name];
+      }
     for (const std::string &name : traction_names)
       tractions[name];
     for (const std::string &name : load_names)
@@ -375,7 +378,13 @@ namespace greville
     declare_section(prm, "Implicit p-multigrid", implicit_solver.multigrid);
     declare_section(prm, "Implicit smoother", implicit_solver.smoother);
     for (auto &body : bodies)
-      declare_section(prm, "Body " + body.first, body.second);
+      {
+        const std::string section = "Body " + body.first;
+        declare_section(prm, section, body.second);
+        prm.enter_subsection(section);
+        declare_section(prm, "Grid", body_grids[body.first]);
+        prm.leave_subsection();
+      }
     for (auto &traction : tractions)
       declare_section(prm, "Traction " + traction.first, traction.second);
     for (auto &load : surface_loads)
@@ -454,6 +463,8 @@ namespace greville
                              "'Grid/Lower corner' in all directions, but " +
                              text_of(grid.upper[d]) + " is not above " +
                              text_of(grid.lower[d]) + "."));
+    if (has_body_grids())
+      check_body_grids();
     // What is written stays below the folder that a file names.
     AssertThrow(general.name.find('/') == std::string::npos &&
                   general.name != "..",

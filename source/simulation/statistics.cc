@@ -2,6 +2,7 @@
 
 #include <greville/simulation/statistics.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace greville
@@ -67,6 +68,34 @@ namespace greville
     for (const auto &column : columns())
       result.push_back(column.second);
     return result;
+  }
+
+
+
+  template <int dim>
+  void
+  Statistics<dim>::add(const Statistics &other)
+  {
+    if (mass + other.mass > 0.)
+      center =
+        (mass * center + other.mass * other.center) / (mass + other.mass);
+    mass += other.mass;
+    momentum += other.momentum;
+    angular_momentum += other.angular_momentum;
+    kinetic += other.kinetic;
+    strain += other.strain;
+    dissipation += other.dissipation;
+    gravitational += other.gravitational;
+    front         = std::max(front, other.front);
+    height        = std::max(height, other.height);
+    iterations    = std::max(iterations, other.iterations);
+    largest_speed = std::max(largest_speed, other.largest_speed);
+    active += other.active;
+    fragments += other.fragments;
+    n_points += other.n_points;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      reactions[w] += other.reactions[w];
+    loads.insert(loads.end(), other.loads.begin(), other.loads.end());
   }
 
 

@@ -82,19 +82,24 @@ namespace greville
         set(row.parameters.scheme, true);
         for (StageParameters &stage : row.parameters.stages)
           set(stage.scheme, false);
-        for (unsigned int &cells : row.parameters.grid.cells)
-          {
-            const std::uint64_t product = std::uint64_t(cells) * n;
-            AssertThrow(cells == 1 || (product % most == 0 &&
-                                       product / most < (1ull << 31)),
-                        ExcMessage(
-                          "The parameter 'Sweep/Cells' has the entry " +
-                          std::to_string(n) +
-                          ", with which 'Grid/Cells' cannot keep "
-                                     "their ratio, or are too many."));
-            if (cells > 1)
-              cells = product / most;
-          }
+        const auto scale = [&](std::vector<unsigned int> &all,
+                               const std::string         &parameter) {
+          for (unsigned int &cells : all)
+            {
+              const std::uint64_t product = std::uint64_t(cells) * n;
+              AssertThrow(cells == 1 || (product % most == 0 &&
+                                         product / most < (1ull << 31)),
+                          ExcMessage(
+                            "The parameter 'Sweep/Cells' has the entry " +
+                            std::to_string(n) + ", with which '" + parameter +
+                            "' cannot keep their ratio, or are too many."));
+              if (cells > 1)
+                cells = product / most;
+            }
+        };
+        scale(row.parameters.grid.cells, "Grid/Cells");
+        for (auto &[name, grid] : row.parameters.body_grids)
+          scale(grid.cells, "Body " + name + "/Grid/Cells");
         row.parameters.check();
         rows.push_back(row);
       };

@@ -57,6 +57,13 @@ namespace greville
     double
     propose_step(State<dim> &state) override;
 
+    /**
+     * Finds the acceleration. Automatic steps with consistent mass are rejected
+     * where it shows that they are too long.
+     */
+    void
+    try_step(State<dim> &state, const double dt) override;
+
     void
     advance(State<dim> &state, const double dt) override;
 
@@ -68,6 +75,14 @@ namespace greville
     finish(State<dim> &state) override;
 
   private:
+    /**
+     * Whether steps look at accelerations before they are taken: not given
+     * ones, and not those of USF, which deforms the points for its acceleration
+     * already.
+     */
+    bool
+    may_reject() const;
+
     /**
      * When walls have their velocity at the end of the step.
      */

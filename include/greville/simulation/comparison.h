@@ -3,6 +3,7 @@
 #ifndef greville_simulation_comparison_h
 #define greville_simulation_comparison_h
 
+#include <greville/particles/body_list.h>
 #include <greville/simulation/parameters.h>
 #include <greville/simulation/statistics.h>
 
@@ -52,10 +53,10 @@ namespace greville
      * t.
      */
     ExactErrors
-    errors(const std::vector<Body<dim>> &bodies,
-           const double                  t,
-           const double                  t_velocity,
-           const MPI_Comm                comm) const;
+    errors(const BodyList<dim> &bodies,
+           const double         t,
+           const double         t_velocity,
+           const MPI_Comm       comm) const;
 
   private:
     VectorExpression<dim>                        displacement, velocity;
@@ -132,10 +133,10 @@ namespace greville
      * Where the body has ended, its surface is at the bottom @p floor.
      */
     Distance
-    surface_distance(const std::vector<Body<dim>> &bodies,
-                     const double                  h,
-                     const double                  floor,
-                     const MPI_Comm                comm) const;
+    surface_distance(const BodyList<dim> &bodies,
+                     const double         h,
+                     const double         floor,
+                     const MPI_Comm       comm) const;
 
   private:
     const ReferenceParameters        parameters;

@@ -41,6 +41,12 @@ namespace greville
     double
     propose_step(State<dim> &state) override;
 
+    /**
+     * Newton's method; a step is rejected where it does not converge.
+     */
+    void
+    try_step(State<dim> &state, const double dt) override;
+
     void
     advance(State<dim> &state, const double dt) override;
 
@@ -147,6 +153,10 @@ namespace greville
     double           force_scale   = 0.;
     bool             has_stiffness = false; // of the last residual
     std::string      rejection;
+
+    // Of the step that has been tried: iterations of Newton's method, the most
+    // of the solver in one of them, and all.
+    unsigned int n_newton = 0, n_linear = 0, n_all_linear = 0;
   };
 } // namespace greville
 

@@ -4,10 +4,11 @@
 #define greville_simulation_output_h
 
 #include <greville/base/csv.h>
-#include <greville/particles/body.h>
+#include <greville/particles/body_list.h>
 #include <greville/particles/point_transfer.h>
 #include <greville/simulation/parameters.h>
 
+#include <map>
 #include <string>
 
 namespace greville
@@ -15,8 +16,8 @@ namespace greville
   /**
    * Writes points and grid fields for ParaView: points_NNNN.pvtu and
    * grid_NNNN.pvtu, with points.pvd and grid.pvd that hold the times. The .pvd
-   * files are replaced at the end of each write(), so that they never name what
-   * is not there.
+   * files are replaced after each of them, so that they never name what is not
+   * there.
    */
   template <int dim>
   class FieldOutput
@@ -29,46 +30,44 @@ namespace greville
                 const OutputParameters &parameters);
 
     /**
-     * Collective. Points: the fields of the parameters, see point_fields().
-     * Grid: @p velocity, mass per function @p mass and, where the parameters
-     * want it, @p acceleration, as Lagrange cells of the order of the space,
-     * where there is mass. Vectors have no ghost values.
+     * Collective. Write the points: the fields of the parameters, see
+     * point_fields().
      */
     void
-    write(const double                  time,
-          const std::vector<Body<dim>> &bodies,
-          const SplineSpace<dim>       &space,
-          const VectorField<dim>       &velocity,
-          const VectorType             &mass,
-          const VectorField<dim>       &acceleration);
+    write_points(const double         time,
+                 const BodyList<dim> &bodies,
+                 const MPI_Comm       comm);
 
     /**
-     * Collective. Write points only.
+     * Collective. Write a grid, if the parameters want it: @p velocity, mass
+     * per function @p mass and, where the parameters want it, @p acceleration,
+     * as Lagrange cells of the order of the space, where there is mass. Vectors
+     * have no ghost values. One of several grids has the name of its @p body.
      */
     void
-    write_points(const double                  time,
-                 const std::vector<Body<dim>> &bodies,
-                 const MPI_Comm                comm);
-
-    /**
-     * How many times have been written.
-     */
-    unsigned int
-    n_written() const
-    {
-      return times_and_names[0].size();
-    }
+    write_grid(const double            time,
+               const SplineSpace<dim> &space,
+               const VectorField<dim> &velocity,
+               const VectorType       &mass,
+               const VectorField<dim> &acceleration,
+               const std::string      &body = "");
 
   private:
+    /**
+     * Write @p data as the next ones of @p name.
+     */
+    template <typename DataOutType>
     void
-    write_record(const unsigned int kind,
-                 const std::string &name,
-                 const MPI_Comm     comm);
+    write_next(const std::string &name,
+               const double       time,
+               const DataOutType &data,
+               const MPI_Comm     comm);
 
     const std::string       directory;
     const OutputParameters &parameters;
-    // Of points and grid.
-    std::array<std::vector<std::pair<double, std::string>>, 2> times_and_names;
+    // By name: "points", "grid".
+    std::map<std::string, std::vector<std::pair<double, std::string>>>
+      times_and_names;
   };
 
 
@@ -86,16 +85,16 @@ namespace greville
      * positions in @p text ("x, y; x, y; ..."). Throws where it is none, and
      * where no point is nearer than a cell is long.
      */
-    Probes(const std::string            &text,
-           const std::vector<Body<dim>> &bodies,
-           const std::string            &file,
-           const MPI_Comm                comm);
+    Probes(const std::string   &text,
+           const BodyList<dim> &bodies,
+           const std::string   &file,
+           const MPI_Comm       comm);
 
     /**
      * Collective.
      */
     void
-    write(const double time, const std::vector<Body<dim>> &bodies);
+    write(const double time, const BodyList<dim> &bodies);
 
   private:
     struct Probe

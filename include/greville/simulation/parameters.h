@@ -47,10 +47,33 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    std::vector<double>       lower  = {0., 0.};
-    std::vector<double>       upper  = {1., 1.};
-    std::vector<unsigned int> cells  = {16, 16};
-    unsigned int              degree = 2;
+    std::vector<double>       lower    = {0., 0.};
+    std::vector<double>       upper    = {1., 1.};
+    std::vector<unsigned int> cells    = {16, 16};
+    unsigned int              degree   = 2;
+    bool                      per_body = false;
+  };
+
+
+
+  /**
+   * The grid of a body: what is empty, or zero, is that of GridParameters.
+   */
+  struct BodyGridParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    bool
+    is_given() const
+    {
+      return !lower.empty() || !upper.empty() || !cells.empty() || degree > 0;
+    }
+
+    std::vector<double>       lower;
+    std::vector<double>       upper;
+    std::vector<unsigned int> cells;
+    unsigned int              degree = 0;
   };
 
 
@@ -201,9 +224,22 @@ namespace greville
 
     // By name. Copies share materials, which do not change.
     std::map<std::string, BodyParameters>                  bodies;
+    std::map<std::string, BodyGridParameters>              body_grids;
     std::map<std::string, std::shared_ptr<const Material>> materials;
     std::map<std::string, TractionParameters>              tractions;
     std::map<std::string, SurfaceLoadParameters>           surface_loads;
+
+    /**
+     * Whether bodies have grids of their own, see Ensemble.
+     */
+    bool
+    has_body_grids() const;
+
+    /**
+     * The grid that is meant for a body.
+     */
+    GridParameters
+    grid_of(const std::string &body) const;
 
     /**
      * One with a file that names no stages.
@@ -265,6 +301,12 @@ namespace greville
      */
     void
     make_stages(const std::vector<ParameterLine> &lines);
+
+    /**
+     * check() of the grids of bodies.
+     */
+    void
+    check_body_grids() const;
 
     /**
      * check() of the parameters of one stage.

@@ -3,7 +3,7 @@
 #ifndef greville_simulation_point_fields_h
 #define greville_simulation_point_fields_h
 
-#include <greville/particles/body.h>
+#include <greville/particles/body_list.h>
 
 #include <functional>
 #include <string>
@@ -40,7 +40,7 @@ namespace greville
   template <int dim>
   std::vector<OutputField<dim>>
   point_fields(const std::vector<std::string> &names,
-               const std::vector<Body<dim>>   &bodies,
+               const BodyList<dim>            &bodies,
                const unsigned int              process);
 
   /**

@@ -5,8 +5,8 @@
 
 #include <greville/base/csv.h>
 #include <greville/simulation/comparison.h>
+#include <greville/simulation/ensemble.h>
 #include <greville/simulation/output.h>
-#include <greville/simulation/simulation.h>
 
 #include <chrono>
 
@@ -26,10 +26,10 @@ namespace greville
 
 
   /**
-   * Runs a Simulation to its end, and shows and writes what a parameter file
+   * Runs an Ensemble to its end, and shows and writes what a parameter file
    * asks for:
-   * - statistics.csv, probes.csv, points.pvd and grid.pvd with their files,
-   *   summary.json;
+   * - statistics.csv, probes.csv, points.pvd and grid.pvd (grid_BODY.pvd where
+   *   bodies have grids of their own) with their files, summary.json;
    * - header, progress and summary on the first process's @p out.
    */
   template <int dim>
@@ -62,6 +62,9 @@ namespace greville
     print_stage();
 
     void
+    print_levels(const Simulation<dim> &simulation);
+
+    void
     print_progress(const bool is_last);
 
     void
@@ -88,12 +91,21 @@ namespace greville
     double
     bytes_per_point() const;
 
+    /**
+     * A state whose time, steps and stage are those of all parts.
+     */
+    const State<dim> &
+    common() const
+    {
+      return ensemble.first().state();
+    }
+
     const SimulationParameters parameters;
     const std::string          directory;
     std::ostream              &out;
     MPI_Comm                   comm;
     bool                       is_first;
-    Simulation<dim>            simulation;
+    Ensemble<dim>              ensemble;
     ExactSolution<dim>         exact;
     MeasuredData<dim>          measured;
     FieldOutput<dim>           fields;

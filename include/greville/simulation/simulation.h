@@ -16,6 +16,9 @@ namespace greville
    * Discretization, which a TimeIntegrator takes from step to step. Each stage
    * of the parameters has its own integrator, walls, mass and loads; State and
    * mesh stay.
+   *
+   * All bodies share the grid. Those with a grid each are the simulations of an
+   * Ensemble.
    */
   template <int dim>
   class Simulation
@@ -43,6 +46,15 @@ namespace greville
      */
     void
     step();
+
+    /**
+     * Collective. step() of several simulations of the same times and stages
+     * that do not see one another, as long as the shortest that one of them
+     * proposes. Where one rejects it, all of them try a shorter one; where one
+     * fails, all of them go back.
+     */
+    static void
+    step_together(const std::vector<Simulation *> &simulations);
 
     bool
     is_finished() const;
@@ -182,17 +194,40 @@ namespace greville
     start_stage();
 
     /**
-     * Steps by the integrator, shorter ones while they are rejected; @p dt is
-     * the one that is tried.
+     * What is due before a step: a copy to go back to, and the next stage.
      */
     void
-    advance(double &dt);
+    remember();
+
+    void
+    begin_step();
 
     /**
-     * Go back and throw the message of a step of the length @p dt.
+     * Propose another step after one that has been rejected.
+     */
+    void
+    propose_again(const StepRejected &rejection);
+
+    /**
+     * Take the step that has been tried.
+     */
+    void
+    take_step(const double dt);
+
+    /**
+     * What is due after all have taken it.
+     */
+    void
+    end_step();
+
+    /**
+     * Go back and throw the message of a step of the length @p dt; @p of tells
+     * which of several simulations it is.
      */
     [[noreturn]] void
-    go_back(const StepFailed &failure, const double dt);
+    go_back(const StepFailed  &failure,
+            const double       dt,
+            const std::string &of = "");
 
     /**
      * Warn where much of the bodies is too thin for the exact mass.
@@ -210,6 +245,10 @@ namespace greville
     State<dim>                           current;
     Snapshot<dim>                        good;
     std::unique_ptr<TimeIntegrator<dim>> integrator;
+
+    // The step at hand.
+    double proposed               = 0.; // s
+    bool   is_first_step_of_stage = false;
   };
 } // namespace greville
 

@@ -59,6 +59,12 @@ namespace greville
 
     std::vector<double>
     values() const;
+
+    /**
+     * Add those of other bodies, with their loads, at the same time.
+     */
+    void
+    add(const Statistics &other);
   };
 
   /**

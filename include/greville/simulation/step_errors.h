@@ -11,7 +11,7 @@
 namespace greville
 {
   /**
-   * Thrown by TimeIntegrator::advance() where a shorter step is to be tried.
+   * Thrown by TimeIntegrator::try_step() where a shorter step is to be tried.
    */
   class StepRejected : public std::runtime_error
   {

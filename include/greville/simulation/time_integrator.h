@@ -46,13 +46,21 @@ namespace greville
     propose_step(State<dim> &state) = 0;
 
     /**
-     * Collective. The state at t + @p dt, with the points in their cells.
-     *
-     * Throws StepRejected before positions, velocities, stresses, time and
-     * counters have changed: only guesses may have. So a scheme
-     * that iterates does so on fields of its own, or on a copy of the state,
-     * and commits what has converged. Throws StepFailed where a solver does not
-     * converge, or a point breaks or leaves the grid.
+     * Collective. Try a step, and keep what advance() needs of it. Throws
+     * StepRejected where a shorter one is to be tried. Positions, velocities,
+     * stresses, time and counters do not change, only guesses may: a scheme
+     * that iterates does so on fields of its own. The step may be tried again
+     * with another length, as where simulations go in common steps. Throws
+     * StepFailed where a solver does not converge.
+     */
+    virtual void
+    try_step(State<dim> &, const double)
+    {}
+
+    /**
+     * Collective. Take the step that has been tried last: the state at t + @p
+     * dt, with the points in their cells. Throws StepFailed where a solver does
+     * not converge, or a point breaks or leaves the grid.
      */
     virtual void
     advance(State<dim> &state, const double dt) = 0;

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/simulation/body_grids.h>
+#include <greville/simulation/ensemble.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  Ensemble<dim>::Ensemble(const SimulationParameters &parameters,
+                          const MPI_Comm              comm)
+    : load_names(parameters.general.surface_loads)
+  {
+    for (const auto &part : split_by_grids<dim>(parameters, comm))
+      parts.push_back(std::make_unique<Simulation<dim>>(part, comm));
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::fill_grid()
+  {
+    for (const auto &part : parts)
+      part->fill_grid();
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::step()
+  {
+    std::vector<Simulation<dim> *> all;
+    for (const auto &part : parts)
+      all.push_back(part.get());
+    Simulation<dim>::step_together(all);
+  }
+
+
+
+  template <int dim>
+  bool
+  Ensemble<dim>::is_finished() const
+  {
+    return std::all_of(parts.begin(), parts.end(), [](const auto &part) {
+      return part->is_finished();
+    });
+  }
+
+
+
+  template <int dim>
+  std::vector<State<dim>>
+  Ensemble<dim>::state() const
+  {
+    std::vector<State<dim>> states;
+    for (const auto &part : parts)
+      states.push_back(part->state());
+    return states;
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::set_state(const std::vector<State<dim>> &states)
+  {
+    AssertDimension(states.size(), parts.size());
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      parts[k]->set_state(states[k]);
+  }
+
+
+
+  template <int dim>
+  BodyList<dim>
+  Ensemble<dim>::bodies() const
+  {
+    BodyList<dim> list;
+    for (const auto &part : parts)
+      list.add(static_cast<const Simulation<dim> &>(*part).bodies());
+    return list;
+  }
+
+
+
+  template <int dim>
+  Statistics<dim>
+  Ensemble<dim>::statistics() const
+  {
+    Statistics<dim> result = first().statistics();
+    for (unsigned int k = 1; k < parts.size(); ++k)
+      result.add(part(k).statistics());
+    // In the order of the columns of files.
+    const auto place = [&](const auto &load) {
+      return std::find(load_names.begin(), load_names.end(), load.first);
+    };
+    std::sort(result.loads.begin(),
+              result.loads.end(),
+              [&](const auto &a, const auto &b) {
+                return place(a) < place(b);
+              });
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  Ensemble<dim>::take_warnings()
+  {
+    std::vector<std::string> result;
+    for (const auto &part : parts)
+      for (const std::string &warning : part->take_warnings())
+        result.push_back(
+          (parts.size() > 1 ? "Body " + part->bodies()[0].name + ": " : "") +
+          warning);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::map<std::string, double>
+  Ensemble<dim>::part_times() const
+  {
+    std::map<std::string, double> result;
+    for (const auto &part : parts)
+      for (const auto &[name, seconds] : part->part_times())
+        result[name] += seconds;
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  Ensemble<dim>::points_memory() const
+  {
+    return sum([](const auto &part) { return part.points_memory(); });
+  }
+
+
+
+  template class Ensemble<2>;
+  template class Ensemble<3>;
+} // namespace greville
