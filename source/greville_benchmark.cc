@@ -12,7 +12,7 @@ main(int argc, char **argv)
   program.purpose =
     "solves with mass, Laplace and elasticity matrices on B-splines: runs the "
     "sweeps of a parameter file and prints iterations and times";
-  program.run = [](const std::string &file) {
+  program.run = [](const std::string &file, const greville::GivenOptions &) {
     greville::Benchmark(PROGRAM_NAME).run(file);
   };
   program.print_parameters = [](std::ostream &out) {

@@ -5,6 +5,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/program.h>
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <new>
@@ -23,8 +24,19 @@ namespace greville
     usage_of(const Program &program)
     {
       const std::string &name = program.name;
-      return "Usage: " + name +
-             " FILE.prm        run a parameter file\n       " + name +
+      std::string        options;
+      for (const ProgramOption &option : program.options)
+        {
+          const std::string words = "--" + option.name +
+                                    (option.value.empty() ? "" : " ") +
+                                    option.value;
+          options +=
+            "\n       " + name + " FILE.prm " + words +
+            std::string(words.size() < 16 ? 16 - words.size() : 1, ' ') +
+            option.meaning;
+        }
+      return "Usage: " + name + " FILE.prm        run a parameter file" +
+             options + "\n       " + name +
              " --parameters    print all parameters as a page\n       " + name +
              " --help          print this (also -h)\n       " + name +
              " --version       print the version\n";
@@ -94,10 +106,40 @@ namespace greville
       std::ostream &out = is_first ? std::cout : nowhere;
       if (arguments.empty())
         throw CommandLineError("there is no parameter file to run.");
-      if (arguments.size() > 1)
-        throw CommandLineError("takes one argument, not " +
-                               std::to_string(arguments.size()) + ".");
-      const std::string &argument = arguments[0];
+      std::vector<std::string> files;
+      GivenOptions             given;
+      for (std::size_t k = 0; k < arguments.size(); ++k)
+        {
+          const auto option =
+            std::find_if(program.options.begin(),
+                         program.options.end(),
+                         [&](const ProgramOption &o) {
+                           return arguments[k] == "--" + o.name;
+                         });
+          if (option == program.options.end())
+            {
+              files.push_back(arguments[k]);
+              continue;
+            }
+          std::string &value = given[option->name];
+          if (option->value.empty())
+            continue;
+          if (k + 1 == arguments.size())
+            throw CommandLineError("the option <" + arguments[k] +
+                                   "> needs a value: " + option->value + ".");
+          value = arguments[++k];
+        }
+      if (files.empty())
+        throw CommandLineError("there is no parameter file to run.");
+      if (files.size() > 1)
+        {
+          for (const std::string &file : files)
+            if (file[0] == '-')
+              throw CommandLineError("there is no option <" + file + ">.");
+          throw CommandLineError("takes one parameter file, not " +
+                                 std::to_string(files.size()) + ".");
+        }
+      const std::string &argument = files[0];
       if (argument == "--help" || argument == "-h")
         out << program.name << ": " << program.purpose << "\n\n"
             << usage_of(program);
@@ -112,7 +154,7 @@ namespace greville
         {
           if (!argument.empty() && argument[0] == '-')
             throw CommandLineError("there is no option <" + argument + ">.");
-          program.run(argument);
+          program.run(argument, given);
         }
       out.flush();
     }

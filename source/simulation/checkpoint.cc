@@ -83,8 +83,7 @@ namespace greville
                                  end.size(),
                                  end) == 0;
       };
-      for (const std::string section :
-           {"Output/", "Checkpoints/", "Reference/"})
+      for (const std::string section : {"Output/", "Checkpoints/"})
         if (parameter.rfind(section, 0) == 0)
           return true;
       return is("Time/End") || is("Time/Maximum steps");
@@ -156,6 +155,14 @@ namespace greville
       },
       comm);
     return file;
+  }
+
+
+
+  bool
+  has_checkpoints(const std::string &folder, const MPI_Comm comm)
+  {
+    return Utilities::MPI::broadcast(comm, !checkpoints_in(folder).empty());
   }
 
 

@@ -2,6 +2,7 @@
 
 #include <greville/simulation/body_grids.h>
 #include <greville/simulation/ensemble.h>
+#include <greville/simulation/state_tables.h>
 
 #include <algorithm>
 
@@ -72,6 +73,53 @@ namespace greville
     AssertDimension(states.size(), parts.size());
     for (unsigned int k = 0; k < parts.size(); ++k)
       parts[k]->set_state(states[k]);
+  }
+
+
+
+  template <int dim>
+  std::string
+  Ensemble<dim>::prefix(const unsigned int k) const
+  {
+    return parts.size() == 1 ? "" : part(k).bodies()[0].name + ": ";
+  }
+
+
+
+  template <int dim>
+  std::vector<DistributedTable>
+  Ensemble<dim>::tables() const
+  {
+    std::vector<DistributedTable> tables;
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      for (DistributedTable &table :
+           make_tables(part(k).state(), part(k).space(), prefix(k)))
+        tables.push_back(std::move(table));
+    return tables;
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::set_from_tables(const TablesFile &content)
+  {
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      {
+        State<dim> state = parts[k]->state();
+        greville::set_from_tables(state, content, parts[k]->grid(), prefix(k));
+        parts[k]->set_state(state);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::begin_with(const TablesFile &content)
+  {
+    for (const auto &part : parts)
+      part->begin_with(content);
   }
 
 

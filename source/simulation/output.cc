@@ -11,8 +11,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <limits>
+#include <regex>
 #include <sstream>
 
 namespace greville
@@ -289,6 +291,51 @@ namespace greville
 
 
   template <int dim>
+  std::string
+  FieldOutput<dim>::record() const
+  {
+    std::ostringstream text;
+    text.precision(17);
+    for (const auto &[name, written] : times_and_names)
+      for (const auto &[time, file] : written)
+        text << name << '\t' << time << '\t' << file << '\n';
+    return text.str();
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::go_on(const std::string &record, const MPI_Comm comm)
+  {
+    times_and_names.clear();
+    std::istringstream lines(record);
+    for (std::string name, time, file; std::getline(lines, name, '\t') &&
+                                       std::getline(lines, time, '\t') &&
+                                       std::getline(lines, file);)
+      times_and_names[name].emplace_back(Utilities::string_to_double(time),
+                                         file);
+    run_on_first(
+      [&]() {
+        const std::regex numbered(R"((.*)_([0-9]{4,})(\.[0-9]+)?\.p?vtu)");
+        for (const auto &entry : std::filesystem::directory_iterator(directory))
+          {
+            const std::string file = entry.path().filename().string();
+            std::smatch       parts;
+            if (!std::regex_match(file, parts, numbered))
+              continue;
+            const auto written = times_and_names.find(parts[1]);
+            if (written != times_and_names.end() &&
+                std::stoul(parts[2]) >= written->second.size())
+              std::filesystem::remove(entry.path());
+          }
+      },
+      comm);
+  }
+
+
+
+  template <int dim>
   void
   FieldOutput<dim>::write_points(const double         time,
                                  const BodyList<dim> &bodies,
@@ -336,7 +383,6 @@ namespace greville
   template <int dim>
   Probes<dim>::Probes(const std::string   &text,
                       const BodyList<dim> &bodies,
-                      const std::string   &file_name,
                       const MPI_Comm       comm)
     : comm(comm)
   {
@@ -395,6 +441,14 @@ namespace greville
           Utilities::MPI::min(own_body == probe.body ? probe.id : none, comm);
         probes.push_back(probe);
       }
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  Probes<dim>::columns() const
+  {
     std::vector<std::string> names  = {"time"};
     const char              *axes[] = {"x", "y", "z"};
     for (unsigned int k = 0; k < probes.size(); ++k)
@@ -406,7 +460,25 @@ namespace greville
         for (const char *c : {"xx", "yy", "zz", "xy"})
           names.push_back(std::string("stress_") + c + probe);
       }
-    file.open(file_name, names, 12, comm);
+    return names;
+  }
+
+
+
+  template <int dim>
+  void
+  Probes<dim>::open(const std::string &file_name)
+  {
+    file.open(file_name, columns(), 12, comm);
+  }
+
+
+
+  template <int dim>
+  void
+  Probes<dim>::go_on(const std::string &file_name, const std::uint64_t n_bytes)
+  {
+    file.go_on(file_name, columns(), 12, n_bytes, comm);
   }
 
 

@@ -484,6 +484,13 @@ namespace greville
   {
     add_parameter(prm, "Directory", directory)(
       "Where results go. Empty: output/NAME.");
+    add_parameter(prm,
+                  "Earlier results",
+                  earlier_results,
+                  Selection("move aside|refuse|remove"))(
+      "What becomes of results of an earlier run in the folder: move aside "
+      "(into its folder earlier_1, earlier_2, ...), refuse (the run ends with "
+      "a message), remove. Other files stay as they are.");
     add_parameter(prm, "Fields every", fields_every, Double(0.))(
       "Time between two .pvtu files; 0: initial and last state only. Unit: s.");
     add_parameter(prm, "Statistics every", statistics_every, Double(0.))(

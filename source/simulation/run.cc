@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
+#include <greville/base/signals.h>
 #include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/run.h>
 
@@ -85,7 +86,8 @@ namespace greville
   SimulationRun<dim>::SimulationRun(const SimulationParameters &parameters,
                                     const std::string          &directory,
                                     std::ostream               &out,
-                                    const MPI_Comm              comm)
+                                    const MPI_Comm              comm,
+                                    const RunOptions           &options)
     : parameters(parameters)
     , directory(directory)
     , out(out)
@@ -95,26 +97,30 @@ namespace greville
     , exact(parameters.exact)
     , measured(parameters.reference)
     , fields(directory, parameters.output)
-    , probes(parameters.output.probes,
-             ensemble.bodies(),
-             directory + "/probes.csv",
-             comm)
-    , next_fields(common().time)
-    , next_statistics(common().time)
+    , probes(parameters.output.probes, ensemble.bodies(), comm)
     , is_terminal(isatty(STDOUT_FILENO) == 1)
   {
     for (const Body<dim> &body : ensemble.bodies())
       n_points += body.n_points;
+    reactions = reactions_of<dim>(parameters);
+    // A formula that fails is better found now than at the end.
+    const double end = parameters.end_of_run();
+    exact.errors(ensemble.bodies(), end, end, comm);
+    begin_run(options);
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  SimulationRun<dim>::columns() const
+  {
     auto columns = Statistics<dim>::names(parameters.general.surface_loads);
-    reactions    = reactions_of<dim>(parameters);
     for (const auto &[wall, component] : reactions)
       columns.push_back(reaction_name(wall, component));
     if (!parameters.stages.empty())
       columns.push_back("stage");
-    statistics_file.open(directory + "/statistics.csv", columns, 14, comm);
-    // A formula that fails is better found now than at the end.
-    const double end = parameters.end_of_run();
-    exact.errors(ensemble.bodies(), end, end, comm);
+    return columns;
   }
 
 
@@ -124,10 +130,14 @@ namespace greville
   SimulationRun<dim>::run()
   {
     print_header();
-    begin = last_shown = std::chrono::steady_clock::now();
-    if (parameters.output.grid_fields)
-      ensemble.fill_grid();
-    write_due(false);
+    const SignalCatcher signals;
+    begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
+    if (!is_resumed)
+      {
+        if (parameters.output.grid_fields)
+          ensemble.fill_grid();
+        write_due(false);
+      }
     while (!ensemble.is_finished())
       {
         try
@@ -153,8 +163,20 @@ namespace greville
         const bool is_last = ensemble.is_finished();
         write_due(is_last);
         print_progress(is_last);
+        look_for_checkpoint(is_last);
       }
+    const RunSummary summary = summarize();
+    print_summary(summary);
+    write_summary(summary);
+    return summary;
+  }
 
+
+
+  template <int dim>
+  RunSummary
+  SimulationRun<dim>::summarize()
+  {
     RunSummary summary;
     summary.wall_time = seconds_since(begin);
     summary.errors    = exact.errors(ensemble.bodies(),
@@ -171,9 +193,41 @@ namespace greville
                                                   comm);
     if (measured.has_series())
       summary.series = measured.series_distance();
-    print_summary(summary);
-    write_summary(summary);
     return summary;
+  }
+
+
+
+  template <int dim>
+  double
+  SimulationRun<dim>::rounded_up_time() const
+  {
+    const double time = common().time;
+    return time + 1e-12 * std::max({std::abs(time),
+                                    std::abs(parameters.time.start),
+                                    std::abs(parameters.end_of_run())});
+  }
+
+
+
+  template <int dim>
+  double
+  SimulationRun<dim>::next_time(const double every, const double t) const
+  {
+    const double start = parameters.time.start;
+    return every > 0. ? start + every * (std::floor((t - start) / every) + 1.)
+                      : t;
+  }
+
+
+
+  template <int dim>
+  double
+  SimulationRun<dim>::next_time_of_fields(const double t) const
+  {
+    const double every = parameters.output.fields_every;
+    return every > 0. ? next_time(every, t)
+                      : std::numeric_limits<double>::infinity();
   }
 
 
@@ -182,42 +236,38 @@ namespace greville
   void
   SimulationRun<dim>::write_due(const bool is_last)
   {
-    const OutputParameters &output = parameters.output;
-    const double            time   = common().time;
-    const double            now =
-      time + 1e-12 * std::max({std::abs(time),
-                               std::abs(parameters.time.start),
-                               std::abs(parameters.end_of_run())});
     // The last state of a stage is the first one of the next.
-    const auto next_multiple = [&](const double every, const double t) {
-      const double start = parameters.time.start;
-      return every > 0. ? start + every * (std::floor((t - start) / every) + 1.)
-                        : t;
-    };
-    const bool is_stage_end = is_last || ensemble.first().is_stage_finished();
+    const double now          = rounded_up_time();
+    const bool   is_stage_end = is_last || ensemble.first().is_stage_finished();
     if (is_stage_end || now >= next_statistics)
       {
         write_statistics();
-        next_statistics = next_multiple(output.statistics_every, now);
+        next_statistics = next_time(parameters.output.statistics_every, now);
       }
     if (is_stage_end || now >= next_fields)
       {
-        fields.write_points(time, ensemble.bodies(), comm);
-        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
-          {
-            const Simulation<dim> &part = ensemble.part(k);
-            fields.write_grid(time,
-                              part.space(),
-                              part.state().velocity,
-                              part.mass().lumped(),
-                              part.state().acceleration,
-                              parameters.has_body_grids()
-                                ? part.bodies()[0].name
-                                : "");
-          }
-        next_fields = output.fields_every > 0.
-                        ? next_multiple(output.fields_every, now)
-                        : std::numeric_limits<double>::infinity();
+        write_fields();
+        next_fields = next_time_of_fields(now);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_fields()
+  {
+    fields.write_points(common().time, ensemble.bodies(), comm);
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      {
+        const Simulation<dim> &part = ensemble.part(k);
+        fields.write_grid(common().time,
+                          part.space(),
+                          part.state().velocity,
+                          part.mass().lumped(),
+                          part.state().acceleration,
+                          parameters.has_body_grids() ? part.bodies()[0].name
+                                                      : "");
       }
   }
 
@@ -343,6 +393,7 @@ namespace greville
     const double end     = parameters.end_of_run();
     const double elapsed = seconds_since(begin);
     const double part    = (common().time - start) / (end - start);
+    const double begun   = (first_time - start) / (end - start);
     // A terminal is refreshed five times a second, a file gets ten lines.
     if (!is_last && (is_terminal ? seconds_since(last_shown) < 0.2
                                  : part < last_shown_time + 0.1))
@@ -360,8 +411,9 @@ namespace greville
     if (n_iterations > 0)
       line << ", " << n_iterations << " iterations";
     line << ", " << std::setprecision(3)
-         << 1e-6 * n_points * common().n_steps / elapsed << " M points/s, "
-         << std::ceil(elapsed / part * (1. - part)) << " s left";
+         << 1e-6 * n_points * (common().n_steps - first_step) / elapsed
+         << " M points/s, " << std::ceil(elapsed / (part - begun) * (1. - part))
+         << " s left";
     if (is_terminal)
       out << "\r\033[K" << line.str() << (is_last ? "\n" : "") << std::flush;
     else
@@ -428,7 +480,8 @@ namespace greville
       {
         const double bytes = bytes_per_point();
         out << std::setprecision(3) << "  " << summary.wall_time << " s, "
-            << 1e-6 * n_points * state.n_steps / summary.wall_time
+            << 1e-6 * n_points * (state.n_steps - first_step) /
+                 summary.wall_time
             << " million points and steps per second, " << bytes
             << " bytes per point\n";
         const auto print = [&](const std::string &part, const double seconds) {
@@ -494,7 +547,7 @@ namespace greville
       .add("time", state.time)
       .add("wall_time", summary.wall_time)
       .add("point_steps_per_second",
-           double(n_points) * state.n_steps / summary.wall_time)
+           double(n_points) * (state.n_steps - first_step) / summary.wall_time)
       .add("bytes_per_point", bytes_per_point())
       .add("points_sent",
            Utilities::MPI::sum(ensemble.sum([](const Simulation<dim> &part) {

@@ -4,6 +4,7 @@
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/move_points.h>
 #include <greville/simulation/simulation.h>
+#include <greville/simulation/state_tables.h>
 #include <greville/simulation/step_size.h>
 
 #include <algorithm>
@@ -220,6 +221,20 @@ namespace greville
       }
     for (Surface<dim> &surface : current.surfaces)
       surface.points.set_space(discretization.space());
+    good.take(current);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::begin_with(const TablesFile &content)
+  {
+    set_points_from_tables(current, content, discretization);
+    enter_stage(0);
+    loads.find_points(current.bodies, comm);
+    start_stage();
+    energy_guard.start(current);
     good.take(current);
   }
 

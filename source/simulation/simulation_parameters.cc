@@ -371,6 +371,7 @@ namespace greville
     declare_section(prm, "Sweep", sweep);
     declare_section(prm, "Reference", reference);
     declare_section(prm, "Output", output);
+    declare_section(prm, "Checkpoints", checkpoints);
     declare_section(prm, "Solver", solver);
     declare_section(prm, "p-multigrid", multigrid);
     declare_section(prm, "Smoother", smoother);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/simulation/initial_state.h>
 #include <greville/simulation/state_tables.h>
 
 #include <algorithm>
-#include <numeric>
+#include <sstream>
 
 namespace greville
 {
@@ -124,18 +125,53 @@ namespace greville
 
 
     template <int dim>
-    void
-    set_points(MaterialPoints<dim>    &points,
-               const DistributedTable &table,
-               const std::string      &what,
-               PointTransport<dim>    &transport)
+    std::string
+    name_of(const Body<dim> &body)
     {
-      AssertThrow(table.columns == columns_of(points.layout()),
-                  ExcMessage(what + " has other numbers at its points: another "
-                                    "material, transfer or load."));
-      const PointLayout<dim> layout = points.layout();
-      points.reinit(points.space(), layout);
-      transport.insert(points, table.values);
+      return "body " + body.name;
+    }
+
+
+
+    template <int dim>
+    std::string
+    name_of(const Surface<dim> &surface)
+    {
+      return "surface " + surface.name;
+    }
+
+
+
+    /**
+     * The table of a body or surface, which has its numbers.
+     */
+    template <typename Owner>
+    const DistributedTable &
+    table_for(const Owner &owner, const TablesFile &content)
+    {
+      const DistributedTable &table = content.table(name_of(owner));
+      AssertThrow(table.columns == columns_of(owner.points.layout()),
+                  ExcMessage("the " + name_of(owner) +
+                             " has other numbers at its points there: those "
+                             "of another material, transfer or load"));
+      return table;
+    }
+
+
+
+    /**
+     * Give the points of a body or surface the place of those of a file.
+     */
+    template <int dim, typename Owner>
+    void
+    set_points(Owner               &owner,
+               const TablesFile    &content,
+               PointTransport<dim> &transport)
+    {
+      const DistributedTable &table  = table_for(owner, content);
+      const PointLayout<dim>  layout = owner.points.layout();
+      owner.points.reinit(owner.points.space(), layout);
+      transport.insert(owner.points, table.values);
     }
 
 
@@ -235,12 +271,14 @@ namespace greville
 
   template <int dim>
   std::vector<DistributedTable>
-  make_tables(const State<dim> &state, const SplineSpace<dim> &space)
+  make_tables(const State<dim>       &state,
+              const SplineSpace<dim> &space,
+              const std::string      &prefix)
   {
     const MPI_Comm comm     = space.communicator();
     const bool     is_first = Utilities::MPI::this_mpi_process(comm) == 0;
 
-    DistributedTable numbers{"state", {}, {}};
+    DistributedTable numbers{prefix + "state", {}, {}};
     const auto       add = [&](const std::string &name, const double value) {
       numbers.columns.push_back(name);
       if (is_first)
@@ -254,20 +292,18 @@ namespace greville
       [&](const std::string &name, const auto value) {
         add(name, double(Utilities::MPI::sum(value, comm)));
       });
-    DistributedTable estimates{"step_estimates", {"step"}, {}};
+    DistributedTable estimates{prefix + "step_estimates", {"step"}, {}};
     if (is_first)
       estimates.values = state.estimates.last;
 
     std::vector<DistributedTable> tables = {std::move(numbers),
                                             std::move(estimates)};
     for (const auto &[name, field] : fields_of(state))
-      tables.push_back(field_table<dim>(name, *field, space));
-    for (unsigned int b = 0; b < state.bodies.size(); ++b)
-      tables.push_back(
-        table_of("body_" + std::to_string(b), state.bodies[b].points));
-    for (unsigned int s = 0; s < state.surfaces.size(); ++s)
-      tables.push_back(
-        table_of("surface_" + std::to_string(s), state.surfaces[s].points));
+      tables.push_back(field_table<dim>(prefix + name, *field, space));
+    for (const Body<dim> &body : state.bodies)
+      tables.push_back(table_of(name_of(body), body.points));
+    for (const Surface<dim> &surface : state.surfaces)
+      tables.push_back(table_of(name_of(surface), surface.points));
     return tables;
   }
 
@@ -277,12 +313,13 @@ namespace greville
   void
   set_from_tables(State<dim>          &state,
                   const TablesFile    &content,
-                  Discretization<dim> &discretization)
+                  Discretization<dim> &discretization,
+                  const std::string   &prefix)
   {
     const MPI_Comm comm     = discretization.communicator();
     const bool     is_first = Utilities::MPI::this_mpi_process(comm) == 0;
 
-    const DistributedTable &numbers  = content.table("state");
+    const DistributedTable &numbers  = content.table(prefix + "state");
     const auto              values   = all_values(numbers, comm);
     const auto              value_of = [&](const std::string &name) {
       const auto found =
@@ -301,21 +338,78 @@ namespace greville
       [&](const std::string &name, auto &value) {
         value = is_first ? std::decay_t<decltype(value)>(value_of(name)) : 0;
       });
-    state.estimates.last = all_values(content.table("step_estimates"), comm);
+    state.estimates.last =
+      all_values(content.table(prefix + "step_estimates"), comm);
     state.slid.clear();
 
     for (const auto &[name, field] : fields_of(state))
-      set_field<dim>(*field, content.table(name), discretization);
-    for (unsigned int b = 0; b < state.bodies.size(); ++b)
-      set_points(state.bodies[b].points,
-                 content.table("body_" + std::to_string(b)),
-                 "'Body " + state.bodies[b].name + "'",
-                 discretization.transport());
-    for (unsigned int s = 0; s < state.surfaces.size(); ++s)
-      set_points(state.surfaces[s].points,
-                 content.table("surface_" + std::to_string(s)),
-                 "'Surface load " + state.surfaces[s].name + "'",
-                 discretization.transport());
+      set_field<dim>(*field, content.table(prefix + name), discretization);
+    for (Body<dim> &body : state.bodies)
+      set_points(body, content, discretization.transport());
+    for (Surface<dim> &surface : state.surfaces)
+      set_points(surface, content, discretization.transport());
+    state.points_have_changed();
+  }
+
+
+
+  namespace
+  {
+    /**
+     * set_points() in the cells of another grid.
+     */
+    template <int dim, typename Owner>
+    void
+    set_points_anew(Owner               &owner,
+                    const TablesFile    &content,
+                    Discretization<dim> &discretization)
+    {
+      const DistributedTable &table   = table_for(owner, content);
+      const auto             &lattice = discretization.space().lattice();
+      const PointLayout<dim>  layout  = owner.points.layout();
+      std::vector<double>     rows    = table.values;
+      std::ostringstream      message;
+      for (std::size_t k = 0; k < rows.size(); k += layout.size + 1)
+        {
+          const Point<dim> x =
+            PointRef<dim>(&rows[k + 1]).basis_position(layout);
+          for (unsigned int d = 0; d < dim && message.str().empty(); ++d)
+            if (!(x[d] >= lattice.lower(d) && x[d] <= lattice.upper(d)))
+              message << "the " << name_of(owner)
+                      << " does not lie in the grid: a point of it is at (" << x
+                      << ") m";
+          if (message.str().empty())
+            rows[k] = double(
+              lexicographic<dim>(lattice.find_cell(x), lattice.n_cells()));
+        }
+      throw_on_all(message.str(), discretization.communicator());
+      owner.points.reinit(owner.points.space(), layout);
+      discretization.transport().insert(owner.points, rows);
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  set_points_from_tables(State<dim>          &state,
+                         const TablesFile    &content,
+                         Discretization<dim> &discretization)
+  {
+    for (Body<dim> &body : state.bodies)
+      {
+        set_points_anew(body, content, discretization);
+        body.n_points =
+          Utilities::MPI::sum<std::uint64_t>(body.points.n_points(),
+                                             discretization.communicator());
+      }
+    for (Surface<dim> &surface : state.surfaces)
+      set_points_anew(surface, content, discretization);
+    state.n_free = 0;
+    for (const Body<dim> *body : deformable_bodies(state.bodies))
+      state.n_free += body->n_points;
+    state.signals      = initial_signals(state.bodies, discretization.space());
+    state.first_signal = state.signals.fastest;
     state.points_have_changed();
   }
 
@@ -325,4 +419,7 @@ namespace greville
   template decltype(make_tables<3>)     make_tables<3>;
   template decltype(set_from_tables<2>) set_from_tables<2>;
   template decltype(set_from_tables<3>) set_from_tables<3>;
+
+  template decltype(set_points_from_tables<2>) set_points_from_tables<2>;
+  template decltype(set_points_from_tables<3>) set_points_from_tables<3>;
 } // namespace greville

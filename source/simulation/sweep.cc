@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/base/run_folder.h>
 #include <greville/simulation/run.h>
 
 #include <algorithm>
@@ -31,6 +32,19 @@ namespace greville
       /// Of the L2 error, against the row before of the same kind.
       double order = std::numeric_limits<double>::quiet_NaN();
     };
+
+
+
+    EarlierResults
+    what_of_earlier(const SimulationParameters &parameters,
+                    const RunOptions           &options)
+    {
+      const std::string &word = parameters.output.earlier_results;
+      return options.resumes        ? EarlierResults::keep
+             : word == "move aside" ? EarlierResults::move_aside
+             : word == "refuse"     ? EarlierResults::refuse
+                                    : EarlierResults::remove;
+    }
 
 
 
@@ -164,7 +178,8 @@ namespace greville
     run_sweep(const SimulationParameters &parameters,
               const std::string          &directory,
               std::ostream               &out,
-              const MPI_Comm              comm)
+              const MPI_Comm              comm,
+              const RunOptions           &options)
     {
       const bool has_exact = !parameters.exact.displacement.empty();
       auto       rows      = make_rows(parameters);
@@ -181,14 +196,25 @@ namespace greville
             mass + "_" + row.parameters.scheme.quadrature + "_p" +
             std::to_string(row.parameters.grid.degree) + "_" +
             std::to_string(row.cells);
-          run_on_first([&]() { create_folder(folder, "Output/Directory"); },
-                       comm);
-          SimulationRun<dim> run(row.parameters, folder, out, comm);
+          const RunFolder own(folder,
+                              "Output/Directory",
+                              what_of_earlier(parameters, options),
+                              comm);
+          // Those that had not begun begin now.
+          RunOptions own_options = options;
+          own_options.resumes =
+            options.resumes && has_checkpoints(folder, comm);
+          SimulationRun<dim> run(
+            row.parameters, folder, out, comm, own_options);
           try
             {
               const RunSummary summary = run.run();
               if (has_exact)
                 row.errors = *summary.errors.displacement;
+            }
+          catch (const RunStopped &)
+            {
+              throw;
             }
           catch (const std::exception &error)
             {
@@ -222,21 +248,31 @@ namespace greville
 
 
   void
-  run_simulations(const std::string &file, const MPI_Comm comm)
+  run_simulations(const std::string &file,
+                  const MPI_Comm     comm,
+                  const RunOptions  &options)
   {
     const SimulationParameters parameters(file);
     const bool    is_first = Utilities::MPI::this_mpi_process(comm) == 0;
     std::ostream  nowhere(nullptr);
     std::ostream &out = is_first ? std::cout : nowhere;
 
-    const std::string directory = parameters.output.directory.empty()
-                                    ? "output/" + parameters.general.name
-                                    : parameters.output.directory;
+    // What a run has left in its folder names another one if that has moved.
+    const std::filesystem::path path(file);
+    const std::string           directory =
+      options.resumes && path.filename() == "parameters.prm"
+                  ? path.parent_path().string()
+                : parameters.output.directory.empty()
+                  ? "output/" + parameters.general.name
+                  : parameters.output.directory;
+    const RunFolder folder(directory,
+                           parameters.output.directory.empty()
+                             ? "Simulation/Name"
+                             : "Output/Directory",
+                           what_of_earlier(parameters, options),
+                           comm);
     run_on_first(
       [&]() {
-        create_folder(directory,
-                      parameters.output.directory.empty() ? "Simulation/Name"
-                                                          : "Output/Directory");
         write_atomically(directory + "/parameters.prm", parameters.used());
       },
       comm);
@@ -246,12 +282,12 @@ namespace greville
                           !sweep.formulations.empty() ||
                           !sweep.masses.empty() || !sweep.quadratures.empty();
     if (is_sweep && parameters.general.dimension == 2)
-      run_sweep<2>(parameters, directory, out, comm);
+      run_sweep<2>(parameters, directory, out, comm, options);
     else if (is_sweep)
-      run_sweep<3>(parameters, directory, out, comm);
+      run_sweep<3>(parameters, directory, out, comm, options);
     else if (parameters.general.dimension == 2)
-      SimulationRun<2>(parameters, directory, out, comm).run();
+      SimulationRun<2>(parameters, directory, out, comm, options).run();
     else
-      SimulationRun<3>(parameters, directory, out, comm).run();
+      SimulationRun<3>(parameters, directory, out, comm, options).run();
   }
 } // namespace greville

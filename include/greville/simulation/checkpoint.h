@@ -31,8 +31,8 @@ namespace greville
   /**
    * The differences between two sets of parameters, as
    * SimulationParameters::used() writes them, that a run cannot go on with: all
-   * but those of the sections 'Output', 'Checkpoints' and 'Reference', and of
-   * the parameters 'End' and 'Maximum steps' of 'Time'. Returns one line for
+   * but those of the sections 'Output' and 'Checkpoints', and the parameters
+   * 'End' and 'Maximum steps' of 'Time'. Returns one line for
    * each, with the parameter, and its value there and here; empty if there is
    * none.
    */
@@ -54,6 +54,14 @@ namespace greville
                    const unsigned int n_steps,
                    TablesFile         content,
                    const MPI_Comm     comm);
+
+
+
+  /**
+   * Collective. Whether there are files of checkpoints in @p folder.
+   */
+  bool
+  has_checkpoints(const std::string &folder, const MPI_Comm comm);
 
 
 

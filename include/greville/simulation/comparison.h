@@ -8,6 +8,7 @@
 #include <greville/simulation/statistics.h>
 
 #include <optional>
+#include <tuple>
 
 namespace greville
 {
@@ -107,6 +108,21 @@ namespace greville
      */
     void
     add(const Statistics<dim> &statistics);
+
+    /**
+     * What has been added: times, and values of the quantity.
+     */
+    std::pair<std::vector<double>, std::vector<double>>
+    added() const
+    {
+      return {times, values};
+    }
+
+    void
+    set_added(const std::pair<std::vector<double>, std::vector<double>> &added)
+    {
+      std::tie(times, values) = added;
+    }
 
     bool
     has_series() const

@@ -81,6 +81,25 @@ namespace greville
     set_state(const std::vector<State<dim>> &states);
 
     /**
+     * Collective. The states as tables, see make_tables().
+     */
+    std::vector<DistributedTable>
+    tables() const;
+
+    /**
+     * Collective. Go on from tables() of an ensemble with the same parameters.
+     * What follows has the same bits on the same number of processes.
+     */
+    void
+    set_from_tables(const TablesFile &content);
+
+    /**
+     * Collective. See Simulation::begin_with().
+     */
+    void
+    begin_with(const TablesFile &content);
+
+    /**
      * All bodies. The list holds until the next step.
      */
     BodyList<dim>
@@ -121,6 +140,12 @@ namespace greville
     }
 
   private:
+    /**
+     * What the names of tables of a part begin with.
+     */
+    std::string
+    prefix(const unsigned int part) const;
+
     // They stay where they are, as what they consist of refers to them.
     std::vector<std::unique_ptr<Simulation<dim>>> parts;
     std::vector<std::string>                      load_names;

@@ -52,6 +52,20 @@ namespace greville
                const VectorField<dim> &acceleration,
                const std::string      &body = "");
 
+    /**
+     * What has been written: lines with name, time and file, separated by
+     * tabulators.
+     */
+    std::string
+    record() const;
+
+    /**
+     * Collective. Go on with what an earlier run has written, its record():
+     * numbered files that it wrote later are removed.
+     */
+    void
+    go_on(const std::string &record, const MPI_Comm comm);
+
   private:
     /**
      * Write @p data as the next ones of @p name.
@@ -87,8 +101,29 @@ namespace greville
      */
     Probes(const std::string   &text,
            const BodyList<dim> &bodies,
-           const std::string   &file,
            const MPI_Comm       comm);
+
+    /**
+     * Collective. Begin the @p file; where there are no probes it has only a
+     * header.
+     */
+    void
+    open(const std::string &file);
+
+    /**
+     * Collective. Go on with a file, see CsvWriter::go_on().
+     */
+    void
+    go_on(const std::string &file, const std::uint64_t n_bytes);
+
+    /**
+     * Collective. See CsvWriter::sync().
+     */
+    std::uint64_t
+    sync()
+    {
+      return file.sync();
+    }
 
     /**
      * Collective.
@@ -102,6 +137,9 @@ namespace greville
       unsigned int body;
       double       id;
     };
+
+    std::vector<std::string>
+    columns() const;
 
     MPI_Comm           comm;
     std::vector<Probe> probes;

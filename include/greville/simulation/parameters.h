@@ -9,6 +9,7 @@
 #include <greville/materials/material.h>
 #include <greville/multigrid/mass_solver.h>
 #include <greville/particles/body.h>
+#include <greville/simulation/checkpoint.h>
 #include <greville/simulation/comparison_parameters.h>
 #include <greville/simulation/stage_parameters.h>
 #include <greville/stiffness/tangent_system.h>
@@ -161,6 +162,7 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
 
     std::string              directory;
+    std::string              earlier_results  = "move aside";
     double                   fields_every     = 0.;
     double                   statistics_every = 0.;
     bool                     grid_fields      = true;
@@ -212,6 +214,8 @@ namespace greville
     SweepParameters     sweep;
     ReferenceParameters reference;
     OutputParameters    output;
+
+    CheckpointParameters checkpoints;
 
     ConsistentSolverParameters solver;
     PMultigridParameters       multigrid;

@@ -26,10 +26,36 @@ namespace greville
 
 
   /**
+   * How runs begin.
+   */
+  struct RunOptions
+  {
+    /// Go on from the last checkpoint in the folder of the run.
+    bool resumes = false;
+    /// Not empty: the folder of another run, from whose last checkpoint bodies
+    /// and surfaces are taken.
+    std::string from;
+  };
+
+
+
+  /**
+   * Thrown where a signal has ended a run.
+   */
+  class RunStopped : public dealii::ExcMessage
+  {
+  public:
+    using dealii::ExcMessage::ExcMessage;
+  };
+
+
+
+  /**
    * Runs an Ensemble to its end, and shows and writes what a parameter file
    * asks for:
    * - statistics.csv, probes.csv, points.pvd and grid.pvd (grid_BODY.pvd where
    *   bodies have grids of their own) with their files, summary.json;
+   * - checkpoints, from which another run goes on as if nothing had happened;
    * - header, progress and summary on the first process's @p out.
    */
   template <int dim>
@@ -37,21 +63,49 @@ namespace greville
   {
   public:
     /**
-     * Collective. @p directory has to exist.
+     * Collective. @p directory has to exist. Throws dealii::ExcMessage where
+     * parameters, or the checkpoint to begin with, are wrong.
      */
     SimulationRun(const SimulationParameters &parameters,
                   const std::string          &directory,
                   std::ostream               &out,
-                  const MPI_Comm              comm);
+                  const MPI_Comm              comm,
+                  const RunOptions           &options = RunOptions());
 
     /**
      * Collective. Throws what Simulation::step() throws, after the last good
-     * state has been written.
+     * state has been written, and RunStopped after a signal, with a checkpoint
+     * and all results.
      */
     RunSummary
     run();
 
   private:
+    /**
+     * Begin as the options want it.
+     */
+    void
+    begin_run(const RunOptions &options);
+
+    /**
+     * Go on from a checkpoint in the folder of this run.
+     */
+    void
+    go_on(const Checkpoint &checkpoint);
+
+    /**
+     * Write a checkpoint, and go on as a run that begins from it.
+     */
+    void
+    write_checkpoint();
+
+    /**
+     * Write a checkpoint if it is time, or a signal wants it. Throws RunStopped
+     * where the signal ends the run.
+     */
+    void
+    look_for_checkpoint(const bool is_last);
+
     void
     print_header();
 
@@ -70,6 +124,12 @@ namespace greville
     void
     print_summary(const RunSummary &summary);
 
+    /**
+     * Those of statistics.csv.
+     */
+    std::vector<std::string>
+    columns() const;
+
     void
     write_statistics();
 
@@ -78,6 +138,28 @@ namespace greville
      */
     void
     write_due(const bool is_last);
+
+    void
+    write_fields();
+
+    /**
+     * The time of the state and a bit, against round-off.
+     */
+    double
+    rounded_up_time() const;
+
+    /**
+     * The first multiple of @p every, counted from the start of the run, behind
+     * @p t.
+     */
+    double
+    next_time(const double every, const double t) const;
+
+    double
+    next_time_of_fields(const double t) const;
+
+    RunSummary
+    summarize();
 
     /**
      * summary.json.
@@ -113,13 +195,16 @@ namespace greville
     CsvWriter                  statistics_file;
     // Walls and components of the forces that are written.
     std::vector<std::pair<unsigned int, unsigned int>> reactions;
-    double        next_fields, next_statistics;
+    double        next_fields = 0., next_statistics = 0.;
     double        largest_front = -1e300;
     std::uint64_t n_points      = 0;
 
-    std::chrono::steady_clock::time_point begin, last_shown;
+    std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;
     double                                last_shown_time = 0.;
     unsigned int                          last_stage      = 0;
+    bool                                  is_resumed      = false;
+    unsigned int                          first_step      = 0;
+    double                                first_time      = 0.;
     bool                                  is_terminal;
   };
 
@@ -128,10 +213,14 @@ namespace greville
   /**
    * Collective. Run what a parameter file describes: one simulation, or a sweep
    * over meshes, orders, mass solvers and quadratures, which ends with a table
-   * and convergence.csv. Throws dealii::ExcMessage where file or run go wrong.
+   * and convergence.csv. Results of an earlier run in its folder become what
+   * 'Output/Earlier results' says. Throws dealii::ExcMessage where file or run
+   * go wrong.
    */
   void
-  run_simulations(const std::string &file, const MPI_Comm comm);
+  run_simulations(const std::string &file,
+                  const MPI_Comm     comm,
+                  const RunOptions  &options = RunOptions());
 } // namespace greville
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef greville_simulation_simulation_h
 #define greville_simulation_simulation_h
 
+#include <greville/base/tables.h>
 #include <greville/simulation/damping.h>
 #include <greville/simulation/energy_guard.h>
 #include <greville/simulation/statistics.h>
@@ -91,6 +92,14 @@ namespace greville
      */
     void
     set_state(const State<dim> &state);
+
+    /**
+     * Collective. Begin with the points that bodies and surfaces of the same
+     * name have in @p content instead of the initial ones, see
+     * set_points_from_tables(): before the first step.
+     */
+    void
+    begin_with(const TablesFile &content);
 
     /**
      * The grid, and what goes between it and the points.

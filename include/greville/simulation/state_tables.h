@@ -12,8 +12,10 @@ namespace greville
    * Collective. All numbers of a state as tables that do not depend on how
    * cells are shared among processes: a row of points begins with the
    * lexicographic position of its cell (Lattice::n_cells()), one of
-   * coefficients with that of its B-spline (SplineSpace::n_functions()). Their
-   * names are `state`, `step_estimates`, `body_K`, `surface_K` and those of
+   * coefficients with that of its B-spline (SplineSpace::n_functions()).
+   *
+   * Points have tables `body NAME` and `surface NAME`. Those of the rest begin
+   * with the @p prefix: `state` and `step_estimates` with numbers, and those of
    * fields of the grid.
    *
    * What is only a guess for the first iteration of a solver
@@ -21,7 +23,9 @@ namespace greville
    */
   template <int dim>
   std::vector<DistributedTable>
-  make_tables(const State<dim> &state, const SplineSpace<dim> &space);
+  make_tables(const State<dim>       &state,
+              const SplineSpace<dim> &space,
+              const std::string      &prefix = "");
 
 
 
@@ -37,7 +41,23 @@ namespace greville
   void
   set_from_tables(State<dim>          &state,
                   const TablesFile    &content,
-                  Discretization<dim> &discretization);
+                  Discretization<dim> &discretization,
+                  const std::string   &prefix = "");
+
+
+
+  /**
+   * Collective. Give the bodies and surfaces of @p state, the initial one of
+   * another simulation, the points of those of the same name in @p content. The
+   * grid, and what else begins anew, may be another one. Throws
+   * dealii::ExcMessage where a body or surface is not there, has other numbers
+   * at its points, or does not lie in the grid.
+   */
+  template <int dim>
+  void
+  set_points_from_tables(State<dim>          &state,
+                         const TablesFile    &content,
+                         Discretization<dim> &discretization);
 } // namespace greville
 
 #endif

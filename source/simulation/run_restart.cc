@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// How a SimulationRun begins, and its checkpoints.
+
+#include <greville/base/errors.h>
+#include <greville/base/signals.h>
+#include <greville/simulation/run.h>
+
+#include <csignal>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Names of what a run adds to the state of its ensemble.
+    constexpr const char *run_name = "run", *series_name = "series of the run";
+
+    const std::vector<std::string> run_columns = {"bytes_of_statistics",
+                                                  "bytes_of_probes",
+                                                  "largest_front"};
+
+
+
+    std::string
+    statistics_file_in(const std::string &directory)
+    {
+      return directory + "/statistics.csv";
+    }
+
+
+
+    std::string
+    probes_file_in(const std::string &directory)
+    {
+      return directory + "/probes.csv";
+    }
+
+
+
+    /**
+     * All rows of a table that the first process has written.
+     */
+    std::vector<double>
+    gathered(const DistributedTable &table, const MPI_Comm comm)
+    {
+      std::vector<double> result;
+      for (const auto &part : Utilities::MPI::all_gather(comm, table.values))
+        result.insert(result.end(), part.begin(), part.end());
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::begin_run(const RunOptions &options)
+  {
+    if (options.resumes)
+      go_on(read_checkpoint(directory, comm));
+    else
+      {
+        if (!options.from.empty())
+          {
+            const Checkpoint other = read_checkpoint(options.from, comm);
+            try
+              {
+                ensemble.begin_with(other.content);
+              }
+            catch (const std::exception &error)
+              {
+                AssertThrow(false,
+                            ExcMessage("This run cannot begin with <" +
+                                       other.file + ">: " + message_of(error)));
+              }
+          }
+        statistics_file.open(statistics_file_in(directory),
+                             columns(),
+                             14,
+                             comm);
+        probes.open(probes_file_in(directory));
+        next_fields = next_statistics = common().time;
+      }
+    first_step = common().n_steps;
+    first_time = common().time;
+    last_stage = common().stage;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::go_on(const Checkpoint &checkpoint)
+  {
+    for (const std::string &refused : checkpoint.refused)
+      out << "Warning: " << refused << std::endl;
+    const TablesFile &content = checkpoint.content;
+    try
+      {
+        const std::string changes =
+          describe_changes(content.text("parameters"), parameters.used());
+        AssertThrow(changes.empty(),
+                    ExcMessage("these parameters have changed: " + changes +
+                               ". A run goes on with others in 'Output', "
+                               "'Checkpoints', 'Time/End' and 'Time/Maximum "
+                               "steps' only; with --from a new one begins from "
+                               "its end"));
+        ensemble.set_from_tables(content);
+        const auto numbers = gathered(content.table(run_name), comm);
+        AssertThrow(numbers.size() == run_columns.size(),
+                    ExcMessage("its table of the run is another one"));
+        largest_front     = numbers[2];
+        const auto series = gathered(content.table(series_name), comm);
+        std::pair<std::vector<double>, std::vector<double>> added;
+        for (unsigned int k = 0; k + 1 < series.size(); k += 2)
+          {
+            added.first.push_back(series[k]);
+            added.second.push_back(series[k + 1]);
+          }
+        measured.set_added(added);
+        statistics_file.go_on(statistics_file_in(directory),
+                              columns(),
+                              14,
+                              std::uint64_t(numbers[0]),
+                              comm);
+        probes.go_on(probes_file_in(directory), std::uint64_t(numbers[1]));
+        fields.go_on(content.text("written"), comm);
+      }
+    catch (const std::exception &error)
+      {
+        AssertThrow(false,
+                    ExcMessage("The run cannot go on from <" + checkpoint.file +
+                               ">: " + message_of(error)));
+      }
+    is_resumed      = true;
+    const double t  = rounded_up_time();
+    next_statistics = next_time(parameters.output.statistics_every, t);
+    next_fields     = next_time_of_fields(t);
+    out << "Going on from <" << checkpoint.file << ">, step "
+        << common().n_steps << ", t = " << common().time << " s.\n\n";
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_checkpoint()
+  {
+    TablesFile content;
+    content.texts  = {{"parameters", parameters.used()},
+                      {"written", fields.record()}};
+    content.tables = ensemble.tables();
+
+    DistributedTable run{run_name, run_columns, {}};
+    DistributedTable series{series_name, {"time", "value"}, {}};
+    const double     bytes_of_statistics = double(statistics_file.sync());
+    const double     bytes_of_probes     = double(probes.sync());
+    if (is_first)
+      {
+        run.values = {bytes_of_statistics, bytes_of_probes, largest_front};
+        const auto added = measured.added();
+        for (unsigned int k = 0; k < added.first.size(); ++k)
+          series.values.insert(series.values.end(),
+                               {added.first[k], added.second[k]});
+      }
+    content.tables.push_back(run);
+    content.tables.push_back(series);
+    greville::write_checkpoint(directory, common().n_steps, content, comm);
+    ensemble.set_from_tables(content);
+    last_checkpoint = std::chrono::steady_clock::now();
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::look_for_checkpoint(const bool is_last)
+  {
+    const CheckpointParameters &when   = parameters.checkpoints;
+    const int                   signal = SignalCatcher::take(comm);
+    bool                        is_due = signal != 0;
+    if (when.every_steps > 0 && common().n_steps % when.every_steps == 0)
+      is_due = true;
+    if (when.every_minutes > 0.)
+      {
+        const std::chrono::duration<double, std::ratio<60>> minutes =
+          std::chrono::steady_clock::now() - last_checkpoint;
+        const bool own = is_first && minutes.count() >= when.every_minutes;
+        is_due = Utilities::MPI::max<unsigned int>(own, comm) == 1 || is_due;
+      }
+    if (is_last)
+      is_due = when.at_end;
+    if (is_due)
+      write_checkpoint();
+    if (is_last || signal == 0 || signal == SIGUSR1)
+      return;
+    // A run that goes on removes what comes behind the checkpoint.
+    write_statistics();
+    write_fields();
+    const RunSummary summary = summarize();
+    out << '\n';
+    print_summary(summary);
+    write_summary(summary);
+    AssertThrow(false,
+                RunStopped("Stopped by " + SignalCatcher::name(signal) +
+                           " after step " + std::to_string(common().n_steps) +
+                           ", t = " + std::to_string(common().time) +
+                           " s. --resume goes on from the checkpoint in <" +
+                           directory + ">."));
+  }
+
+
+
+  template void
+  SimulationRun<2>::begin_run(const RunOptions &);
+  template void
+  SimulationRun<3>::begin_run(const RunOptions &);
+  template void
+  SimulationRun<2>::go_on(const Checkpoint &);
+  template void
+  SimulationRun<3>::go_on(const Checkpoint &);
+  template void
+  SimulationRun<2>::write_checkpoint();
+  template void
+  SimulationRun<3>::write_checkpoint();
+  template void
+  SimulationRun<2>::look_for_checkpoint(const bool);
+  template void
+  SimulationRun<3>::look_for_checkpoint(const bool);
+} // namespace greville
