@@ -196,6 +196,7 @@ namespace greville
   {
     slid.resize(contacts.size(), false);
     iterations = most = rounds = 0;
+    own_work                   = 0.;
     double fastest = 0., fastest_into_wall = 0.;
     for (const Contact &contact : contacts)
       {
@@ -237,6 +238,10 @@ namespace greville
 
     for (unsigned int c = 0; c < dim; ++c)
       {
+        for (unsigned int i = 0; i < change[c].locally_owned_size(); ++i)
+          own_work +=
+            reaction[c].local_element(i) *
+            (velocity[c].local_element(i) + 0.5 * change[c].local_element(i));
         velocity[c] += change[c];
         if (dt > 0.)
           acceleration[c].add(1. / dt, change[c]);

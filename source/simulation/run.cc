@@ -105,7 +105,8 @@ namespace greville
   {
     for (const Body<dim> &body : simulation.bodies())
       n_points += body.n_points;
-    auto columns = Statistics<dim>::names(parameters.general.surface_loads);
+    auto columns = Statistics<dim>::names(parameters.general.surface_loads,
+                                          parameters.general.bodies);
     reactions    = reactions_of<dim>(parameters);
     for (const auto &[wall, component] : reactions)
       columns.push_back(reaction_name(wall, component));
@@ -203,16 +204,56 @@ namespace greville
       }
     if (is_stage_end || now >= next_fields)
       {
-        fields.write(simulation.state().time,
-                     simulation.bodies(),
-                     simulation.space(),
-                     simulation.state().velocity,
-                     simulation.mass().lumped(),
-                     simulation.state().acceleration);
+        write_fields();
         next_fields = output.fields_every > 0.
                         ? next_multiple(output.fields_every, now)
                         : std::numeric_limits<double>::infinity();
       }
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_fields()
+  {
+    const OutputParameters &output = parameters.output;
+    const State<dim>       &state  = simulation.state();
+    fields.write_points(state.time, state.bodies, comm);
+    if (output.surface_points)
+      {
+        std::vector<unsigned int> bodies;
+        const auto               &names = parameters.general.bodies;
+        for (const std::string &load : parameters.general.surface_loads)
+          bodies.push_back(std::find(names.begin(),
+                                     names.end(),
+                                     parameters.surface_loads.at(load).body) -
+                           names.begin());
+        fields.write_surfaces(state.time,
+                              simulation.loaded_surfaces(),
+                              bodies,
+                              comm);
+      }
+    if (!output.grid_fields)
+      return;
+    const auto wants = [&](const std::string &name) {
+      return std::find(output.fields.begin(), output.fields.end(), name) !=
+             output.fields.end();
+    };
+    GridFields<dim>  grid;
+    VectorField<dim> force;
+    grid.velocity = &state.velocity;
+    grid.mass     = &simulation.mass().lumped();
+    if (wants("acceleration"))
+      grid.acceleration = &state.acceleration;
+    if (wants("force"))
+      {
+        force      = simulation.grid_force();
+        grid.force = &force;
+      }
+    if (wants("cell_class"))
+      grid.cell_classes = simulation.grid().cell_classes(state);
+    fields.write_grid(state.time, simulation.space(), grid);
   }
 
 
@@ -355,6 +396,10 @@ namespace greville
         << state.time << " s, " << n_points << " points";
     if (state.n_removed > 0)
       out << ", of which " << state.n_removed << " have left the grid";
+    if (state.n_all_rejections > 0)
+      out << "; " << state.n_all_rejections
+          << (state.n_all_rejections == 1 ? " step was" : " steps were")
+          << " done again with a shorter length";
     out << '\n';
     const ConsistentMass<dim> *const mass = simulation.consistent_mass();
     if (mass && state.n_steps > 0)
@@ -432,6 +477,7 @@ namespace greville
       .add("quadrature", parameters.scheme.quadrature)
       .add("processes", Utilities::MPI::n_mpi_processes(comm))
       .add("steps", state.n_steps)
+      .add("redone_steps", state.n_all_rejections)
       .add("time", state.time)
       .add("wall_time", summary.wall_time)
       .add("point_steps_per_second",

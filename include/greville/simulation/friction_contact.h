@@ -73,6 +73,16 @@ namespace greville
       return most;
     }
 
+    /**
+     * What the impulses of the last add() on this process give to the kinetic
+     * energy, J (2D: J / m).
+     */
+    double
+    work() const
+    {
+      return own_work;
+    }
+
   private:
     enum class State
     {
@@ -120,6 +130,7 @@ namespace greville
     std::vector<unsigned char> normals; // bits of components that touch
     VectorField<dim>           change, load, reaction;
     unsigned int               iterations = 0, most = 0, rounds = 0;
+    double                     own_work = 0.;
   };
 } // namespace greville
 

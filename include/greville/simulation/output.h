@@ -6,6 +6,7 @@
 #include <greville/base/csv.h>
 #include <greville/particles/body.h>
 #include <greville/particles/point_transfer.h>
+#include <greville/particles/surface.h>
 #include <greville/simulation/parameters.h>
 
 #include <string>
@@ -13,10 +14,30 @@
 namespace greville
 {
   /**
-   * Writes points and grid fields for ParaView: points_NNNN.pvtu and
-   * grid_NNNN.pvtu, with points.pvd and grid.pvd that hold the times. The .pvd
-   * files are replaced at the end of each write(), so that they never name what
-   * is not there.
+   * What grid_NNNN.pvtu has. Vectors have no ghost values.
+   */
+  template <int dim>
+  struct GridFields
+  {
+    const VectorField<dim> *velocity = nullptr;
+    /// Per function.
+    const VectorType *mass = nullptr;
+    /// Null: not written.
+    const VectorField<dim> *acceleration = nullptr;
+    /// Per function; null: not written.
+    const VectorField<dim> *force = nullptr;
+    /// Of owned cells, see CellFilling::cell_class(); empty: not written.
+    std::vector<unsigned char> cell_classes;
+  };
+
+
+
+  /**
+   * Writes points, grid fields and the points of loads on surfaces for
+   * ParaView: points_NNNN.pvtu, grid_NNNN.pvtu and surface_NNNN.pvtu, with
+   * points.pvd, grid.pvd and surface.pvd that hold the times. The .pvd files
+   * are replaced at the end of each write, so that they never name what is not
+   * there.
    */
   template <int dim>
   class FieldOutput
@@ -29,26 +50,32 @@ namespace greville
                 const OutputParameters &parameters);
 
     /**
-     * Collective. Points: the fields of the parameters, see point_fields().
-     * Grid: @p velocity, mass per function @p mass and, where the parameters
-     * want it, @p acceleration, as Lagrange cells of the order of the space,
-     * where there is mass. Vectors have no ghost values.
-     */
-    void
-    write(const double                  time,
-          const std::vector<Body<dim>> &bodies,
-          const SplineSpace<dim>       &space,
-          const VectorField<dim>       &velocity,
-          const VectorType             &mass,
-          const VectorField<dim>       &acceleration);
-
-    /**
-     * Collective. Write points only.
+     * Collective. The fields of the parameters, see point_fields().
      */
     void
     write_points(const double                  time,
                  const std::vector<Body<dim>> &bodies,
                  const MPI_Comm                comm);
+
+    /**
+     * Collective. The fields of the grid as Lagrange cells of the order of the
+     * @p space, where there is mass.
+     */
+    void
+    write_grid(const double            time,
+               const SplineSpace<dim> &space,
+               const GridFields<dim>  &fields);
+
+    /**
+     * Collective. The points of loads on surfaces: the number of the load and
+     * that of its body, load (Pa per initial area), normal today times area,
+     * area, velocity and displacement. Writes nothing where there are none.
+     */
+    void
+    write_surfaces(const double                     time,
+                   const std::vector<Surface<dim>> &surfaces,
+                   const std::vector<unsigned int> &bodies,
+                   const MPI_Comm                   comm);
 
     /**
      * How many times have been written.
@@ -67,8 +94,8 @@ namespace greville
 
     const std::string       directory;
     const OutputParameters &parameters;
-    // Of points and grid.
-    std::array<std::vector<std::pair<double, std::string>>, 2> times_and_names;
+    // Of points, grid and surfaces.
+    std::array<std::vector<std::pair<double, std::string>>, 3> times_and_names;
   };
 
 

@@ -70,6 +70,9 @@ namespace greville
     void
     write_statistics();
 
+    void
+    write_fields();
+
     /**
      * What is due after a step.
      */
