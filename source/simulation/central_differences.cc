@@ -272,7 +272,8 @@ namespace greville
     trial.n_iterations =
       std::max(trial.n_iterations, contact->most_iterations());
     trial.n_all_iterations += contact->n_iterations();
-    state.energy.add_friction(contact->work());
+    state.energy.add_friction(
+      contact->work(trial.velocity, trial.new_velocity));
   }
 
 

@@ -247,11 +247,13 @@ namespace greville
                                   const Tensor<1, dim> &gravity,
                                   VectorField<dim>     &force)
   {
-    VectorType mass;
+    VectorType       mass;
+    VectorField<dim> momentum;
     space().initialize_vector(mass);
+    initialize(momentum);
     point_transfer.points_to_grid(quadrature_points(state, true),
                                   &mass,
-                                  nullptr,
+                                  &momentum,
                                   &force);
     add_surface_forces(state, force);
     for (unsigned int d = 0; d < dim; ++d)

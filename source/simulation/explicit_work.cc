@@ -86,10 +86,11 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
         {
-          const double before = work_field[d].local_element(i),
-                       after  = trial.new_velocity[d].local_element(i);
-          work +=
-            0.5 * lumped.local_element(i) * (after * after - before * before);
+          const double change = trial.new_velocity[d].local_element(i) -
+                                work_field[d].local_element(i);
+          work += 0.5 * lumped.local_element(i) * change *
+                  (trial.velocity[d].local_element(i) +
+                   trial.new_velocity[d].local_element(i));
         }
     state.energy.add_friction(work);
   }

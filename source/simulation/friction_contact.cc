@@ -196,7 +196,6 @@ namespace greville
   {
     slid.resize(contacts.size(), false);
     iterations = most = rounds = 0;
-    own_work                   = 0.;
     double fastest = 0., fastest_into_wall = 0.;
     for (const Contact &contact : contacts)
       {
@@ -225,6 +224,8 @@ namespace greville
         contact.n_released = contact.n_stopped = 0;
         touches                                = touches || is_touched;
       }
+    for (VectorType &component : reaction)
+      component = 0.;
     if (Utilities::MPI::max<unsigned int>(touches, comm) == 0)
       return;
 
@@ -238,14 +239,25 @@ namespace greville
 
     for (unsigned int c = 0; c < dim; ++c)
       {
-        for (unsigned int i = 0; i < change[c].locally_owned_size(); ++i)
-          own_work +=
-            reaction[c].local_element(i) *
-            (velocity[c].local_element(i) + 0.5 * change[c].local_element(i));
         velocity[c] += change[c];
         if (dt > 0.)
           acceleration[c].add(1. / dt, change[c]);
       }
+  }
+
+
+
+  template <int dim>
+  double
+  FrictionContact<dim>::work(const VectorField<dim> &v,
+                             const VectorField<dim> &w) const
+  {
+    double sum = 0.;
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int i = 0; i < reaction[c].locally_owned_size(); ++i)
+        sum += 0.5 * reaction[c].local_element(i) *
+               (v[c].local_element(i) + w[c].local_element(i));
+    return sum;
   }
 
 

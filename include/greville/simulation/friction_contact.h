@@ -75,13 +75,10 @@ namespace greville
 
     /**
      * What the impulses of the last add() on this process give to the kinetic
-     * energy, J (2D: J / m).
+     * energy of a step from the velocity @p v to @p w, J (2D: J / m).
      */
     double
-    work() const
-    {
-      return own_work;
-    }
+    work(const VectorField<dim> &v, const VectorField<dim> &w) const;
 
   private:
     enum class State
@@ -130,7 +127,6 @@ namespace greville
     std::vector<unsigned char> normals; // bits of components that touch
     VectorField<dim>           change, load, reaction;
     unsigned int               iterations = 0, most = 0, rounds = 0;
-    double                     own_work = 0.;
   };
 } // namespace greville
 
