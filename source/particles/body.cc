@@ -4,6 +4,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/particles/body.h>
+#include <greville/particles/points_file.h>
 
 #include "formula_gradient.h"
 #include <algorithm>
@@ -164,10 +165,95 @@ namespace greville
 
 
 
+    /**
+     * What files of points may have beyond places, volume and mass.
+     */
+    template <int dim>
+    std::vector<std::vector<std::string>>
+    groups_of_file(const Material &material)
+    {
+      const auto               axes = coordinate_names<dim>();
+      std::vector<std::string> velocity, stress(PointLayout<dim>::n_stress),
+        F(PointLayout<dim>::n_F);
+      for (const std::string &axis : axes)
+        velocity.push_back("velocity_" + axis);
+      static const std::string all[] = {"x", "y", "z"};
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int j = 0; j < 3; ++j)
+          {
+            if (i <= j && (dim == 3 || i == j || j < 2))
+              stress[PointLayout<dim>::stress_index(i, j)] =
+                "stress_" + all[i] + all[j];
+            if (dim == 3 || (i < 2 && j < 2) || (i == 2 && j == 2))
+              F[PointLayout<dim>::F_index(i, j)] = "F_" + all[i] + all[j];
+          }
+      std::vector<std::vector<std::string>> groups = {velocity,
+                                                      stress,
+                                                      F,
+                                                      {"J"}};
+      if (!material.state_names().empty())
+        groups.push_back(material.state_names());
+      return groups;
+    }
+
+
+
+    /**
+     * The state of a point as a file has it. Its deformation counts where it is
+     * known with all that the material keeps; otherwise the state is that of a
+     * body at rest with this stress.
+     */
+    template <int dim>
+    void
+    initialize_from_file(MaterialPoint           &state,
+                         const PointsOfFile<dim> &file,
+                         const std::size_t        k,
+                         const Material          &material)
+    {
+      using Layout          = PointLayout<dim>;
+      const auto groups     = groups_of_file<dim>(material);
+      const auto state_list = material.state_names();
+      const int  stress = file.find(groups[1][0]), F = file.find(groups[2][0]);
+      const int  J = file.find("J");
+      const int  history =
+        state_list.empty() ? -1 : file.find(state_list.front());
+      const bool            has_history = state_list.empty() || history >= 0;
+      SymmetricTensor<2, 3> sigma;
+      for (unsigned int i = 0; stress >= 0 && i < 3; ++i)
+        for (unsigned int j = i; j < 3; ++j)
+          if (dim == 3 || i == j || j < 2)
+            sigma[i][j] = file.value(k, stress + Layout::stress_index(i, j));
+      // Of fluids all but J is forgotten.
+      const bool is_deformed =
+        (F >= 0 && has_history) || (J >= 0 && material.shares_volume());
+      material.initialize(state, is_deformed ? SymmetricTensor<2, 3>() : sigma);
+      for (unsigned int i = 0; history >= 0 && i < state_list.size(); ++i)
+        state.state[i] = file.value(k, history + i);
+      if (!is_deformed)
+        return;
+      state.F = unit_symmetric_tensor<3>();
+      for (unsigned int i = 0; F >= 0 && i < 3; ++i)
+        for (unsigned int j = 0; j < 3; ++j)
+          if (dim == 3 || (i < 2 && j < 2) || (i == 2 && j == 2))
+            state.F[i][j] = file.value(k, F + Layout::F_index(i, j));
+      state.J = J >= 0 ? file.value(k, J) : determinant(state.F);
+      AssertThrow(state.J > 0.,
+                  ExcMessage("the deformation in the points file has J = " +
+                             text_of(state.J) + "; it has to be positive."));
+      state.stress = sigma;
+      state.dt     = 0.;
+      material.update(ArrayView<MaterialPoint>(&state, 1));
+      if (stress >= 0)
+        state.stress = sigma;
+    }
+
+
+
     template <int dim>
     void
     insert_points(Body<dim>                           &body,
                   const std::vector<PlacedPoint<dim>> &new_points,
+                  const PointsOfFile<dim>             &file,
                   const std::string                   &section,
                   const Tensor<1, dim>                &gravity)
     {
@@ -195,11 +281,16 @@ namespace greville
       for (unsigned int d = 0; d < dim; ++d)
         steps[d] = 0.1 * lattice.cell_size(d);
 
-      const double        strength_reduction = material.strength_reduction(0.);
+      const double strength_reduction = material.strength_reduction(0.);
+      const bool has_stress = !parameters.stress.empty() || parameters.K0 >= 0.;
+      const int  file_velocity  = file.find("velocity_x");
+      const int  file_mass      = file.find("mass");
+      const int  file_reference = file.find("reference_x");
       std::vector<double> values(layout.size);
       const PointRef<dim> p(values.data());
-      for (const PlacedPoint<dim> &point : new_points)
+      for (std::size_t k = 0; k < new_points.size(); ++k)
         {
+          const PlacedPoint<dim> &point = new_points[k];
           std::fill(values.begin(), values.end(), 0.);
           MaterialPoint state;
           Point<dim>    x          = point.image;
@@ -209,7 +300,10 @@ namespace greville
           state.strength_reduction = strength_reduction;
           try
             {
-              material.initialize(state, stress(point.image));
+              if (file.names.empty() || has_stress)
+                material.initialize(state, stress(point.image));
+              else
+                initialize_from_file<dim>(state, file, k, material);
               J_of_shape = state.J;
               displace<dim>(x, state, material, displacement, small_steps);
             }
@@ -224,11 +318,15 @@ namespace greville
                             " at (" + text_of(point.image) +
                             ") m: " + message_of(error)));
             }
-          const Tensor<1, dim> v = velocity(point.image);
+          Tensor<1, dim> v = velocity(point.image);
           for (unsigned int d = 0; d < dim; ++d)
             {
+              if (file_velocity >= 0 && parameters.velocity.empty())
+                v[d] = file.value(k, file_velocity + d);
               p.position(d)  = x[d] + (point.x[d] - point.image[d]);
-              p.reference(d) = point.x[d];
+              p.reference(d) = file_reference >= 0
+                                 ? file.value(k, file_reference + d)
+                                 : point.x[d];
               p.velocity(d)  = v[d];
             }
           // APIC's matrix is the gradient of the velocity at the place to
@@ -243,7 +341,8 @@ namespace greville
                 for (unsigned int e = 0; e < dim; ++e)
                   p[affine->first + d * dim + e] = C[d][e];
             }
-          p.mass()    = material.density * point.volume;
+          p.mass()    = file_mass >= 0 ? file.value(k, file_mass)
+                                       : material.density * point.volume;
           p.volume0() = point.volume / J_of_shape;
           p.J()       = state.J;
           p.id()      = double(point.id);
@@ -269,11 +368,18 @@ namespace greville
     run_on_all(
       [&]() {
         check_geometry<dim>(parameters, section);
-        const auto new_points =
-          parameters.points_file.empty()
-            ? place_points<dim>(parameters, section, space)
-            : points_of_file<dim>(parameters.points_file, section, space);
-        insert_points(body, new_points, section, gravity);
+        PointsOfFile<dim> file;
+        if (parameters.points_file.empty())
+          file.points = place_points<dim>(parameters, section, space);
+        else
+          file = points_of_file<dim>(parameters.points_file,
+                                     section,
+                                     parameters.body_in_file,
+                                     body.material->density,
+                                     groups_of_file<dim>(*body.material),
+                                     layout.is_total_lagrangian(),
+                                     space);
+        insert_points(body, file.points, file, section, gravity);
         if (!parameters.imposed_velocity.empty())
           body.rigid_motion.emplace(parameters.imposed_velocity,
                                     section + "/Imposed velocity",

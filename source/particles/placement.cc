@@ -2,7 +2,6 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
-#include <greville/base/csv.h>
 #include <greville/base/errors.h>
 #include <greville/particles/fitted_points.h>
 #include <greville/particles/shape.h>
@@ -178,66 +177,8 @@ namespace greville
 
 
 
-  template <int dim>
-  std::vector<PlacedPoint<dim>>
-  points_of_file(const std::string      &file,
-                 const std::string      &section,
-                 const SplineSpace<dim> &space)
-  {
-    std::vector<std::string> wanted = coordinate_names<dim>();
-    wanted.push_back("volume");
-    std::vector<unsigned int> columns;
-
-    const auto                   &lattice = space.lattice();
-    std::vector<PlacedPoint<dim>> result;
-    std::uint64_t                 id = 0;
-    read_csv(file, section + "/Points file", [&](const CsvLine &line) {
-      if (line.is_header)
-        {
-          for (const std::string &column : wanted)
-            {
-              const auto found =
-                std::find(line.words.begin(), line.words.end(), column);
-              AssertThrow(found != line.words.end(),
-                          ExcMessage(line.where + "there is no column '" +
-                                     column + "' in <" + line.text + ">."));
-              columns.push_back(found - line.words.begin());
-            }
-          return;
-        }
-      PlacedPoint<dim> point;
-      for (unsigned int d = 0; d < dim; ++d)
-        point.x[d] = line.number(columns[d], wanted[d]);
-      point.volume = line.number(columns[dim], wanted[dim]);
-      point.id     = id++;
-      AssertThrow(point.volume > 0.,
-                  ExcMessage(line.where + "the volume has to be positive in <" +
-                             line.text + ">."));
-      for (unsigned int d = 0; d < dim; ++d)
-        AssertThrow(point.x[d] >= lattice.lower(d) &&
-                      point.x[d] <= lattice.upper(d),
-                    ExcMessage(line.where + "the point (" + text_of(point.x) +
-                               ") m lies outside of the grid."));
-      const auto position =
-        lexicographic<dim>(lattice.find_cell(point.x), lattice.n_cells());
-      const auto &cells = space.owned_cells();
-      const auto found = std::lower_bound(cells.begin(), cells.end(), position);
-      if (found != cells.end() && *found == position)
-        {
-          point.cell  = found - cells.begin();
-          point.image = point.x;
-          result.push_back(point);
-        }
-    });
-    return result;
-  }
-
-
-
   template decltype(points_of_cell<2>) points_of_cell<2>;
   template decltype(points_of_cell<3>) points_of_cell<3>;
   template decltype(place_points<2>)   place_points<2>;
   template decltype(place_points<3>)   place_points<3>;
-  template decltype(points_of_file<2>) points_of_file<2>;
-  template decltype(points_of_file<3>) points_of_file<3>;
 } // namespace greville

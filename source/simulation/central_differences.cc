@@ -17,21 +17,6 @@ namespace greville
     // velocities in a step are solved for to the tolerance times that change.
     constexpr double negligible_kick = 1e-6;
 
-
-
-    /**
-     * f . (v + w) on this process.
-     */
-    double
-    scalar_product_of_owned(const VectorType &f,
-                            const VectorType &v,
-                            const VectorType &w)
-    {
-      double sum = 0.;
-      for (unsigned int i = 0; i < f.locally_owned_size(); ++i)
-        sum += f.local_element(i) * (v.local_element(i) + w.local_element(i));
-      return sum;
-    }
   } // namespace
 
 
@@ -262,9 +247,13 @@ namespace greville
   {
     if (!contact)
       {
+        if (walls.have_friction())
+          work_field = trial.new_velocity;
         walls.add_contact(trial.new_velocity,
                           trial.acceleration,
                           trial.velocity_step);
+        if (walls.have_friction())
+          add_work_of_friction(state);
         // Obstacles go first.
         if (obstacles)
           {
@@ -283,6 +272,8 @@ namespace greville
     trial.n_iterations =
       std::max(trial.n_iterations, contact->most_iterations());
     trial.n_all_iterations += contact->n_iterations();
+    state.energy.add_friction(
+      contact->work(trial.velocity, trial.new_velocity));
   }
 
 
@@ -296,85 +287,6 @@ namespace greville
     mass.held_residual(work_field, discretization.momentum(), trial.velocity);
     for (unsigned int d = 0; d < dim; ++d)
       trial.acceleration[d].add(-1. / trial.velocity_step, work_field[d]);
-  }
-
-
-
-  template <int dim>
-  void
-  CentralDifferences<dim>::add_work(State<dim> &state)
-  {
-    const VectorType    &lumped = discretization.lumped_mass();
-    const Tensor<1, dim> g      = loads.gravity(state.time);
-    double               power  = 0.;
-    for (unsigned int d = 0; d < dim; ++d)
-      if (g[d] != 0.)
-        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-          power += g[d] * lumped.local_element(i) *
-                   trial.new_velocity[d].local_element(i);
-    if (loads.act_on_points())
-      for (const Body<dim> *body : deformable_bodies(state.bodies))
-        {
-          const unsigned int load = body->points.layout().first("load");
-          body->points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-            for (unsigned int d = 0; d < dim; ++d)
-              power += p.mass() * p[load + d] * p.velocity(d);
-          });
-        }
-    // That of surfaces is what their force gives to the kinetic energy.
-    double work_of_surfaces = 0.;
-    for (unsigned int d = 0; d < dim && !state.surfaces.empty(); ++d)
-      work_of_surfaces +=
-        0.5 * trial.velocity_step *
-        scalar_product_of_owned(discretization.surface_force()[d],
-                                trial.velocity[d],
-                                trial.new_velocity[d]);
-    // Walls and obstacles give what a = (v' - v) / dt' needs beyond the force.
-    if ((walls.have_moving() || obstacles) && trial.velocity_step > 0.)
-      {
-        mass.held_residual(work_field, trial.force, trial.acceleration);
-        for (unsigned int d = 0; d < dim; ++d)
-          for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-            power -= lumped.local_element(i) * work_field[d].local_element(i) *
-                     trial.new_velocity[d].local_element(i);
-      }
-    state.energy.add_work(trial.step * power + work_of_surfaces);
-  }
-
-
-
-  template <int dim>
-  void
-  CentralDifferences<dim>::add_work_of_damping(State<dim> &state)
-  {
-    // It is for the guard, and costs a product with the mass matrix.
-    if (damping.factor(state.time) == 0. ||
-        parameters.scheme.energy_gain == "ignore")
-      return;
-    const PartTimer timer(log, "energy");
-
-    // P + P' of the points. That of APIC is of the grid.
-    const double      dt   = trial.velocity_step;
-    const double      flip = apic ? 0. : flip_share(state, dt);
-    VectorField<dim> &sum = trial.velocity, &momenta = work_field;
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        sum[d].equ(1. - flip, trial.new_velocity[d]);
-        sum[d].add(flip * dt, trial.acceleration[d]);
-        if (apic)
-          {
-            momenta[d] = sum[d];
-            momenta[d].scale(discretization.lumped_mass());
-          }
-      }
-    if (!apic)
-      discretization.transfer().multiply_mass(discretization.sum(state),
-                                              sum,
-                                              momenta);
-    for (unsigned int d = 0; d < dim; ++d)
-      momenta[d].add(1. + flip, discretization.momentum()[d]);
-    state.energy.add_damping(dt *
-                             damping.power(momenta, trial.force, state.time));
   }
 
 
@@ -519,6 +431,7 @@ namespace greville
     find_acceleration(state);
     find_new_velocity(state);
     update(state, &trial.acceleration, &trial.new_velocity, nullptr, false);
+    add_work_of_point_loads(state);
     fail_on_all(trial.motion.problem, discretization.communicator());
     state.velocity_time += trial.velocity_step;
   }
@@ -594,6 +507,7 @@ namespace greville
           update(state, nullptr, v, &work_field, true);
           break;
       }
+    add_work_of_point_loads(state);
     const std::string problem =
       discretization.transport_points(state,
                                       trial.motion.left_cells,

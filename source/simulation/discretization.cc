@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/memory.h>
 #include <greville/simulation/discretization.h>
+#include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/step_errors.h>
 
@@ -137,7 +138,7 @@ namespace greville
     point_transport.reinit(mesh, space());
     space().initialize_vector(lumped);
     initialize(point_momentum);
-    initialize(force_of_surfaces);
+    forces_of_surfaces.clear();
   }
 
 
@@ -200,18 +201,8 @@ namespace greville
                                     is_current ? nullptr : &lumped,
                                     is_current ? nullptr : &point_momentum,
                                     force);
-      if (force && !state.surfaces.empty())
-        {
-          std::vector<const MaterialPoints<dim> *> surfaces;
-          for (const Surface<dim> &surface : state.surfaces)
-            surfaces.push_back(&surface.points);
-          point_transfer.points_to_grid(surfaces,
-                                        nullptr,
-                                        nullptr,
-                                        &force_of_surfaces);
-          for (unsigned int d = 0; d < dim; ++d)
-            (*force)[d] += force_of_surfaces[d];
-        }
+      if (force)
+        add_surface_forces(state, *force);
     }
     if (!is_current)
       {
@@ -223,6 +214,74 @@ namespace greville
       }
     stamp_of_sums = state.points_stamp;
     return summed;
+  }
+
+
+
+  template <int dim>
+  void
+  Discretization<dim>::add_surface_forces(const State<dim> &state,
+                                          VectorField<dim> &force)
+  {
+    while (forces_of_surfaces.size() < state.surfaces.size())
+      {
+        forces_of_surfaces.emplace_back();
+        initialize(forces_of_surfaces.back());
+      }
+    for (unsigned int k = 0; k < state.surfaces.size(); ++k)
+      {
+        point_transfer.points_to_grid({&state.surfaces[k].points},
+                                      nullptr,
+                                      nullptr,
+                                      &forces_of_surfaces[k]);
+        for (unsigned int d = 0; d < dim; ++d)
+          force[d] += forces_of_surfaces[k][d];
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Discretization<dim>::find_force(const State<dim>     &state,
+                                  const Tensor<1, dim> &gravity,
+                                  VectorField<dim>     &force)
+  {
+    VectorType       mass;
+    VectorField<dim> momentum;
+    space().initialize_vector(mass);
+    initialize(momentum);
+    point_transfer.points_to_grid(quadrature_points(state, true),
+                                  &mass,
+                                  &momentum,
+                                  &force);
+    add_surface_forces(state, force);
+    for (unsigned int d = 0; d < dim; ++d)
+      force[d].add(gravity[d], mass);
+  }
+
+
+
+  template <int dim>
+  std::vector<unsigned char>
+  Discretization<dim>::cell_classes(const State<dim> &state)
+  {
+    const bool is_implicit =
+      is_implicit_scheme(parameters.scheme.stress_update);
+    typename CellFilling<dim>::Walls contact_walls;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      contact_walls[w] = grid_walls.is_friction(w);
+    std::vector<double> filled_part;
+    point_transfer.filling(quadrature_points(state, true), filled_part);
+    CellFilling<dim> filling;
+    filling.reinit(space(), contact_walls);
+    filling.update(filled_part,
+                   is_implicit ? parameters.implicit.filling
+                               : parameters.scheme.filling_threshold());
+    std::vector<unsigned char> result;
+    for (unsigned int cell = 0; cell < filled_part.size(); ++cell)
+      result.push_back(filling.cell_class(cell));
+    return result;
   }
 
 

@@ -12,9 +12,10 @@ namespace greville
   void
   EnergyBalance::reinit(const double new_start, const double negligible)
   {
-    start    = new_start;
-    largest  = std::max(std::abs(start), negligible);
-    own_work = own_damping = lowest_damping = 0.;
+    start   = new_start;
+    largest = std::max(std::abs(start), negligible);
+    own_work.clear();
+    own_damping = own_friction = lowest_damping = 0.;
   }
 
 

@@ -144,14 +144,17 @@ namespace greville
     for (unsigned int k = 1; k < parts.size(); ++k)
       result.add(part(k).statistics());
     // In the order of the columns of files.
-    const auto place = [&](const auto &load) {
-      return std::find(load_names.begin(), load_names.end(), load.first);
-    };
-    std::sort(result.loads.begin(),
-              result.loads.end(),
-              [&](const auto &a, const auto &b) {
-                return place(a) < place(b);
-              });
+    const auto loads = result.loads;
+    const auto work  = result.work.surfaces;
+    result.loads.clear();
+    result.work.surfaces.clear();
+    for (const std::string &name : load_names)
+      for (unsigned int k = 0; k < loads.size(); ++k)
+        if (loads[k].first == name)
+          {
+            result.loads.push_back(loads[k]);
+            result.work.surfaces.push_back(work[k]);
+          }
     return result;
   }
 

@@ -224,6 +224,8 @@ namespace greville
         contact.n_released = contact.n_stopped = 0;
         touches                                = touches || is_touched;
       }
+    for (VectorType &component : reaction)
+      component = 0.;
     if (Utilities::MPI::max<unsigned int>(touches, comm) == 0)
       return;
 
@@ -241,6 +243,21 @@ namespace greville
         if (dt > 0.)
           acceleration[c].add(1. / dt, change[c]);
       }
+  }
+
+
+
+  template <int dim>
+  double
+  FrictionContact<dim>::work(const VectorField<dim> &v,
+                             const VectorField<dim> &w) const
+  {
+    double sum = 0.;
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int i = 0; i < reaction[c].locally_owned_size(); ++i)
+        sum += 0.5 * reaction[c].local_element(i) *
+               (v[c].local_element(i) + w[c].local_element(i));
+    return sum;
   }
 
 

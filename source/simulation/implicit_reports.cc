@@ -10,7 +10,7 @@
 #include <iostream>
 #include <sstream>
 
-// What ImplicitSteps refuses and says.
+// What ImplicitSteps refuses and says, and tells the balance of energy.
 namespace greville
 {
   using namespace dealii;
@@ -91,7 +91,12 @@ namespace greville
              " s. Where loads, walls or the strength of materials go on "
              "changing, this is the limit of what the bodies bear; a dynamic "
              "scheme goes beyond it. Bodies that are thinner than a cell "
-             "somewhere need more points ('Points per direction'). In detail, ";
+             "somewhere need more points ('Points per direction'). ";
+    const std::string acting = loads.surfaces().description();
+    if (!acting.empty())
+      text += "Loads on surfaces are " + acting + ". ";
+    if (scheme.is_static && too_few.empty())
+      text += "In detail, ";
     text += "the step has been cut to " + text_of(2. * state.step_fraction) +
             " of 'Time/Step', and still " + rejection;
     return text;
@@ -201,6 +206,95 @@ namespace greville
         text << '\n';
       }
     std::cout << text.str() << std::flush;
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::add_work(State<dim>             &state,
+                               const VectorField<dim> &reaction,
+                               const double            dt)
+  {
+    // Forces are those in the middle of the step, or means of both ends. At
+    // the begin, old_loads has those on surfaces, too, and walls give what M a
+    // needs beyond them and the stresses, where a is known. The reaction is
+    // that of the balance.
+    const bool        is_mean = scheme.load_time == 1.;
+    const double      share   = is_mean ? 0.5 : 1.;
+    const bool        knows_a = scheme.alpha_a != 0. || scheme.alpha_m != 0.;
+    const double      share_of_walls = is_mean && (scheme.is_static || knows_a)
+                                         ? 0.5 / (1. - scheme.alpha_f)
+                                         : 1.;
+    VectorField<dim> &old_rows       = work;
+    if (!scheme.is_static)
+      system.finest().extended().multiply_at_held(old_rows, acceleration);
+    const Tensor<1, dim> new_g =
+      loads.gravity(state.time + scheme.load_time * dt);
+    const Tensor<1, dim> old_g     = loads.gravity(state.time);
+    const VectorType    &mass      = discretization.lumped_mass();
+    const auto          &held      = system.finest().held_components();
+    double               on_points = 0., by_gravity = 0., by_walls = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
+        {
+          const double u    = displacement[d].local_element(i);
+          const double m_u  = mass.local_element(i) * u;
+          const double last = old_loads[d].local_element(i);
+          const double last_on_points =
+            last -
+            (surfaces.empty() ? 0. : old_surface_loads[d].local_element(i));
+          by_gravity += (share * new_g[d] + (1. - share) * old_g[d]) * m_u;
+          on_points += (share * new_loads[d].local_element(i) +
+                        (1. - share) * last_on_points) *
+                         u -
+                       (share * new_g[d] + (1. - share) * old_g[d]) * m_u;
+          if ((held[i] >> d) & 1)
+            {
+              const double old_reaction =
+                (scheme.is_static ? 0. : old_rows[d].local_element(i)) -
+                old_force[d].local_element(i) - last;
+              by_walls += (share_of_walls * reaction[d].local_element(i) +
+                           (1. - share_of_walls) * old_reaction) *
+                          u;
+            }
+        }
+    state.energy.add_work(EnergyBalance::gravity, by_gravity);
+    if (loads.act_on_points())
+      state.energy.add_work(EnergyBalance::loads, on_points);
+    state.energy.add_work(EnergyBalance::walls, by_walls);
+
+    // Those on surfaces one by one.
+    const auto add_power = [&](const unsigned int      k,
+                               const VectorField<dim> &load,
+                               const double            factor) {
+      double sum = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
+          sum += load[d].local_element(i) * displacement[d].local_element(i);
+      state.energy.add_work(EnergyBalance::surfaces + k, factor * sum);
+    };
+    if (surfaces.size() == 1)
+      {
+        add_power(0, new_surface_loads, share);
+        add_power(0, old_surface_loads, 1. - share);
+        return;
+      }
+    SurfaceMotion<dim> begin;
+    begin.v           = surface_motion.v ? &velocity : nullptr;
+    const auto before = loads.surfaces().loaded(state.surfaces, state.time);
+    VectorField<dim> at_rest = displacement;
+    for (VectorType &component : at_rest)
+      component = 0.;
+    for (unsigned int k = 0; k < surfaces.size(); ++k)
+      {
+        VectorField<dim> &load = new_surface_loads;
+        system.add_surfaces(
+          {surfaces[k]}, displacement, surface_motion, false, load);
+        add_power(k, load, share);
+        system.add_surfaces({before[k]}, at_rest, begin, false, load);
+        add_power(k, load, 1. - share);
+      }
   }
 
 

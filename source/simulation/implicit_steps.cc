@@ -282,7 +282,7 @@ namespace greville
 
   template <int dim>
   void
-  ImplicitSteps<dim>::find_reactions(State<dim> &state)
+  ImplicitSteps<dim>::find_reactions(State<dim> &state, const double dt)
   {
     // Walls give what is left of the balance at held coefficients, in which
     // force has f - F', and work inertia, both over 1 - alpha_f.
@@ -298,21 +298,7 @@ namespace greville
       }
     state.reactions = walls.sums_of_held(reaction);
 
-    const auto &held = system.finest().held_components();
-    double      sum  = 0.;
-    for (unsigned int d = 0; d < dim; ++d)
-      for (unsigned int i = 0; i < reaction[d].locally_owned_size(); ++i)
-        sum += (((held[i] >> d) & 1 ? reaction[d].local_element(i) : 0.) +
-                new_loads[d].local_element(i)) *
-               displacement[d].local_element(i);
-    // Those on surfaces are means, or the means of both ends.
-    const double share = scheme.load_time == 1. ? 0.5 : 1.;
-    for (unsigned int d = 0; d < dim && !surfaces.empty(); ++d)
-      for (unsigned int i = 0; i < reaction[d].locally_owned_size(); ++i)
-        sum += (share * new_surface_loads[d].local_element(i) +
-                (1. - share) * old_surface_loads[d].local_element(i)) *
-               displacement[d].local_element(i);
-    state.energy.add_work(sum);
+    add_work(state, reaction, dt);
   }
 
 
@@ -407,7 +393,7 @@ namespace greville
   void
   ImplicitSteps<dim>::advance(State<dim> &state, const double dt)
   {
-    find_reactions(state);
+    find_reactions(state, dt);
 
     // v', and what the points get.
     for (unsigned int d = 0; d < dim; ++d)

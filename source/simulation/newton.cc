@@ -121,7 +121,9 @@ namespace greville
               std::ostringstream text;
               text << "Newton's method did not converge in " << k
                    << " iterations: the residual is "
-                   << result.iterations.back().relative << " of the forces";
+                   << result.iterations.back().relative
+                   << " of the forces, and 'Newton/Tolerance' is "
+                   << parameters.tolerance;
               result.reason = text.str();
               return result;
             }

@@ -112,30 +112,75 @@ namespace greville
 
 
     /**
-     * Velocity, mass and, if it is given, acceleration of the grid: a patch of
-     * order p for each cell that a function with mass reaches, and nothing for
-     * all others.
+     * Points on surfaces, likewise.
+     */
+    template <int dim>
+    class SurfacesOut : public PatchesOut<0, dim>
+    {
+    public:
+      SurfacesOut(const std::vector<Surface<dim>> &surfaces,
+                  const std::vector<unsigned int> &bodies)
+      {
+        for (const std::string name :
+             {"velocity", "displacement", "load", "area_vector"})
+          this->add_vector(name);
+        for (const std::string name : {"area", "surface_load", "body"})
+          this->names.push_back(name);
+        for (unsigned int k = 0; k < surfaces.size(); ++k)
+          {
+            const PointLayout<dim> &layout = surfaces[k].points.layout();
+            surfaces[k].points.for_each(
+              [&](const unsigned int, ConstPointRef<dim> p) {
+                const SurfaceState<dim> state = surface_state<dim>(p, layout);
+                const Tensor<1, dim>    area  = p.mass() * state.area_vector();
+                const std::array<Tensor<1, dim>, 4> vectors = {
+                  {state.velocity,
+                   state.x - state.X,
+                   p.vector(layout.first("load")),
+                   area}};
+                DataOutBase::Patch<0, dim> patch;
+                patch.vertices[0] = state.x;
+                patch.data.reinit(this->names.size(), 1);
+                for (unsigned int v = 0; v < vectors.size(); ++v)
+                  for (unsigned int d = 0; d < dim; ++d)
+                    patch.data(v * dim + d, 0) = vectors[v][d];
+                patch.data(4 * dim, 0)     = area.norm();
+                patch.data(4 * dim + 1, 0) = k;
+                patch.data(4 * dim + 2, 0) = bodies[k];
+                patch.patch_index          = this->patches.size();
+                this->patches.push_back(patch);
+              });
+          }
+      }
+    };
+
+
+
+    /**
+     * Fields of the grid: a patch of order p for each cell that a function with
+     * mass reaches, and nothing for all others.
      */
     template <int dim>
     class GridOut : public PatchesOut<dim, dim>
     {
     public:
-      GridOut(const SplineSpace<dim> &space,
-              const VectorField<dim> &velocity,
-              const VectorType       &mass,
-              const VectorField<dim> *acceleration)
+      GridOut(const SplineSpace<dim> &space, const GridFields<dim> &given)
       {
-        this->add_vector("velocity");
+        std::vector<VectorType> fields;
+        const auto add = [&](const char *name, const VectorField<dim> *field) {
+          if (!field)
+            return;
+          this->add_vector(name);
+          fields.insert(fields.end(), field->begin(), field->end());
+        };
+        add("velocity", given.velocity);
         this->names.push_back("mass");
-        std::vector<VectorType> fields(velocity.begin(), velocity.end());
-        fields.push_back(mass);
-        if (acceleration)
-          {
-            this->add_vector("acceleration");
-            fields.insert(fields.end(),
-                          acceleration->begin(),
-                          acceleration->end());
-          }
+        fields.push_back(*given.mass);
+        add("acceleration", given.acceleration);
+        add("force", given.force);
+        const bool has_classes = !given.cell_classes.empty();
+        if (has_classes)
+          this->names.push_back("cell_class");
         for (const VectorType &field : fields)
           field.update_ghost_values();
 
@@ -176,7 +221,9 @@ namespace greville
               for (unsigned int d = 0; d < dim; ++d)
                 patch.vertices[v][d] =
                   corner[d] + ((v >> d) & 1) * lattice.cell_size(d);
-            patch.data.reinit(fields.size(), n_nodes);
+            patch.data.reinit(fields.size() + has_classes, n_nodes);
+            for (unsigned int node = 0; has_classes && node < n_nodes; ++node)
+              patch.data(fields.size(), node) = given.cell_classes[cell];
             for (unsigned int node = 0; node < n_nodes; ++node)
               for (unsigned int a = 0; a < n_nodes; ++a)
                 {
@@ -355,27 +402,37 @@ namespace greville
   void
   FieldOutput<dim>::write_grid(const double            time,
                                const SplineSpace<dim> &space,
-                               const VectorField<dim> &velocity,
-                               const VectorType       &mass,
-                               const VectorField<dim> &acceleration,
+                               const GridFields<dim>  &fields,
                                const std::string      &body)
   {
-    if (!parameters.grid_fields)
-      return;
-    const auto &fields = parameters.fields;
-    const bool  with_acceleration =
-      std::find(fields.begin(), fields.end(), "acceleration") != fields.end();
-    GridOut<dim>          grid(space,
-                      velocity,
-                      mass,
-                      with_acceleration ? &acceleration : nullptr);
-    DataOutBase::VtkFlags flags    = fast_compression();
+    DataOutBase::VtkFlags flags = fast_compression();
+    GridOut<dim>          grid(space, fields);
     flags.write_higher_order_cells = true;
     grid.set_flags(flags);
     write_next("grid" + (body.empty() ? "" : "_" + body),
                time,
                grid,
                space.communicator());
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::write_surfaces(const double                     time,
+                                   const std::vector<Surface<dim>> &surfaces,
+                                   const std::vector<unsigned int> &bodies,
+                                   const MPI_Comm                   comm,
+                                   const std::string               &body)
+  {
+    if (surfaces.empty())
+      return;
+    SurfacesOut<dim> points(surfaces, bodies);
+    points.set_flags(fast_compression());
+    write_next("surface" + (body.empty() ? "" : "_" + body),
+               time,
+               points,
+               comm);
   }
 
 

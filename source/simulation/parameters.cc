@@ -496,10 +496,18 @@ namespace greville
     add_parameter(prm, "Statistics every", statistics_every, Double(0.))(
       "Time between two lines of statistics.csv; 0: each step. Unit: s.");
     add_parameter(prm, "Grid fields", grid_fields)("Write the grid as well.");
+    add_parameter(prm, "Surface points", surface_points)(
+      "Write the points of loads on surfaces as well, if there are any: "
+      "surface.pvd with velocity, displacement, load (Pa per initial area), "
+      "area_vector (the normal times the area, both of today), area, the "
+      "number of the load and that of its body.");
     add_parameter(prm, "Fields", fields, List(Selection(output_field_names())))(
       "Fields of points in .pvtu files: strain is Green's, size the edge of a "
-      "cube of the volume of a point, for glyphs, history what materials keep; "
-      "acceleration is that of the grid, which has velocity and mass anyway.");
+      "cube of the volume of a point, for glyphs, history what materials keep. "
+      "Of the grid, which has velocity and mass anyway: acceleration, force "
+      "(by "
+      "stresses, gravity and loads, per function) and cell_class (as extended "
+      "B-splines see cells: 0 empty, 1 cut, 2 well-filled, 3 inside).");
     add_parameter(prm, "Probes", probes)(
       "Initial positions, 'x, y; x, y; ...' (m): the point nearest to each is "
       "followed in probes.csv.");

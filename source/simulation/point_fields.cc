@@ -203,7 +203,7 @@ namespace greville
     std::string result;
     for (const auto &field : all_fields<2>(0))
       result += field.name + "|";
-    return result + "history|acceleration";
+    return result + "history|acceleration|force|cell_class";
   }
 
 

@@ -115,7 +115,8 @@ namespace greville
   std::vector<std::string>
   SimulationRun<dim>::columns() const
   {
-    auto columns = Statistics<dim>::names(parameters.general.surface_loads);
+    auto columns = Statistics<dim>::names(parameters.general.surface_loads,
+                                          parameters.general.bodies);
     for (const auto &[wall, component] : reactions)
       columns.push_back(reaction_name(wall, component));
     if (!parameters.stages.empty())
@@ -254,21 +255,104 @@ namespace greville
 
 
   template <int dim>
+  std::vector<unsigned int>
+  SimulationRun<dim>::loaded_bodies(const Simulation<dim> &part) const
+  {
+    std::vector<unsigned int>       bodies;
+    const std::vector<std::string> &names = parameters.general.bodies;
+    for (const Surface<dim> &surface : part.state().surfaces)
+      bodies.push_back(
+        std::find(names.begin(),
+                  names.end(),
+                  parameters.surface_loads.at(surface.name).body) -
+        names.begin());
+    return bodies;
+  }
+
+
+
+  template <int dim>
   void
   SimulationRun<dim>::write_fields()
   {
-    fields.write_points(common().time, ensemble.bodies(), comm);
+    const OutputParameters &output = parameters.output;
+    const double            time   = common().time;
+    fields.write_points(time, ensemble.bodies(), comm);
+    const auto wants = [&](const std::string &name) {
+      return std::find(output.fields.begin(), output.fields.end(), name) !=
+             output.fields.end();
+    };
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
-        const Simulation<dim> &part = ensemble.part(k);
-        fields.write_grid(common().time,
-                          part.space(),
-                          part.state().velocity,
-                          part.mass().lumped(),
-                          part.state().acceleration,
-                          parameters.has_body_grids() ? part.bodies()[0].name
-                                                      : "");
+        Simulation<dim>  &part  = ensemble.part(k);
+        const State<dim> &state = part.state();
+        const std::string body =
+          parameters.has_body_grids() ? state.bodies[0].name : "";
+        if (output.surface_points)
+          fields.write_surfaces(
+            time, part.loaded_surfaces(), loaded_bodies(part), comm, body);
+        if (!output.grid_fields)
+          continue;
+        GridFields<dim>  grid;
+        VectorField<dim> force;
+        grid.velocity = &state.velocity;
+        grid.mass     = &part.mass().lumped();
+        if (wants("acceleration"))
+          grid.acceleration = &state.acceleration;
+        if (wants("force"))
+          {
+            force      = part.grid_force();
+            grid.force = &force;
+          }
+        if (wants("cell_class"))
+          grid.cell_classes = part.grid().cell_classes(state);
+        fields.write_grid(time, part.space(), grid, body);
       }
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_fields()
+  {
+    const OutputParameters &output = parameters.output;
+    const State<dim>       &state  = simulation.state();
+    fields.write_points(state.time, state.bodies, comm);
+    if (output.surface_points)
+      {
+        std::vector<unsigned int> bodies;
+        const auto               &names = parameters.general.bodies;
+        for (const std::string &load : parameters.general.surface_loads)
+          bodies.push_back(std::find(names.begin(),
+                                     names.end(),
+                                     parameters.surface_loads.at(load).body) -
+                           names.begin());
+        fields.write_surfaces(state.time,
+                              simulation.loaded_surfaces(),
+                              bodies,
+                              comm);
+      }
+    if (!output.grid_fields)
+      return;
+    const auto wants = [&](const std::string &name) {
+      return std::find(output.fields.begin(), output.fields.end(), name) !=
+             output.fields.end();
+    };
+    GridFields<dim>  grid;
+    VectorField<dim> force;
+    grid.velocity = &state.velocity;
+    grid.mass     = &simulation.mass().lumped();
+    if (wants("acceleration"))
+      grid.acceleration = &state.acceleration;
+    if (wants("force"))
+      {
+        force      = simulation.grid_force();
+        grid.force = &force;
+      }
+    if (wants("cell_class"))
+      grid.cell_classes = simulation.grid().cell_classes(state);
+    fields.write_grid(state.time, simulation.space(), grid);
   }
 
 
@@ -448,6 +532,13 @@ namespace greville
         << state.time << " s, " << n_points << " points";
     if (n_removed > 0)
       out << ", of which " << n_removed << " have left the grid";
+    const std::uint64_t n_redone =
+      ensemble.sum([](const Simulation<dim> &part) {
+        return part.state().n_all_rejections;
+      });
+    if (n_redone > 0)
+      out << "; " << n_redone << (n_redone == 1 ? " step was" : " steps were")
+          << " done again with a shorter length";
     out << '\n';
     if (ensemble.first().consistent_mass() && state.n_steps > 0)
       {
@@ -544,6 +635,9 @@ namespace greville
       .add("quadrature", parameters.scheme.quadrature)
       .add("processes", Utilities::MPI::n_mpi_processes(comm))
       .add("steps", state.n_steps)
+      .add("redone_steps", ensemble.sum([](const Simulation<dim> &part) {
+        return part.state().n_all_rejections;
+      }))
       .add("time", state.time)
       .add("wall_time", summary.wall_time)
       .add("point_steps_per_second",

@@ -298,6 +298,7 @@ namespace greville
   void
   Simulation<dim>::propose_again(const StepRejected &rejection)
   {
+    ++current.n_all_rejections;
     if (current.n_rejections == most_rejections)
       throw StepFailed("the step has been shortened " +
                        std::to_string(most_rejections) + " times, and still " +
@@ -471,11 +472,46 @@ namespace greville
     result.iterations = current.n_iterations;
     result.active     = mass().n_active();
     result.fragments  = mass().n_fragments();
+    result.redone     = current.n_all_rejections;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       result.reactions[w] = Utilities::MPI::sum(current.reactions[w], comm);
+    result.work.gravity   = current.energy.work(EnergyBalance::gravity, comm);
+    result.work.loads     = current.energy.work(EnergyBalance::loads, comm);
+    result.work.walls     = current.energy.work(EnergyBalance::walls, comm);
+    result.work.obstacles = current.energy.work(EnergyBalance::obstacles, comm);
+    result.work.friction  = current.energy.friction(comm);
+    result.work.damping   = current.energy.damping(comm);
+    for (unsigned int k = 0; k < current.surfaces.size(); ++k)
+      result.work.surfaces.push_back(
+        current.energy.work(EnergyBalance::surfaces + k, comm));
     result.loads =
       loads.surfaces().resultants(current.surfaces, current.time, comm);
     return result;
+  }
+
+
+
+  template <int dim>
+  VectorField<dim>
+  Simulation<dim>::grid_force()
+  {
+    run_on_all([&]() { loads.set(current.bodies, current.time); }, comm);
+    loaded_surfaces();
+    VectorField<dim> force;
+    discretization.initialize(force);
+    discretization.find_force(current, loads.gravity(current.time), force);
+    return force;
+  }
+
+
+
+  template <int dim>
+  const std::vector<Surface<dim>> &
+  Simulation<dim>::loaded_surfaces()
+  {
+    run_on_all([&]() { loads.surfaces().set(current.surfaces, current.time); },
+               comm);
+    return current.surfaces;
   }
 
 

@@ -33,6 +33,7 @@ namespace greville
       all("n_iterations", state.n_iterations);
       all("n_all_iterations", state.n_all_iterations);
       all("n_rejections", state.n_rejections);
+      all("n_all_rejections", state.n_all_rejections);
       all("step_fraction", state.step_fraction);
       all("fastest", state.signals.fastest);
       all("wave", state.signals.wave);
@@ -47,7 +48,8 @@ namespace greville
       all("n_history", state.history.n);
       all("step_before", state.history.steps[0]);
       all("step_before_that", state.history.steps[1]);
-      state.energy.visit_numbers(all, sum);
+      state.energy.visit_numbers(
+        EnergyBalance::surfaces + state.surfaces.size(), all, sum);
       for (unsigned int w = 0; w < 2 * dim; ++w)
         for (unsigned int d = 0; d < dim; ++d)
           sum("reaction_" + std::to_string(w) + "_" + std::to_string(d),

@@ -38,8 +38,27 @@ namespace greville
     result.emplace_back("active", active);
     result.emplace_back("points", n_points);
     result.emplace_back("fragments", fragments);
+    result.emplace_back("redone", redone);
+    result.emplace_back("work_gravity", work.gravity);
+    result.emplace_back("work_loads", work.loads);
+    result.emplace_back("work_walls", work.walls);
+    result.emplace_back("work_obstacles", work.obstacles);
+    result.emplace_back("work_friction", work.friction);
+    result.emplace_back("work_damping", work.damping);
     for (const auto &load : loads)
       add("load_" + load.first, load.second);
+    for (unsigned int k = 0; k < loads.size(); ++k)
+      result.emplace_back("work_load_" + loads[k].first,
+                          k < work.surfaces.size() ? work.surfaces[k] : 0.);
+    if (bodies.size() < 2)
+      return result;
+    for (const BodyStatistics<dim> &body : bodies)
+      {
+        result.emplace_back("kinetic_" + body.name, body.kinetic);
+        result.emplace_back("strain_" + body.name, body.strain);
+        result.emplace_back("dissipation_" + body.name, body.dissipation);
+        add("momentum_" + body.name, body.momentum);
+      }
     return result;
   }
 
@@ -47,11 +66,17 @@ namespace greville
 
   template <int dim>
   std::vector<std::string>
-  Statistics<dim>::names(const std::vector<std::string> &loads)
+  Statistics<dim>::names(const std::vector<std::string> &loads,
+                         const std::vector<std::string> &bodies)
   {
     Statistics statistics;
     for (const std::string &load : loads)
       statistics.loads.emplace_back(load, Tensor<1, dim>());
+    for (const std::string &body : bodies)
+      {
+        statistics.bodies.emplace_back();
+        statistics.bodies.back().name = body;
+      }
     std::vector<std::string> result;
     for (const auto &column : statistics.columns())
       result.push_back(column.first);
@@ -92,6 +117,17 @@ namespace greville
     largest_speed = std::max(largest_speed, other.largest_speed);
     active += other.active;
     fragments += other.fragments;
+    redone += other.redone;
+    work.gravity += other.work.gravity;
+    work.loads += other.work.loads;
+    work.walls += other.work.walls;
+    work.obstacles += other.work.obstacles;
+    work.friction += other.work.friction;
+    work.damping += other.work.damping;
+    work.surfaces.insert(work.surfaces.end(),
+                         other.work.surfaces.begin(),
+                         other.work.surfaces.end());
+    bodies.insert(bodies.end(), other.bodies.begin(), other.bodies.end());
     n_points += other.n_points;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       reactions[w] += other.reactions[w];
@@ -141,54 +177,71 @@ namespace greville
       {
         const PointLayout<dim> &layout = body.points.layout();
         const PointField       *affine = layout.find("affine");
-        body.points.for_each(
-          [&](const unsigned int cell, ConstPointRef<dim> p) {
-            const double         m        = p.mass();
-            const double         V0       = p.volume0();
-            const Point<dim>     position = p.position();
-            const Tensor<1, dim> velocity = p.velocity();
-            Tensor<1, 3>         x, v;
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                x[d] = position[d];
-                v[d] = velocity[d];
-              }
-            result.mass += m;
-            result.momentum += m * velocity;
-            first_moment += m * position;
-            result.angular_momentum += m * cross_product_3d(x, v);
-            if (affine)
-              {
-                // m C D, whose skew part is a spin
-                const auto   D = transfer.spread(cell, position);
-                const auto   C = p.matrix(affine->first);
-                Tensor<2, 3> B;
-                for (unsigned int i = 0; i < dim; ++i)
-                  for (unsigned int j = 0; j < dim; ++j)
-                    B[i][j] = C[i][j] * D[j];
-                result.angular_momentum[0] += m * (B[2][1] - B[1][2]);
-                result.angular_momentum[1] += m * (B[0][2] - B[2][0]);
-                result.angular_momentum[2] += m * (B[1][0] - B[0][1]);
-              }
-            result.kinetic += kinetic_energy_of<dim>(p, cell, affine, transfer);
-            // Where the grid is periodic, gravity has no potential.
-            for (unsigned int d = 0; d < dim; ++d)
-              if (!body.points.space().lattice().is_periodic(d))
-                result.gravitational -= m * gravity[d] * position[d];
-            if (!body.rigid_motion)
-              {
-                MaterialPoint point;
-                load_material_point<dim>(p, layout, point);
-                result.strain += V0 * body.material->strain_energy(point);
-                result.dissipation += V0 * body.material->dissipation(point);
-              }
-            result.largest_speed =
-              std::max(result.largest_speed, velocity.norm());
-            const double half_size = 0.5 * std::pow(p.volume(), 1. / dim);
-            largest[0] = std::max(largest[0], position[0] + half_size);
-            largest[1] = std::max(largest[1], position[1] + half_size);
-            ++result.n_points;
-          });
+        BodyStatistics<dim>     own;
+        own.name = body.name;
+        body.points.for_each([&](const unsigned int cell,
+                                 ConstPointRef<dim> p) {
+          const double         m        = p.mass();
+          const double         V0       = p.volume0();
+          const Point<dim>     position = p.position();
+          const Tensor<1, dim> velocity = p.velocity();
+          Tensor<1, 3>         x, v;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              x[d] = position[d];
+              v[d] = velocity[d];
+            }
+          result.mass += m;
+          result.momentum += m * velocity;
+          first_moment += m * position;
+          result.angular_momentum += m * cross_product_3d(x, v);
+          if (affine)
+            {
+              // m C D, whose skew part is a spin
+              const auto   D = transfer.spread(cell, position);
+              const auto   C = p.matrix(affine->first);
+              Tensor<2, 3> B;
+              for (unsigned int i = 0; i < dim; ++i)
+                for (unsigned int j = 0; j < dim; ++j)
+                  B[i][j] = C[i][j] * D[j];
+              result.angular_momentum[0] += m * (B[2][1] - B[1][2]);
+              result.angular_momentum[1] += m * (B[0][2] - B[2][0]);
+              result.angular_momentum[2] += m * (B[1][0] - B[0][1]);
+            }
+          const double kinetic =
+            kinetic_energy_of<dim>(p, cell, affine, transfer);
+          result.kinetic += kinetic;
+          own.kinetic += kinetic;
+          own.momentum += m * velocity;
+          // Where the grid is periodic, gravity has no potential.
+          for (unsigned int d = 0; d < dim; ++d)
+            if (!body.points.space().lattice().is_periodic(d))
+              result.gravitational -= m * gravity[d] * position[d];
+          if (!body.rigid_motion)
+            {
+              MaterialPoint point;
+              load_material_point<dim>(p, layout, point);
+              const double strain = V0 * body.material->strain_energy(point);
+              const double dissipation = V0 * body.material->dissipation(point);
+              result.strain += strain;
+              result.dissipation += dissipation;
+              own.strain += strain;
+              own.dissipation += dissipation;
+            }
+          result.largest_speed =
+            std::max(result.largest_speed, velocity.norm());
+          const double half_size = 0.5 * std::pow(p.volume(), 1. / dim);
+          largest[0] = std::max(largest[0], position[0] + half_size);
+          largest[1] = std::max(largest[1], position[1] + half_size);
+          ++result.n_points;
+        });
+        result.bodies.push_back(own);
+      }
+    for (BodyStatistics<dim> &body : result.bodies)
+      {
+        for (double *sum : {&body.kinetic, &body.strain, &body.dissipation})
+          *sum = Utilities::MPI::sum(*sum, comm);
+        body.momentum = Utilities::MPI::sum(body.momentum, comm);
       }
     // In 2D the spin has one component.
     if (dim == 2)

@@ -213,7 +213,9 @@ namespace greville
                 << " s";
         AssertThrow(parameters.too_large_step != "refuse",
                     ExcMessage(message.str() +
-                               " ('Time/Too large step' = warn goes on). " +
+                               " ('Time/Too large step' = warn goes on; steps "
+                               "have no such limit with an implicit "
+                               "'Scheme/Stress update'). " +
                                what_sets_the_step(state)));
         log.warnings.push_back(message.str() + ".");
       }

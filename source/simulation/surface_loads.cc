@@ -244,6 +244,32 @@ namespace greville
 
 
   template <int dim>
+  std::string
+  SurfaceLoads<dim>::description() const
+  {
+    std::string result;
+    for (unsigned int k = 0; k < names.size(); ++k)
+      {
+        const SurfaceLoadParameters &load = parameters[k];
+        const auto                   add  = [&](const std::string &name,
+                             const std::string &value) {
+          if (!value.empty())
+            result += (result.empty() ? "" : ", ") +
+                      ("'Surface load " + names[k]) + "/" + name + "' <" +
+                      value + ">";
+        };
+        add("Traction", load.traction);
+        add("Pressure", load.pressure);
+        add("Displacement", load.displacement);
+        if (load.stiffness > 0.)
+          add("Stiffness", text_of(load.stiffness));
+      }
+    return result;
+  }
+
+
+
+  template <int dim>
   std::vector<Surface<dim>>
   SurfaceLoads<dim>::make_surfaces(const std::vector<Body<dim>> &bodies,
                                    const SplineSpace<dim>       &space) const

@@ -19,7 +19,7 @@ test(const std::string &name, const Text &text, const double tolerance)
       one.step();
       const auto all_now = all.statistics();
       const auto a = all_now.values(), b = one.statistics().values();
-      const auto names = Statistics<dim>::names();
+      const auto names = Statistics<dim>::names({}, parameters.general.bodies);
       scale.resize(a.size(), 0.);
       for (unsigned int k = 0; k < a.size(); ++k)
         if (names[k] != "iterations")

@@ -62,16 +62,6 @@ namespace greville
   place_points(const PointPlacement   &placement,
                const std::string      &section,
                const SplineSpace<dim> &space);
-
-  /**
-   * The points of a CSV file on the owned cells, numbered in its order. Throws
-   * as place_points(), and where a point lies outside of the grid.
-   */
-  template <int dim>
-  std::vector<PlacedPoint<dim>>
-  points_of_file(const std::string      &file,
-                 const std::string      &section,
-                 const SplineSpace<dim> &space);
 } // namespace greville
 
 #endif

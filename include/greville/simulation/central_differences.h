@@ -142,10 +142,24 @@ namespace greville
     take_held_residual();
 
     /**
-     * Work that loads, walls and obstacles do in this step.
+     * Work that loads, walls and obstacles do in this step; of loads on points
+     * half of it, with their velocities before the kick.
      */
     void
     add_work(State<dim> &state);
+
+    /**
+     * Half of the work of loads on points, with the velocities that they have.
+     */
+    void
+    add_work_of_point_loads(State<dim> &state) const;
+
+    /**
+     * Work of contact that has changed the new velocity from what work_field
+     * has, with lumped mass.
+     */
+    void
+    add_work_of_friction(State<dim> &state) const;
 
     /**
      * Work of Cundall's damping in this step.

@@ -153,13 +153,30 @@ namespace greville
     }
 
     /**
-     * What loads on surfaces gave to the last force; there are some.
+     * What each load on surfaces gave to the last force.
      */
-    const VectorField<dim> &
-    surface_force() const
+    const std::vector<VectorField<dim>> &
+    surface_forces() const
     {
-      return force_of_surfaces;
+      return forces_of_surfaces;
     }
+
+    /**
+     * Collective. The force on the functions by stresses, by loads as the
+     * points have them, and by the acceleration @p gravity. It changes nothing
+     * of what sum() has found.
+     */
+    void
+    find_force(const State<dim>             &state,
+               const dealii::Tensor<1, dim> &gravity,
+               VectorField<dim>             &force);
+
+    /**
+     * Collective. CellFilling::cell_class() of the owned cells, as extended
+     * B-splines have them.
+     */
+    std::vector<unsigned char>
+    cell_classes(const State<dim> &state);
 
     /**
      * Collective. Solve M x = sum for pairs of them, see GridMass::solve().
@@ -184,6 +201,12 @@ namespace greville
 
   private:
     /**
+     * Add the loads on surfaces to the force.
+     */
+    void
+    add_surface_forces(const State<dim> &state, VectorField<dim> &force);
+
+    /**
      * What is summed over; reconstructed if @p anew.
      */
     const std::vector<const MaterialPoints<dim> *> &
@@ -206,10 +229,11 @@ namespace greville
     std::vector<MaterialPoints<dim>>         reconstructed;
     std::vector<const MaterialPoints<dim> *> summed;
 
-    VectorType       lumped;
-    VectorField<dim> point_momentum, force_of_surfaces;
-    std::uint64_t    stamp_of_sums = 0;     // of no state
-    bool             mass_is_known = false; // for all states
+    VectorType                    lumped;
+    VectorField<dim>              point_momentum;
+    std::vector<VectorField<dim>> forces_of_surfaces;
+    std::uint64_t                 stamp_of_sums = 0;     // of no state
+    bool                          mass_is_known = false; // for all states
   };
 } // namespace greville
 

@@ -5,6 +5,10 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <string>
+#include <type_traits>
+#include <vector>
+
 namespace greville
 {
   /**
@@ -15,11 +19,24 @@ namespace greville
    * from nothing, and shows an instability.
    *
    * Transfers between points and grid, the filter and friction at walls take
-   * energy, too. They are not counted: E may be smaller.
+   * energy, too. They are not part of W and D: E may be smaller. The work of
+   * friction walls is known nevertheless.
    */
   class EnergyBalance
   {
   public:
+    /**
+     * What does work. Load k on surfaces is surfaces + k.
+     */
+    enum Source : unsigned int
+    {
+      gravity,
+      loads, // on points
+      walls,
+      obstacles,
+      surfaces
+    };
+
     /**
      * @p start is E(0) of all processes. Energies below @p negligible are
      * round-off. Unit of both: J (2D: J / m).
@@ -31,9 +48,20 @@ namespace greville
      * Work done on the bodies of this process, J (2D: J / m).
      */
     void
-    add_work(const double amount)
+    add_work(const unsigned int source, const double amount)
     {
-      own_work += amount;
+      if (source >= own_work.size())
+        own_work.resize(source + 1, 0.);
+      own_work[source] += amount;
+    }
+
+    /**
+     * Likewise by friction walls.
+     */
+    void
+    add_friction(const double amount)
+    {
+      own_friction += amount;
     }
 
     /**
@@ -52,7 +80,29 @@ namespace greville
     double
     work(const MPI_Comm comm) const
     {
-      return dealii::Utilities::MPI::sum(own_work, comm);
+      double sum = 0.;
+      for (const double amount : own_work)
+        sum += amount;
+      return dealii::Utilities::MPI::sum(sum, comm);
+    }
+
+    /**
+     * Collective. The part of a source.
+     */
+    double
+    work(const unsigned int source, const MPI_Comm comm) const
+    {
+      return dealii::Utilities::MPI::sum(
+        source < own_work.size() ? own_work[source] : 0., comm);
+    }
+
+    /**
+     * Collective. The work of friction walls.
+     */
+    double
+    friction(const MPI_Comm comm) const
+    {
+      return dealii::Utilities::MPI::sum(own_friction, comm);
     }
 
     /**
@@ -74,36 +124,50 @@ namespace greville
 
     /**
      * Call @p all(name, number) for the numbers that all processes share, and
-     * @p sum(name, number) for those of which each has its part.
+     * @p sum(name, number) for those of which each has its part: the first
+     * @p n_sources sources of work among them.
      */
     template <typename All, typename Sum>
     void
-    visit_numbers(const All &all, const Sum &sum)
+    visit_numbers(const unsigned int n_sources, const All &all, const Sum &sum)
     {
-      visit(*this, all, sum);
+      visit(*this, n_sources, all, sum);
     }
 
     template <typename All, typename Sum>
     void
-    visit_numbers(const All &all, const Sum &sum) const
+    visit_numbers(const unsigned int n_sources,
+                  const All         &all,
+                  const Sum         &sum) const
     {
-      visit(*this, all, sum);
+      visit(*this, n_sources, all, sum);
     }
 
   private:
     template <typename Balance, typename All, typename Sum>
     static void
-    visit(Balance &balance, const All &all, const Sum &sum)
+    visit(Balance           &balance,
+          const unsigned int n_sources,
+          const All         &all,
+          const Sum         &sum)
     {
       all("energy_at_start", balance.start);
       all("largest_energy", balance.largest);
       all("lowest_damping", balance.lowest_damping);
-      sum("work", balance.own_work);
+      if constexpr (!std::is_const_v<Balance>)
+        balance.own_work.resize(n_sources, 0.);
+      double none = 0.;
+      for (unsigned int k = 0; k < n_sources; ++k)
+        sum("work_" + std::to_string(k),
+            k < balance.own_work.size() ? balance.own_work[k] : none);
       sum("damping", balance.own_damping);
+      sum("friction", balance.own_friction);
     }
 
-    double start = 0., largest = 0., own_work = 0., own_damping = 0.;
-    double lowest_damping = 0.; // of D, where gain() has seen it
+    std::vector<double> own_work; // of sources
+    double              start = 0., largest = 0.;
+    double              own_damping = 0., own_friction = 0.;
+    double              lowest_damping = 0.; // of D, where gain() has seen it
   };
 
 } // namespace greville

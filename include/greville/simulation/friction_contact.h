@@ -73,6 +73,13 @@ namespace greville
       return most;
     }
 
+    /**
+     * What the impulses of the last add() on this process give to the kinetic
+     * energy of a step from the velocity @p v to @p w, J (2D: J / m).
+     */
+    double
+    work(const VectorField<dim> &v, const VectorField<dim> &w) const;
+
   private:
     enum class State
     {

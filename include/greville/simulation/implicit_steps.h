@@ -116,11 +116,18 @@ namespace greville
           const NewtonResult &result) const;
 
     /**
-     * Find the forces of walls, and count the work of loads and of walls that
-     * move.
+     * Find the forces of walls, and count the work.
      */
     void
-    find_reactions(State<dim> &state);
+    find_reactions(State<dim> &state, const double dt);
+
+    /**
+     * Count the work of loads and of walls that move, with their @p reaction.
+     */
+    void
+    add_work(State<dim>             &state,
+             const VectorField<dim> &reaction,
+             const double            dt);
 
     /**
      * Kick the points by state.acceleration, and move them by the

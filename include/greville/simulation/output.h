@@ -6,6 +6,7 @@
 #include <greville/base/csv.h>
 #include <greville/particles/body_list.h>
 #include <greville/particles/point_transfer.h>
+#include <greville/particles/surface.h>
 #include <greville/simulation/parameters.h>
 
 #include <map>
@@ -14,9 +15,29 @@
 namespace greville
 {
   /**
-   * Writes points and grid fields for ParaView: points_NNNN.pvtu and
-   * grid_NNNN.pvtu, with points.pvd and grid.pvd that hold the times. The .pvd
-   * files are replaced after each of them, so that they never name what is not
+   * What grid_NNNN.pvtu has. Vectors have no ghost values.
+   */
+  template <int dim>
+  struct GridFields
+  {
+    const VectorField<dim> *velocity = nullptr;
+    /// Per function.
+    const VectorType *mass = nullptr;
+    /// Null: not written.
+    const VectorField<dim> *acceleration = nullptr;
+    /// Per function; null: not written.
+    const VectorField<dim> *force = nullptr;
+    /// Of owned cells, see CellFilling::cell_class(); empty: not written.
+    std::vector<unsigned char> cell_classes;
+  };
+
+
+
+  /**
+   * Writes points, grid fields and the points of loads on surfaces for
+   * ParaView: points_NNNN.pvtu, grid_NNNN.pvtu and surface_NNNN.pvtu, with
+   * points.pvd, grid.pvd and surface.pvd that hold the times. The .pvd files
+   * are replaced after each of them, so that they never name what is not
    * there.
    */
   template <int dim>
@@ -39,18 +60,28 @@ namespace greville
                  const MPI_Comm       comm);
 
     /**
-     * Collective. Write a grid, if the parameters want it: @p velocity, mass
-     * per function @p mass and, where the parameters want it, @p acceleration,
-     * as Lagrange cells of the order of the space, where there is mass. Vectors
-     * have no ghost values. One of several grids has the name of its @p body.
+     * Collective. Write the fields of a grid as Lagrange cells of the order of
+     * the @p space, where there is mass. One of several grids has the name of
+     * its @p body.
      */
     void
     write_grid(const double            time,
                const SplineSpace<dim> &space,
-               const VectorField<dim> &velocity,
-               const VectorType       &mass,
-               const VectorField<dim> &acceleration,
+               const GridFields<dim>  &fields,
                const std::string      &body = "");
+
+    /**
+     * Collective. Write the points of loads on surfaces: the number of the load
+     * and that of its body, load (Pa per initial area), normal today times
+     * area, area, velocity and displacement. Writes nothing where there are
+     * none. Those of one of several grids have the name of its @p body.
+     */
+    void
+    write_surfaces(const double                     time,
+                   const std::vector<Surface<dim>> &surfaces,
+                   const std::vector<unsigned int> &bodies,
+                   const MPI_Comm                   comm,
+                   const std::string               &body = "");
 
     /**
      * What has been written: lines with name, time and file, separated by
@@ -79,7 +110,7 @@ namespace greville
 
     const std::string       directory;
     const OutputParameters &parameters;
-    // By name: "points", "grid".
+    // By name: "points", "grid", "surface".
     std::map<std::string, std::vector<std::pair<double, std::string>>>
       times_and_names;
   };

@@ -166,6 +166,7 @@ namespace greville
     double                   fields_every     = 0.;
     double                   statistics_every = 0.;
     bool                     grid_fields      = true;
+    bool                     surface_points   = true;
     std::vector<std::string> fields           = {"velocity",
                                                  "displacement",
                                                  "stress",

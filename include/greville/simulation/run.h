@@ -133,6 +133,15 @@ namespace greville
     void
     write_statistics();
 
+    void
+    write_fields();
+
+    /**
+     * The numbers of the bodies with the surfaces of a part.
+     */
+    std::vector<unsigned int>
+    loaded_bodies(const Simulation<dim> &part) const;
+
     /**
      * What is due after a step.
      */

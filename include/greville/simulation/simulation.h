@@ -116,6 +116,19 @@ namespace greville
     Statistics<dim>
     statistics() const;
 
+    /**
+     * Collective. The force on the functions of the grid by stresses, gravity
+     * and loads as they are, N (2D: N / m).
+     */
+    VectorField<dim>
+    grid_force();
+
+    /**
+     * Collective. The surfaces, with their loads as they are.
+     */
+    const std::vector<Surface<dim>> &
+    loaded_surfaces();
+
     const std::vector<Body<dim>> &
     bodies() const
     {

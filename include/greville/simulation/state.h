@@ -100,8 +100,10 @@ namespace greville
     unsigned int  n_iterations     = 0;
     std::uint64_t n_all_iterations = 0;
 
-    /// How often the step that is being tried has been rejected.
-    unsigned int n_rejections = 0;
+    /// How often the step that is being tried has been rejected, and all steps
+    /// since the begin.
+    unsigned int  n_rejections     = 0;
+    std::uint64_t n_all_rejections = 0;
 
     /// Implicit steps: the fraction of the given step that is tried.
     double step_fraction = 1.;

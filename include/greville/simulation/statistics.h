@@ -12,6 +12,38 @@
 namespace greville
 {
   /**
+   * Work since the begin, J (2D: J / m). See EnergyBalance.
+   */
+  struct Work
+  {
+    double gravity   = 0.;
+    double loads     = 0.; // on points
+    double walls     = 0.; // that move
+    double obstacles = 0.;
+    double friction  = 0.; // of friction walls
+    double damping   = 0.; // Cundall's and kinetic
+    /// In the order of Statistics::loads.
+    std::vector<double> surfaces;
+  };
+
+
+
+  /**
+   * Sums over the points of a body.
+   */
+  template <int dim>
+  struct BodyStatistics
+  {
+    std::string            name;
+    double                 kinetic     = 0.;
+    double                 strain      = 0.;
+    double                 dissipation = 0.;
+    dealii::Tensor<1, dim> momentum;
+  };
+
+
+
+  /**
    * Sums over all points of all bodies and processes. Units: kg, m, s, J; in 2D
    * per metre of thickness.
    */
@@ -40,10 +72,15 @@ namespace greville
     /// Cells whose points see no well-filled cell (consistent mass).
     std::uint64_t fragments = 0;
     std::uint64_t n_points  = 0;
+    /// Steps that have been done again with a shorter length, since the begin.
+    std::uint64_t redone = 0;
+    Work          work;
     /// Of walls in implicit steps. These are not among the columns().
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
     /// Loads on surfaces with their forces, N (2D: N / m).
     std::vector<std::pair<std::string, dealii::Tensor<1, dim>>> loads;
+    /// Among the columns() where there are several.
+    std::vector<BodyStatistics<dim>> bodies;
 
     /**
      * The columns of statistics.csv with their names.
@@ -52,10 +89,12 @@ namespace greville
     columns() const;
 
     /**
-     * The names, with those of the @p loads on surfaces.
+     * The names, with those of the @p loads on surfaces and those of the @p
+     * bodies.
      */
     static std::vector<std::string>
-    names(const std::vector<std::string> &loads = {});
+    names(const std::vector<std::string> &loads  = {},
+          const std::vector<std::string> &bodies = {});
 
     std::vector<double>
     values() const;

@@ -66,6 +66,12 @@ namespace greville
     }
 
     /**
+     * The parameters that make them strong, with their values, for messages.
+     */
+    std::string
+    description() const;
+
+    /**
      * Collective. Surfaces of the bodies. Where these have an initial
      * displacement, the points still lie in the cells of their positions
      * before. Throws dealii::ExcMessage where there are none.

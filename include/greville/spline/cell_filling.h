@@ -92,6 +92,15 @@ namespace greville
       return filled;
     }
 
+    /**
+     * Of an owned cell: 0 empty, 1 cut, 2 well-filled, 3 a host.
+     */
+    unsigned char
+    cell_class(const unsigned int cell) const
+    {
+      return classes[cell] == empty ? 0 : is_host(cell) ? 3 : classes[cell];
+    }
+
     bool
     is_host(const unsigned int cell) const
     {
