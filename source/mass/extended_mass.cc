@@ -160,6 +160,20 @@ namespace greville
 
 
   template <int dim>
+  double
+  ExtendedMass<dim>::row(const std::size_t place) const
+  {
+    double sum = 0.;
+    points_mass.for_each_entry(place,
+                               [&](const unsigned int j, const double value) {
+                                 sum += value * this->place_x[j];
+                               });
+    return sum;
+  }
+
+
+
+  template <int dim>
   void
   ExtendedMass<dim>::multiply_at_held(VectorField<dim>       &rows,
                                       const VectorField<dim> &field) const
@@ -172,17 +186,64 @@ namespace greville
         this->to_places(field[c]);
         this->for_each_active_place(
           [&](const unsigned int f, const std::size_t place) {
-            if (!this->is_held(f, c))
-              return;
-            double sum = 0.;
-            points_mass.for_each_entry(place,
-                                       [&](const unsigned int j,
-                                           const double       value) {
-                                         sum += value * this->place_x[j];
-                                       });
-            rows[c].local_element(f) += sum;
+            if (this->is_held(f, c))
+              rows[c].local_element(f) += row(place);
           });
         rows[c].compress(VectorOperation::add);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::rows_of_held(VectorField<dim>       &rows,
+                                  const VectorField<dim> &field,
+                                  const VectorField<dim> &b) const
+  {
+    VectorType y;
+    this->initialize_vector(y, 1);
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        rows[c] = 0.;
+        if (!this->component_has_held[c])
+          continue;
+        y = 0.;
+        this->to_places(field[c]);
+        const auto add = [&](const unsigned int f,
+                             const std::size_t  place,
+                             const double       known) {
+          if (this->is_held(f, c))
+            rows[c].local_element(f) += row(place) - known;
+          else if (this->may_extend_held(place, c))
+            {
+              const double value = row(place) - known;
+              this->for_each_unknown(place,
+                                     [&](const unsigned int u,
+                                         const double       weight) {
+                                       y.local_element(u) += weight * value;
+                                     });
+            }
+        };
+        this->for_each_active(
+          this->held_functions.size(),
+          [&](const unsigned int f, const std::size_t place) {
+            add(f,
+                place,
+                f < this->n_owned_functions() ? b[c].local_element(f) : 0.);
+          });
+        this->for_each_active_image(
+          [&](const unsigned int f, const std::size_t place) {
+            add(f, place, 0.);
+          });
+        rows[c].compress(VectorOperation::add);
+        y.compress(VectorOperation::add);
+        for (unsigned int u = 0; u < this->n_owned; ++u)
+          {
+            const unsigned int f = this->owned_unknown_functions[u];
+            if (this->is_held(f, c))
+              rows[c].local_element(f) += y.local_element(u);
+          }
       }
   }
 

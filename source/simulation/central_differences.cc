@@ -75,6 +75,15 @@ namespace greville
 
   template <int dim>
   double
+  CentralDifferences<dim>::kept_share(const State<dim> &state) const
+  {
+    return apic ? 0. : flip_share(state, trial.velocity_step);
+  }
+
+
+
+  template <int dim>
+  double
   CentralDifferences<dim>::propose_step(State<dim> &state)
   {
     StepScheme scheme;
@@ -150,6 +159,35 @@ namespace greville
 
   template <int dim>
   void
+  CentralDifferences<dim>::add_momentum_of_walls(const VectorField<dim> &x,
+                                                 const VectorField<dim> &b,
+                                                 const unsigned int      k,
+                                                 const double            factor)
+  {
+    if (factor == 0.)
+      return;
+    mass.rows_of_held(work_field, x, b, k);
+    walls.add_held(trial.momentum_of_walls,
+                   [&](const unsigned int c, const unsigned int i) {
+                     return factor * work_field[c].local_element(i);
+                   });
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_momentum_of_walls(const WallSums<dim> &momentum,
+                                                 const double         factor)
+  {
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      trial.momentum_of_walls[w] += factor * momentum[w];
+  }
+
+
+
+  template <int dim>
+  void
   CentralDifferences<dim>::find_acceleration(State<dim> &state)
   {
     impose_velocities(state.bodies, state.time + 0.5 * trial.step);
@@ -171,7 +209,10 @@ namespace greville
 
     // Velocity and acceleration come from one solve, unless the stress depends
     // on the velocity.
-    const bool stress_first = order == StressUpdate::USF;
+    const bool   stress_first = order == StressUpdate::USF;
+    const double dt           = trial.velocity_step;
+    const double share        = kept_share(state);
+    trial.momentum_of_walls   = {};
     discretization.sum(state, stress_first ? nullptr : &trial.force);
     trial.velocity = state.velocity;
     std::swap(trial.acceleration, state.acceleration);
@@ -192,21 +233,32 @@ namespace greville
     if (stress_first)
       {
         solve({&trial.velocity}, {&discretization.momentum()});
-        walls.stop(trial.velocity);
+        add_momentum_of_walls(trial.velocity,
+                              discretization.momentum(),
+                              0,
+                              1. - share);
+        add_momentum_of_walls(walls.stop(trial.velocity,
+                                         discretization.lumped_mass()),
+                              1. - share);
         update(state, nullptr, nullptr, &trial.velocity, false);
         discretization.sum(state, &trial.force);
         touch_obstacles(state, true);
         add_gravity(state.time);
         solve({&trial.acceleration}, {&trial.force});
+        add_momentum_of_walls(trial.acceleration, trial.force, 0, dt);
       }
     else
       {
         add_gravity(state.time);
         // Forces of round-off need no solve.
-        const double dt = trial.velocity_step;
         solve({&trial.velocity, &trial.acceleration},
               {&discretization.momentum(), &trial.force},
               {1., dt > 0. ? negligible_kick / dt : 0.});
+        add_momentum_of_walls(trial.velocity,
+                              discretization.momentum(),
+                              0,
+                              1. - share);
+        add_momentum_of_walls(trial.acceleration, trial.force, 1, dt);
       }
     damping.damp(trial.acceleration, trial.force, state.time);
   }
@@ -228,6 +280,13 @@ namespace greville
                  parameters.scheme.filter,
                  trial.step);
     consistent->extend(correction);
+    // Without walls it keeps the momentum.
+    const VectorType &lumped = discretization.lumped_mass();
+    walls.add_held(trial.momentum_of_walls,
+                   [&](const unsigned int c, const unsigned int i) {
+                     return -lumped.local_element(i) *
+                            correction[c].local_element(i);
+                   });
     for (unsigned int d = 0; d < dim; ++d)
       {
         VectorType &z = correction[d];
@@ -249,9 +308,10 @@ namespace greville
       {
         if (walls.have_friction())
           work_field = trial.new_velocity;
-        walls.add_contact(trial.new_velocity,
-                          trial.acceleration,
-                          trial.velocity_step);
+        add_momentum_of_walls(walls.add_contact(trial.new_velocity,
+                                                trial.acceleration,
+                                                trial.velocity_step,
+                                                discretization.lumped_mass()));
         if (walls.have_friction())
           add_work_of_friction(state);
         // Obstacles go first.
@@ -264,10 +324,10 @@ namespace greville
       }
     const PartTimer timer(log, "contact");
     fail_with([&]() {
-      contact->add(trial.new_velocity,
-                   trial.acceleration,
-                   trial.velocity_step,
-                   state.slid);
+      add_momentum_of_walls(contact->add(trial.new_velocity,
+                                         trial.acceleration,
+                                         trial.velocity_step,
+                                         state.slid));
     });
     trial.n_iterations =
       std::max(trial.n_iterations, contact->most_iterations());
@@ -280,13 +340,20 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::take_held_residual()
+  CentralDifferences<dim>::take_held_residual(const State<dim> &state)
   {
     if (parameters.scheme.transfer != "FLIP" || !(trial.velocity_step > 0.))
       return;
     mass.held_residual(work_field, discretization.momentum(), trial.velocity);
     for (unsigned int d = 0; d < dim; ++d)
       trial.acceleration[d].add(-1. / trial.velocity_step, work_field[d]);
+    const VectorType &lumped = discretization.lumped_mass();
+    const double      share  = kept_share(state);
+    walls.add_held(trial.momentum_of_walls,
+                   [&](const unsigned int c, const unsigned int i) {
+                     return -share * lumped.local_element(i) *
+                            work_field[c].local_element(i);
+                   });
   }
 
 
@@ -368,7 +435,7 @@ namespace greville
     if (obstacles)
       obstacles->set_velocity(work_field, true);
     solve({&work_field}, {&discretization.momentum()});
-    walls.stop(work_field);
+    walls.stop(work_field, discretization.lumped_mass());
   }
 
 
@@ -410,7 +477,9 @@ namespace greville
       }
     filter_velocity();
     add_contact(state);
-    take_held_residual();
+    take_held_residual(state);
+    for (unsigned int w = 0; w < 2 * dim && trial.velocity_step > 0.; ++w)
+      state.reactions[w] = trial.momentum_of_walls[w] / trial.velocity_step;
     add_work(state);
     add_work_of_damping(state);
   }

@@ -109,7 +109,7 @@ namespace greville
 
     // P + P' of the points. That of APIC is of the grid.
     const double      dt   = trial.velocity_step;
-    const double      flip = apic ? 0. : flip_share(state, dt);
+    const double      flip = kept_share(state);
     VectorField<dim> &sum = trial.velocity, &momenta = work_field;
     for (unsigned int d = 0; d < dim; ++d)
       {

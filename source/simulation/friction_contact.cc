@@ -188,7 +188,35 @@ namespace greville
 
 
   template <int dim>
-  void
+  WallSums<dim>
+  FrictionContact<dim>::impulses()
+  {
+    WallSums<dim>              sums;
+    std::vector<unsigned char> counted = normals;
+    for (const Contact &contact : contacts)
+      if (contact.state != State::apart)
+        {
+          const unsigned int i = contact.function, normal = contact.wall / 2;
+          for (unsigned int c = 0; c < dim; ++c)
+            if (c == normal ||
+                !(((counted[i] | mass.held_components(i)) >> c) & 1))
+              sums[contact.wall][c] += reaction[c].local_element(i);
+          counted[i] |= (1 << dim) - 1;
+        }
+    // Walls that hold take what the change would give them.
+    for (VectorType &component : load)
+      component = 0.;
+    mass.rows_of_held(reaction, change, load, 0);
+    walls.add_held(sums, [&](const unsigned int c, const unsigned int i) {
+      return reaction[c].local_element(i);
+    });
+    return sums;
+  }
+
+
+
+  template <int dim>
+  WallSums<dim>
   FrictionContact<dim>::add(VectorField<dim>  &velocity,
                             VectorField<dim>  &acceleration,
                             const double       dt,
@@ -227,7 +255,7 @@ namespace greville
     for (VectorType &component : reaction)
       component = 0.;
     if (Utilities::MPI::max<unsigned int>(touches, comm) == 0)
-      return;
+      return {};
 
     for (VectorType &component : change)
       component = 0.;
@@ -243,6 +271,7 @@ namespace greville
         if (dt > 0.)
           acceleration[c].add(1. / dt, change[c]);
       }
+    return impulses();
   }
 
 

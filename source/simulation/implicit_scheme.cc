@@ -84,6 +84,7 @@ namespace greville
       {
         scheme.alpha_u = scheme.alpha_v = 2.;
         scheme.stress                   = StepStress::energy_consistent;
+        scheme.keeps_held_momentum      = true;
         scheme.load_time                = 0.5;
       }
     else

@@ -44,6 +44,7 @@ namespace greville
     for (auto *field : {&velocity,
                         &acceleration,
                         &displacement,
+                        &held_momentum,
                         &old_force,
                         &old_loads,
                         &new_loads,
@@ -155,6 +156,9 @@ namespace greville
         throw StepFailed("the solver of the mass matrix " + result.reason);
     };
     solve(velocity, discretization.momentum());
+    system.finest().extended().rows_of_held(held_momentum,
+                                            velocity,
+                                            discretization.momentum());
     start_surfaces(state, dt);
     if (scheme.alpha_a != 0. || scheme.alpha_m != 0.)
       {
@@ -287,18 +291,44 @@ namespace greville
     // Walls give what is left of the balance at held coefficients, in which
     // force has f - F', and work inertia, both over 1 - alpha_f.
     const Walls<dim> &walls    = discretization.walls();
-    VectorField<dim>  reaction = velocity;
-    if (scheme.is_static)
-      reaction = force;
-    else
+    VectorField<dim>  reaction = velocity, known = force;
+    for (unsigned int d = 0; d < dim; ++d)
       {
-        system.finest().extended().multiply_at_held(reaction, work);
-        for (unsigned int d = 0; d < dim; ++d)
-          reaction[d].sadd(1. - scheme.alpha_f, 1. - scheme.alpha_f, force[d]);
+        known[d] *= -1.;
+        if (scheme.is_static)
+          work[d] = 0.;
       }
+    system.finest().extended().rows_of_held(reaction, work, known);
+    for (VectorType &component : reaction)
+      component *= 1. - scheme.alpha_f;
     state.reactions = walls.sums_of_held(reaction);
 
     add_work(state, reaction, dt);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::take_held_momentum(State<dim> &state, const double dt)
+  {
+    // Points lose it with FLIP's kick, or take a velocity that is without it.
+    const bool   is_taken = !scheme.keeps_held_momentum;
+    const double flip     = flip_share(parameters.scheme,
+                                   discretization.cell_size(),
+                                   state.first_signal,
+                                   dt);
+    const auto   sums     = discretization.walls().sums_of_held(held_momentum);
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      state.reactions[w] += (is_taken ? 1. : 1. - flip) / dt * sums[w];
+
+    const VectorType &lumped = discretization.lumped_mass();
+    const auto       &held   = system.finest().held_components();
+    for (unsigned int d = 0; d < dim && is_taken; ++d)
+      for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+        if (((held[i] >> d) & 1) && lumped.local_element(i) > 0.)
+          state.acceleration[d].local_element(i) +=
+            held_momentum[d].local_element(i) / (dt * lumped.local_element(i));
   }
 
 
@@ -417,6 +447,8 @@ namespace greville
         state.velocity[d].copy_locally_owned_data_from(
           scheme.is_static ? displacement[d] : velocity[d]);
       }
+    if (!scheme.is_static)
+      take_held_momentum(state, dt);
     move_points(state, dt);
 
     state.time += dt;

@@ -75,6 +75,8 @@ namespace greville
                          const std::vector<double> &)
   {
     AssertDimension(x.size(), b.size());
+    if (n_terms > 1)
+      products.resize(x.size());
     for (unsigned int k = 0; k < x.size(); ++k)
       for (unsigned int c = 0; c < dim; ++c)
         {
@@ -85,8 +87,28 @@ namespace greville
               solution.local_element(i) =
                 inverse[c].local_element(i) * rows.local_element(i);
           if (n_terms > 1)
-            add_fmpm_terms(solution, rows, *product, inverse[c], n_terms);
+            products[k][c] =
+              add_fmpm_terms(solution, rows, *product, inverse[c], n_terms);
         }
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::rows_of_held(VectorField<dim>       &rows,
+                                const VectorField<dim> &x,
+                                const VectorField<dim> &b,
+                                const unsigned int      k) const
+  {
+    for (unsigned int i = 0; i < this->lumped_mass.locally_owned_size(); ++i)
+      for (unsigned int c = 0; c < dim && this->held[i] != 0; ++c)
+        if ((this->held[i] >> c) & 1)
+          rows[c].local_element(i) =
+            (n_terms > 1
+               ? products[k][c].local_element(i)
+               : this->lumped_mass.local_element(i) * x[c].local_element(i)) -
+            b[c].local_element(i);
   }
 
 

@@ -57,9 +57,8 @@ namespace greville
           SimulationParameters stage = parameters;
           stage.enter_stage(k);
           const Walls<dim> walls(stage.walls);
-          if (is_implicit_scheme(stage.scheme.stress_update))
-            for (unsigned int w = 0; w < 2 * dim; ++w)
-              components[w] |= walls.held_components(w);
+          for (unsigned int w = 0; w < 2 * dim; ++w)
+            components[w] |= walls.components_with_force(w);
         }
       std::vector<std::pair<unsigned int, unsigned int>> result;
       for (unsigned int w = 0; w < 2 * dim; ++w)

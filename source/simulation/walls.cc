@@ -123,6 +123,17 @@ namespace greville
         for (const unsigned int i : coefficients[w])
           places[w].push_back(greville_abscissa(space, i));
       }
+    // The last wall that holds a coefficient gives it its value.
+    std::vector<unsigned char> others(space.owned_functions().size(), 0);
+    for (unsigned int w = 2 * dim; w-- > 0;)
+      {
+        counted[w].clear();
+        for (const unsigned int i : coefficients[w])
+          {
+            counted[w].push_back(held_components(w) & ~others[i]);
+            others[i] |= held_components(w);
+          }
+      }
   }
 
 
@@ -307,31 +318,35 @@ namespace greville
 
 
   template <int dim>
-  std::array<Tensor<1, dim>, 2 * dim>
+  unsigned char
+  Walls<dim>::components_with_force(const unsigned int wall) const
+  {
+    return is_friction(wall) ? (1 << dim) - 1 : held_components(wall);
+  }
+
+
+
+  template <int dim>
+  WallSums<dim>
   Walls<dim>::sums_of_held(const VectorField<dim> &field) const
   {
-    std::array<Tensor<1, dim>, 2 * dim> sums;
-    std::vector<unsigned char> counted(field[0].locally_owned_size(), 0);
-    for (unsigned int w = 2 * dim; w-- > 0;)
-      for (const unsigned int i : coefficients[w])
-        {
-          const unsigned char components = held_components(w) & ~counted[i];
-          for (unsigned int c = 0; c < dim; ++c)
-            if ((components >> c) & 1)
-              sums[w][c] += field[c].local_element(i);
-          counted[i] |= components;
-        }
+    WallSums<dim> sums;
+    add_held(sums, [&](const unsigned int c, const unsigned int i) {
+      return field[c].local_element(i);
+    });
     return sums;
   }
 
 
 
   template <int dim>
-  void
+  WallSums<dim>
   Walls<dim>::add_contact(VectorField<dim> &v,
                           VectorField<dim> &acceleration,
-                          const double      dt) const
+                          const double      dt,
+                          const VectorType &lumped_mass) const
   {
+    WallSums<dim> impulses;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       if (is_friction(w))
         {
@@ -349,6 +364,7 @@ namespace greville
               change[normal] = -sign * v_n;
               if (v_t.norm() > 0.)
                 change -= std::min(friction[w] * v_n / v_t.norm(), 1.) * v_t;
+              impulses[w] += lumped_mass.local_element(i) * change;
               for (unsigned int c = 0; c < dim; ++c)
                 {
                   v[c].local_element(i) += change[c];
@@ -357,21 +373,26 @@ namespace greville
                 }
             }
         }
+    return impulses;
   }
 
 
 
   template <int dim>
-  void
-  Walls<dim>::stop(VectorField<dim> &v) const
+  WallSums<dim>
+  Walls<dim>::stop(VectorField<dim> &v, const VectorType &lumped_mass) const
   {
+    WallSums<dim> impulses;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       if (is_friction(w))
         for (const unsigned int i : coefficients[w])
           {
-            double &v_n = v[w / 2].local_element(i);
-            v_n         = w % 2 == 0 ? std::max(0., v_n) : std::min(0., v_n);
+            double      &v_n = v[w / 2].local_element(i);
+            const double old = v_n;
+            v_n = w % 2 == 0 ? std::max(0., v_n) : std::min(0., v_n);
+            impulses[w][w / 2] += lumped_mass.local_element(i) * (v_n - old);
           }
+    return impulses;
   }
 
 

@@ -103,6 +103,17 @@ namespace greville
                      const VectorField<dim> &field) const;
 
     /**
+     * Collective. rows = M~ field - b at the functions that are held; zero
+     * elsewhere. With what E^T adds of functions that are not held, but
+     * extended by such that are: the sum of all entries of M~ field - b is that
+     * of rows where A solves for the field.
+     */
+    void
+    rows_of_held(VectorField<dim>       &rows,
+                 const VectorField<dim> &field,
+                 const VectorField<dim> &b) const;
+
+    /**
      * The entries that this process contributes to A between its unknowns, with
      * the diagonal alone for those that are held in all @p components (bits),
      * and nothing held elsewhere. On one process it is A.
@@ -118,6 +129,12 @@ namespace greville
     approximate_diagonal(VectorType &diagonal) const;
 
   private:
+    /**
+     * The entry of M~ place_x at a place.
+     */
+    double
+    row(const std::size_t place) const;
+
     StencilMatrix<dim> points_mass;
   };
 } // namespace greville

@@ -282,6 +282,26 @@ namespace greville
       return (held_functions[function] >> (column % dim)) & 1;
     }
 
+    /**
+     * Whether a function at a place is an extended one that depends on unknowns
+     * that are held in a column, or on some that this process does not know.
+     */
+    bool
+    may_extend_held(const unsigned int place, const unsigned int column) const
+    {
+      const int role = roles[place];
+      if (role >= 0)
+        return false;
+      for (std::size_t e = extended_begin[-role - 1]; e < extended_begin[-role];
+           ++e)
+        {
+          const unsigned int u = extended_entries[e].unknown;
+          if (u >= n_owned || is_held(owned_unknown_functions[u], column))
+            return true;
+        }
+      return false;
+    }
+
     unsigned int
     n_owned_functions() const
     {

@@ -37,9 +37,13 @@ namespace greville
    * point method simulations using an approximate full mass matrix inverse,
    * 2021). Coefficients whose entry of @p inverse_lumped is zero stay as they
    * are. @p matrix has a vmult().
+   *
+   * Returns M times the sum of the first K - 1 terms, empty for K = 1. With it,
+   * the sum of the entries of M_L x is that of b where these coefficients are
+   * not, and that of this product where they are.
    */
   template <typename Matrix>
-  void
+  VectorType
   add_fmpm_terms(VectorType        &x,
                  const VectorType  &b,
                  const Matrix      &matrix,
@@ -56,6 +60,7 @@ namespace greville
           x.local_element(i) += inverse_lumped.local_element(i) *
                                 (b.local_element(i) - product.local_element(i));
       }
+    return product;
   }
 } // namespace greville
 

@@ -139,7 +139,22 @@ namespace greville
      * it, with the opposite sign, to the acceleration that kicks them.
      */
     void
-    take_held_residual();
+    take_held_residual(const State<dim> &state);
+
+    /**
+     * The momentum that walls give in the step: @p factor times what they
+     * add to the sum of the pair @p k of the last solve(), or what contact
+     * gives.
+     */
+    void
+    add_momentum_of_walls(const VectorField<dim> &x,
+                          const VectorField<dim> &b,
+                          const unsigned int      k,
+                          const double            factor);
+
+    void
+    add_momentum_of_walls(const WallSums<dim> &momentum,
+                          const double         factor = 1.);
 
     /**
      * Work that loads, walls and obstacles do in this step; of loads on points
@@ -205,6 +220,12 @@ namespace greville
     double
     flip_share(const State<dim> &state, const double velocity_step) const;
 
+    /**
+     * That of the step that is being tried; none with APIC.
+     */
+    double
+    kept_share(const State<dim> &state) const;
+
     const StressUpdate          order;
     const SimulationParameters &parameters;
     Discretization<dim>        &discretization;
@@ -228,6 +249,7 @@ namespace greville
     {
       double           step = 0., velocity_step = 0., deformation_step = 0.;
       VectorField<dim> force, velocity, acceleration, new_velocity;
+      WallSums<dim>    momentum_of_walls;
       PointMotion      motion;
       unsigned int     n_iterations = 0, n_all_iterations = 0;
     };

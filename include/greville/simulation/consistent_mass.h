@@ -72,14 +72,23 @@ namespace greville
                const VectorField<dim>           &b,
                const std::vector<unsigned char> &more);
 
+    void
+    rows_of_held(VectorField<dim>       &rows,
+                 const VectorField<dim> &x,
+                 const VectorField<dim> &b,
+                 const unsigned int) const override
+    {
+      extended_mass.rows_of_held(rows, x, b);
+    }
+
     /**
-     * Collective. The rows of M x at all unknowns, held ones too: what walls
-     * have to give.
+     * Collective. The rows of M x at all unknowns that are not held: what
+     * solve_held() has given to those of more coefficients.
      */
     void
     reactions(VectorField<dim> &rows, const VectorField<dim> &x) const
     {
-      extended_mass.multiply_field(rows, x);
+      extended_mass.multiply_field(rows, x, true);
     }
 
     /**

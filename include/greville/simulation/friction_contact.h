@@ -48,10 +48,11 @@ namespace greville
      * Collective. Change the new velocity, and the acceleration that led to it
      * in the time @p dt. @p slid has the contacts that slid in the last step,
      * which are tried as such first: overwritten by those that slide in this
-     * one; empty before the first. Throws dealii::ExcMessage where a solve does
-     * not converge.
+     * one; empty before the first. Returns the momentum that walls have given
+     * on this process, friction walls and those that hold. Throws
+     * dealii::ExcMessage where a solve does not converge.
      */
-    void
+    WallSums<dim>
     add(VectorField<dim>  &velocity,
         VectorField<dim>  &acceleration,
         const double       dt,
@@ -120,6 +121,12 @@ namespace greville
      */
     bool
     update(const VectorField<dim> &velocity, const double smallest_speed);
+
+    /**
+     * The momentum of the last change.
+     */
+    WallSums<dim>
+    impulses();
 
     const Walls<dim>          &walls;
     ConsistentMass<dim>       &mass;

@@ -109,6 +109,18 @@ namespace greville
                   const VectorField<dim> &x) const;
 
     /**
+     * Collective. What held coefficients give to the momentum: at each of them
+     * the row of M x - b for the pair @p k of the last solve(), so that the sum
+     * of m_i x_i is that of b_i and of these rows, for all masses. Other
+     * entries may have any value.
+     */
+    virtual void
+    rows_of_held(VectorField<dim>       &rows,
+                 const VectorField<dim> &x,
+                 const VectorField<dim> &b,
+                 const unsigned int      k) const = 0;
+
+    /**
      * Most iterations of a component in the last solve().
      */
     unsigned int

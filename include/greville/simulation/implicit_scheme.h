@@ -53,6 +53,9 @@ namespace greville
     StepStress stress    = StepStress::end;
     /// Loads are those at t + load_time dt.
     double load_time = 1.;
+    /// What the velocity, which is held at walls, leaves out of the momentum of
+    /// the points stays there: to take it would take energy, too.
+    bool keeps_held_momentum = false;
   };
 
   /**

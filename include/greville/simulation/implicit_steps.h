@@ -130,6 +130,13 @@ namespace greville
              const double            dt);
 
     /**
+     * Points shall not keep what the held velocity leaves out of theirs: take
+     * it from them with the kick, and count it as momentum of walls.
+     */
+    void
+    take_held_momentum(State<dim> &state, const double dt);
+
+    /**
      * Kick the points by state.acceleration, and move them by the
      * displacement, which is divided by dt then.
      */
@@ -153,6 +160,7 @@ namespace greville
     std::uint64_t                   stamp                  = 0; // of the mass
 
     VectorField<dim> velocity, acceleration, displacement;
+    VectorField<dim> held_momentum; // that walls give to the mapped velocity
     VectorField<dim> old_force, old_loads, new_loads, force, work;
     // Of surfaces: the velocity without what follows from the displacement.
     VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;

@@ -55,6 +55,12 @@ namespace greville
           const std::vector<const VectorField<dim> *> &b,
           const std::vector<double>                   &shares = {}) override;
 
+    void
+    rows_of_held(VectorField<dim>       &rows,
+                 const VectorField<dim> &x,
+                 const VectorField<dim> &b,
+                 const unsigned int      k) const override;
+
   private:
     void
     change_held() override;
@@ -68,6 +74,7 @@ namespace greville
     VectorField<dim>                        inverse; // of M_L, 0 where held
     std::optional<DensityWeights<dim>>      weights;
     std::unique_ptr<CrossMassOperator<dim>> product; // M, where K > 1
+    std::vector<VectorField<dim>> products; // of the last solve(), where K > 1
   };
 } // namespace greville
 

@@ -118,8 +118,9 @@ namespace greville
     std::vector<bool>        slid; // by contact, see FrictionContact
     EnergyBalance            energy;
 
-    /// Implicit steps: forces of walls on the bodies, the share of this
-    /// process, N (2D: N / m); see Walls::sums_of_held().
+    /// Forces of walls on the bodies in the last step, the share of this
+    /// process, N (2D: N / m): the momentum that they gave in the step of the
+    /// velocities, over its length.
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
 
     double warned_gain   = 0.; // of energy

@@ -24,6 +24,14 @@ namespace greville
 
 
   /**
+   * A vector for each wall of the grid.
+   */
+  template <int dim>
+  using WallSums = std::array<dealii::Tensor<1, dim>, 2 * dim>;
+
+
+
+  /**
    * The walls of the grid. On open knot vectors only the functions of the first
    * or last index of a direction do not vanish at a wall, and the value there
    * is that of their coefficients. So a wall holds these coefficients, of all
@@ -141,33 +149,54 @@ namespace greville
                       const double      dt) const;
 
     /**
-     * The components (bits) that a wall holds.
+     * The components (bits) that a wall holds, and those in which it has a
+     * force.
      */
     unsigned char
     held_components(const unsigned int wall) const;
 
+    unsigned char
+    components_with_force(const unsigned int wall) const;
+
     /**
-     * Sums of the coefficients of a field that each wall holds, on this
-     * process. Those that two walls hold count for the one whose value they
-     * have.
+     * Sums of value(c, i) over the coefficients that each wall holds, component
+     * c of the owned function i. Those that two walls hold count for the one
+     * whose value they have.
      */
-    std::array<dealii::Tensor<1, dim>, 2 * dim>
+    template <typename Value>
+    void
+    add_held(WallSums<dim> &sums, const Value &value) const
+    {
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        for (unsigned int k = 0; k < coefficients[w].size(); ++k)
+          for (unsigned int c = 0; c < dim; ++c)
+            if ((counted[w][k] >> c) & 1)
+              sums[w][c] += value(c, coefficients[w][k]);
+    }
+
+    /**
+     * Those of the coefficients of a field.
+     */
+    WallSums<dim>
     sums_of_held(const VectorField<dim> &field) const;
 
     /**
      * Friction walls and a diagonal mass: change the new velocity and the
-     * acceleration that led to it in the time @p dt.
+     * acceleration that led to it in the time @p dt. Returns the changes of
+     * momentum on this process.
      */
-    void
+    WallSums<dim>
     add_contact(VectorField<dim> &velocity,
                 VectorField<dim> &acceleration,
-                const double      dt) const;
+                const double      dt,
+                const VectorType &lumped_mass) const;
 
     /**
-     * Friction walls: stop what goes into them, without friction.
+     * Friction walls: stop what goes into them, without friction. Returns the
+     * changes of momentum on this process.
      */
-    void
-    stop(VectorField<dim> &velocity) const;
+    WallSums<dim>
+    stop(VectorField<dim> &velocity, const VectorType &lumped_mass) const;
 
   private:
     bool
@@ -212,9 +241,11 @@ namespace greville
     std::array<VectorExpression<dim>, 2 * dim>     displacement;
 
     // Local numbers of the owned coefficients at each wall, and the Greville
-    // abscissae of their functions.
+    // abscissae of their functions, and the components (bits) that count for
+    // this wall.
     std::array<std::vector<unsigned int>, 2 * dim>       coefficients;
     std::array<std::vector<dealii::Point<dim>>, 2 * dim> places;
+    std::array<std::vector<unsigned char>, 2 * dim>      counted;
   };
 } // namespace greville
 
