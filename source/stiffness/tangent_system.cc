@@ -121,8 +121,8 @@ namespace greville
   namespace
   {
     /**
-     * Add the moduli of compression, d P_ii / d f_ii, and of shear, d P_ij / d
-     * f_ij, times the volumes.
+     * Add the moduli of compression and of shear, A_iiii and A_ijij, times the
+     * volumes.
      */
     template <int dim>
     void
@@ -134,7 +134,7 @@ namespace greville
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
             moduli[i == j ? 0 : 1] +=
-              point.volume * point.dP[i][j][i][j] / (i == j ? dim : n_shears);
+              point.volume * point.A[i][j][i][j] / (i == j ? dim : n_shears);
     }
   } // namespace
 
@@ -159,6 +159,8 @@ namespace greville
       }
     for (const TrialBody<dim> &body : bodies)
       {
+        const bool is_symmetric = body.material->has_symmetric_tangent() &&
+                                  stress == StepStress::end && !projection;
         const PointReport report =
           trial.evaluate(*body.points,
                          *body.material,
@@ -175,7 +177,8 @@ namespace greville
                            if (with_stiffness)
                              for (unsigned int l = 0; l < levels.size(); ++l)
                                levels[l]->stiffness().add_cell(
-                                 cell, sums[l].stiffness(cell, points));
+                                 cell,
+                                 sums[l].stiffness(cell, points, is_symmetric));
                          });
         if (report.bad_point >= 0 && problem.empty())
           problem = "point " + std::to_string(report.bad_point) +
