@@ -46,11 +46,20 @@ namespace greville
       if (!D)
         return;
       trial.map = inverse;
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          for (unsigned int k = 0; k < dim; ++k)
-            for (unsigned int l = 0; l < dim; ++l)
-              trial.A[i][j][k][l] = det * (*D)[i][j][k][l];
+      if constexpr (dim == 3)
+        {
+          const double *from = &(*D)[0][0][0][0];
+          double       *to   = &trial.A[0][0][0][0];
+          for (unsigned int e = 0; e < Tensor<4, dim>::n_independent_components;
+               ++e)
+            to[e] = det * from[e];
+        }
+      else
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            for (unsigned int k = 0; k < dim; ++k)
+              for (unsigned int l = 0; l < dim; ++l)
+                trial.A[i][j][k][l] = det * (*D)[i][j][k][l];
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
           for (unsigned int k = 0; k < dim; ++k)
@@ -177,14 +186,18 @@ namespace greville
     is_finite(const TrialPoint<dim> &trial, const bool with_tangent)
     {
       // Sums side by side do not wait for one another.
-      Tensor<2, dim> sums = trial.P;
-      for (unsigned int i = 0; i < dim && with_tangent; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          sums += trial.A[i][j];
-      double sum = 0.;
+      constexpr unsigned int n       = dim * dim;
+      const double          *A       = &trial.A[0][0][0][0];
+      double                 sums[n] = {};
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
-          sum += sums[i][j];
+          sums[i * dim + j] = trial.P[i][j];
+      for (unsigned int i = 0; i < n && with_tangent; ++i, A += n)
+        for (unsigned int j = 0; j < n; ++j)
+          sums[j] += A[j];
+      double sum = 0.;
+      for (unsigned int j = 0; j < n; ++j)
+        sum += sums[j];
       return std::isfinite(sum);
     }
 

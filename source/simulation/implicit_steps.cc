@@ -339,19 +339,28 @@ namespace greville
 
     unsigned int  n_linear = 0, n_all_linear = 0;
     NewtonProblem problem;
-    // The guess is linearized at once: it gets both with one pass over points.
-    bool is_guess    = true;
+    // The guess is linearized at once, and so is what follows up to the
+    // iterations of the last step: it gets both with one pass over points.
+    unsigned int n_residuals = 0;
+    VectorType   linearized;
     problem.residual = [&](VectorType &r, const VectorType &at) {
-      const bool with_stiffness = is_guess;
-      is_guess                  = false;
+      const bool with_stiffness = n_residuals++ < expected_iterations;
+      if (with_stiffness)
+        linearized = at;
       return find_residual(r, at, dt, with_stiffness);
     };
     problem.scale     = [&]() { return force_scale; };
     problem.linearize = [&](const VectorType &at) -> std::string {
-      if (!has_stiffness)
+      const auto is_linearized = [&]() {
+        VectorType difference = linearized;
+        difference -= at;
+        return difference.linfty_norm() == 0.;
+      };
+      if (!has_stiffness || !is_linearized())
         {
           VectorType r;
           system.initialize(r);
+          linearized = at;
           find_residual(r, at, dt, true);
         }
       const PartTimer timer(log, "set-up");
@@ -399,6 +408,7 @@ namespace greville
         throw StepRejected(rejection);
       }
     find_reactions(state);
+    expected_iterations = std::max(1u, result.n_iterations());
 
     // v', and what the points get.
     for (unsigned int d = 0; d < dim; ++d)

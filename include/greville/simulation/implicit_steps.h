@@ -137,6 +137,7 @@ namespace greville
     std::vector<LoadedSurface<dim>> surfaces;
     SurfaceMotion<dim>              surface_motion;
     bool                            surfaces_are_symmetric = true;
+    unsigned int                    expected_iterations    = 1; // of Newton
     std::uint64_t                   stamp                  = 0; // of the mass
 
     VectorField<dim> velocity, acceleration, displacement;
