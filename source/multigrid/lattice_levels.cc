@@ -216,8 +216,18 @@ namespace greville
         check_petsc(PCMGGetSmoother(pc, n - 2 - l, &smoother));
         check_petsc(
           KSPSetOperators(smoother, matrices[l].get(), matrices[l].get()));
-        check_petsc(
-          PCMGSetInterpolation(pc, n - 1 - l, interpolations[l].get()));
+        const Mat P = interpolations[l].get();
+        check_petsc(PCMGSetInterpolation(pc, n - 1 - l, P));
+        // PETSc tells an interpolation from a restriction by the sizes.
+        PetscInt n_fine, n_coarse;
+        check_petsc(MatGetSize(P, &n_fine, &n_coarse));
+        if (n_fine == n_coarse)
+          {
+            Mat handle;
+            check_petsc(MatTranspose(P, MAT_INITIAL_MATRIX, &handle));
+            const PetscMatrix restriction(handle);
+            check_petsc(PCMGSetRestriction(pc, n - 1 - l, handle));
+          }
       }
   }
 
