@@ -4,6 +4,9 @@
 
 #include <greville/benchmark/laplace_level.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
+#include <greville/multigrid/lattice_levels.h>
+
+#include <numeric>
 
 namespace greville
 {
@@ -137,6 +140,25 @@ namespace greville
   LaplaceLevel<dim>::petsc_preconditioner(const std::string &options) const
   {
     return std::make_unique<PetscPreconditioner>(matrix(), options);
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  LaplaceLevel<dim>::lattice_preconditioner(const std::string &options) const
+  {
+    const unsigned int n_functions = this->space().owned_functions().size();
+    std::vector<unsigned int>  functions(n_functions);
+    std::vector<unsigned char> held(n_functions, 0);
+    std::iota(functions.begin(), functions.end(), 0u);
+    for (const unsigned int f : this->inactive())
+      held[f] = 1;
+    const LatticeLevels<dim> lattice(
+      matrix(), this->space(), functions, 1, held);
+    return std::make_unique<PetscPreconditioner>(matrix(), options, [&](PC pc) {
+      lattice.apply_to(pc);
+    });
   }
 
 

@@ -10,8 +10,10 @@ namespace greville
 {
   using namespace dealii;
 
-  PetscPreconditioner::PetscPreconditioner(const Mat          matrix,
-                                           const std::string &options)
+  PetscPreconditioner::PetscPreconditioner(
+    const Mat                      matrix,
+    const std::string             &options,
+    const std::function<void(PC)> &prepare)
   {
     register_petsc_ilut();
     const MPI_Comm comm =
@@ -39,6 +41,8 @@ namespace greville
     pc.reset(handle);
     check_petsc(PCSetOptionsPrefix(handle, prefix.c_str()));
     check_petsc(PCSetOperators(handle, matrix, matrix));
+    if (prepare)
+      prepare(handle);
 
     check_petsc(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
     PetscErrorCode error = PCSetFromOptions(handle);

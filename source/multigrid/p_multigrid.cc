@@ -21,6 +21,10 @@ namespace greville
     algebraic_options()
     {
       static const std::map<std::string, std::string> options = {
+        {"lattice",
+         "-pc_mg_multiplicative_cycles 2 -mg_levels_ksp_type chebyshev "
+         "-mg_levels_ksp_max_it 3 -mg_levels_pc_type jacobi "
+         "-mg_levels_ksp_chebyshev_esteig 0,0.1,0,1.3"},
         {"gamg",
          "-pc_type ksp -ksp_ksp_type chebyshev -ksp_ksp_max_it 2 "
          "-ksp_pc_type gamg"},
@@ -103,7 +107,8 @@ namespace greville
                       coarse_preconditioner,
                       "Preconditioner of the conjugate gradients at p = 1.",
                       Patterns::Selection(
-                        "none|jacobi|tensor-product|gamg|boomeramg|direct"));
+                        "none|jacobi|tensor-product|lattice|gamg|boomeramg|"
+                        "direct"));
   }
 
 
@@ -145,7 +150,9 @@ namespace greville
     if (has_coarse && algebraic != algebraic_options().end())
       {
         coarse_preconditioner =
-          levels[0]->petsc_preconditioner(algebraic->second);
+          algebraic->first == "lattice"
+            ? levels[0]->lattice_preconditioner(algebraic->second)
+            : levels[0]->petsc_preconditioner(algebraic->second);
         AssertThrow(coarse_preconditioner,
                     ExcMessage("The parameter 'Coarse preconditioner' is <" +
                                algebraic->first +

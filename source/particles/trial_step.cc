@@ -30,7 +30,7 @@ namespace greville
 
 
     /**
-     * P and dP / df from what the material gives for the end of a step.
+     * P and its derivative from what the material gives for the end of a step.
      */
     template <int dim>
     void
@@ -41,38 +41,53 @@ namespace greville
     {
       const double         det     = determinant(f);
       const Tensor<2, dim> inverse = invert(f);
-      const Tensor<2, dim> sigma   = in_plane<dim>(end.stress);
-      trial.P                      = det * sigma * transpose(inverse);
+      const Tensor<2, dim> sigma   = det * in_plane<dim>(end.stress);
+      trial.P                      = sigma * transpose(inverse);
       if (!D)
         return;
-      // A_ijkl, then pulled back index by index.
-      Tensor<4, dim> B;
+      trial.map = inverse;
+      if constexpr (dim == 3)
+        {
+          const double *from = &(*D)[0][0][0][0];
+          double       *to   = &trial.A[0][0][0][0];
+          for (unsigned int e = 0; e < Tensor<4, dim>::n_independent_components;
+               ++e)
+            to[e] = det * from[e];
+        }
+      else
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            for (unsigned int k = 0; k < dim; ++k)
+              for (unsigned int l = 0; l < dim; ++l)
+                trial.A[i][j][k][l] = det * (*D)[i][j][k][l];
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
           for (unsigned int k = 0; k < dim; ++k)
             {
-              Tensor<1, dim> A;
-              for (unsigned int l = 0; l < dim; ++l)
-                A[l] = det * ((*D)[i][j][k][l] + (k == l ? sigma[i][j] : 0.) -
-                              (j == k ? sigma[i][l] : 0.));
-              for (unsigned int L = 0; L < dim; ++L)
-                {
-                  double sum = 0.;
-                  for (unsigned int l = 0; l < dim; ++l)
-                    sum += A[l] * inverse[L][l];
-                  B[i][j][k][L] = sum;
-                }
+              trial.A[i][j][k][k] += sigma[i][j];
+              trial.A[i][j][j][k] -= sigma[i][k];
             }
+    }
+
+
+
+    /**
+     * dP_iJ / df_kL.
+     */
+    template <int dim>
+    Tensor<4, dim>
+    derivative(const TrialPoint<dim> &trial)
+    {
+      Tensor<4, dim> B, dP;
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int J = 0; J < dim; ++J)
+          for (unsigned int j = 0; j < dim; ++j)
+            B[i][J] += trial.map[J][j] * trial.A[i][j];
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int J = 0; J < dim; ++J)
           for (unsigned int k = 0; k < dim; ++k)
-            for (unsigned int L = 0; L < dim; ++L)
-              {
-                double sum = 0.;
-                for (unsigned int j = 0; j < dim; ++j)
-                  sum += inverse[J][j] * B[i][j][k][L];
-                trial.dP[i][J][k][L] = sum;
-              }
+            dP[i][J][k] = trial.map * B[i][J][k];
+      return dP;
     }
 
 
@@ -106,8 +121,8 @@ namespace greville
       if (with_tangent)
         {
           // dP = df S / 2 + middle dS, dS = f^-1 (dP_end - df S_end) / 2.
-          Tensor<4, dim>       dP;
-          const Tensor<2, dim> map = 0.5 * middle * inverse;
+          const Tensor<4, dim> dP_end = derivative(trial);
+          const Tensor<2, dim> map    = 0.5 * middle * inverse;
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int J = 0; J < dim; ++J)
               for (unsigned int k = 0; k < dim; ++k)
@@ -116,10 +131,10 @@ namespace greville
                     double sum =
                       (i == k ? 0.5 * S[L][J] : 0.) - map[i][k] * end[L][J];
                     for (unsigned int m = 0; m < dim; ++m)
-                      sum += map[i][m] * trial.dP[m][J][k][L];
-                    dP[i][J][k][L] = sum;
+                      sum += map[i][m] * dP_end[m][J][k][L];
+                    trial.A[i][J][k][L] = sum;
                   }
-          trial.dP = dP;
+          trial.map = one;
         }
       trial.P = middle * S;
     }
@@ -137,20 +152,8 @@ namespace greville
               const bool            with_tangent)
     {
       trial.P = trial.P * transpose(inverse);
-      if (!with_tangent)
-        return;
-      Tensor<4, dim> A, B;
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int J = 0; J < dim; ++J)
-          for (unsigned int j = 0; j < dim; ++j)
-            A[i][J] += inverse[J][j] * trial.dP[i][j];
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int J = 0; J < dim; ++J)
-          for (unsigned int k = 0; k < dim; ++k)
-            for (unsigned int L = 0; L < dim; ++L)
-              for (unsigned int l = 0; l < dim; ++l)
-                B[i][J][k][L] += inverse[L][l] * A[i][J][k][l];
-      trial.dP = B;
+      if (with_tangent)
+        trial.map = inverse * trial.map;
     }
 
 
@@ -183,18 +186,18 @@ namespace greville
     is_finite(const TrialPoint<dim> &trial, const bool with_tangent)
     {
       // Sums side by side do not wait for one another.
-      Tensor<1, dim> sums;
+      constexpr unsigned int n       = dim * dim;
+      const double          *A       = &trial.A[0][0][0][0];
+      double                 sums[n] = {};
       for (unsigned int i = 0; i < dim; ++i)
-        {
-          sums += trial.P[i];
-          if (with_tangent)
-            for (unsigned int j = 0; j < dim; ++j)
-              for (unsigned int k = 0; k < dim; ++k)
-                sums += trial.dP[i][j][k];
-        }
+        for (unsigned int j = 0; j < dim; ++j)
+          sums[i * dim + j] = trial.P[i][j];
+      for (unsigned int i = 0; i < n && with_tangent; ++i, A += n)
+        for (unsigned int j = 0; j < n; ++j)
+          sums[j] += A[j];
       double sum = 0.;
-      for (unsigned int i = 0; i < dim; ++i)
-        sum += sums[i];
+      for (unsigned int j = 0; j < n; ++j)
+        sum += sums[j];
       return std::isfinite(sum);
     }
 
@@ -229,18 +232,24 @@ namespace greville
               coefficients[i][a] =
                 u[std::size_t(geometry.functions[a]) * dim + i];
 
-          trials.clear();
-          increments.clear();
-          states.clear();
+          unsigned int n_points = 0;
           points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-            TrialPoint<dim> &trial = trials.emplace_back();
+            if (trials.size() == n_points)
+              trials.emplace_back();
+            if (states.size() == n_points)
+              {
+                states.emplace_back();
+                increments.emplace_back();
+              }
+            TrialPoint<dim> &trial = trials[n_points];
+            MaterialPoint   &state = states[n_points];
             trial.x                = p.basis_position(layout);
             trial.volume           = p.volume();
             const Gradients<dim, n> gradients(geometry, trial.x);
             const Tensor<2, dim>    f = increment_of_point<dim, n>(
               p, layout, gradients, coefficients, 1.);
             const Tensor<2, dim> projected = factors ? *factors++ * f : f;
-            MaterialPoint        state;
+            state                          = MaterialPoint();
             load_material_point<dim>(p, layout, state);
             state.dt                 = dt;
             state.strength_reduction = strength_reduction;
@@ -249,15 +258,20 @@ namespace greville
                 state.increment[i][j] = projected[i][j];
             state.F = state.increment * state.F;
             state.J *= determinant(projected);
-            increments.push_back(f);
-            states.push_back(state);
+            increments[n_points] = f;
+            ++n_points;
           });
+          trials.resize(n_points);
+          states.resize(n_points);
 
-          ends = states;
-          material.update(make_array_view(ends));
+          // Tangents want the begin as well.
+          if (with_tangents)
+            ends = states;
+          std::vector<MaterialPoint> &updated = with_tangents ? ends : states;
+          material.update(make_array_view(updated));
           if (with_tangents)
             {
-              tangents.resize(states.size());
+              tangents.resize(n_points);
               material.tangents(ArrayView<const MaterialPoint>(states.data(),
                                                                states.size()),
                                 make_array_view(tangents),
@@ -268,14 +282,14 @@ namespace greville
             TrialPoint<dim> &trial = trials[k];
             set_end_stress<dim>(trial,
                                 increments[k],
-                                ends[k],
+                                updated[k],
                                 with_tangents ? &tangents[k] : nullptr);
             if (stress == StepStress::energy_consistent)
               {
                 MaterialPoint before;
                 load_material_point<dim>(p, layout, before);
-                const double change = (material.strain_energy(ends[k]) +
-                                       material.dissipation(ends[k]) -
+                const double change = (material.strain_energy(updated[k]) +
+                                       material.dissipation(updated[k]) -
                                        material.strain_energy(before) -
                                        material.dissipation(before)) /
                                       p.J();
@@ -287,8 +301,8 @@ namespace greville
               }
             if (layout.is_total_lagrangian())
               pull_back<dim>(trial, inverse_F<dim>(p), with_tangents);
-            if (!(ends[k].J > 0.) || !is_finite(trial, with_tangents))
-              report_bad_point<dim>(p, ends[k].J, report);
+            if (!(updated[k].J > 0.) || !is_finite(trial, with_tangents))
+              report_bad_point<dim>(p, updated[k].J, report);
             ++k;
           });
           action(cell, trials);
@@ -347,231 +361,6 @@ namespace greville
 
 
 
-  template <int dim>
-  void
-  TrialSums<dim>::reinit(const SplineSpace<dim> &space)
-  {
-    tables.space = &space;
-    for (unsigned int d = 0; d < dim; ++d)
-      tables.directions[d].reinit(space.knots(d));
-    const std::size_t n = Utilities::fixed_power<dim>(space.degree() + 1) * dim;
-    matrix.resize(n * n);
-    clear();
-  }
-
-
-
-  template <int dim>
-  void
-  TrialSums<dim>::clear()
-  {
-    square = 0.;
-    sums.assign((tables.space->owned_functions().size() +
-                 tables.space->ghost_functions().size()) *
-                  dim,
-                0.);
-  }
-
-
-
-  namespace
-  {
-    template <int dim, int n>
-    double
-    add_force_of_cell(const CellGeometry<dim, n>         &geometry,
-                      const std::vector<TrialPoint<dim>> &points,
-                      double                             *sums)
-    {
-      constexpr int n_functions             = power(n, dim);
-      double        force[dim][n_functions] = {};
-      for (const TrialPoint<dim> &point : points)
-        {
-          const Gradients<dim, n> gradients(geometry, point.x);
-          for (int i = 0; i < dim; ++i)
-            for (int J = 0; J < dim; ++J)
-              {
-                const double P = point.volume * point.P[i][J];
-                for (int a = 0; a < n_functions; ++a)
-                  force[i][a] += P * gradients.values[J][a];
-              }
-        }
-      double square = 0.;
-      for (int a = 0; a < n_functions; ++a)
-        for (int i = 0; i < dim; ++i)
-          {
-            sums[std::size_t(geometry.functions[a]) * dim + i] += force[i][a];
-            square += force[i][a] * force[i][a];
-          }
-      return square;
-    }
-
-
-
-    template <int dim, int n>
-    void
-    stiffness_of_cell(const CellGeometry<dim, n>         &geometry,
-                      const std::vector<TrialPoint<dim>> &points,
-                      double                             *matrix)
-    {
-      constexpr int n_functions = power(n, dim);
-      std::fill_n(matrix, n_functions * dim * n_functions * dim, 0.);
-      for (const TrialPoint<dim> &point : points)
-        {
-          const Gradients<dim, n> gradients(geometry, point.x);
-          double                  A[dim][dim][dim][dim];
-          for (int i = 0; i < dim; ++i)
-            for (int J = 0; J < dim; ++J)
-              for (int k = 0; k < dim; ++k)
-                for (int L = 0; L < dim; ++L)
-                  A[i][J][k][L] = point.volume * point.dP[i][J][k][L];
-          double *row = matrix;
-          for (int a = 0; a < n_functions; ++a)
-            for (int i = 0; i < dim; ++i)
-              for (int k = 0; k < dim; ++k, row += n_functions)
-                for (int L = 0; L < dim; ++L)
-                  {
-                    double factor = 0.;
-                    for (int J = 0; J < dim; ++J)
-                      factor += gradients.values[J][a] * A[i][J][k][L];
-                    for (int b = 0; b < n_functions; ++b)
-                      row[b] += factor * gradients.values[L][b];
-                  }
-        }
-    }
-  } // namespace
-
-
-
-  template <int dim>
-  void
-  TrialSums<dim>::add_force(const unsigned int                  cell,
-                            const std::vector<TrialPoint<dim>> &points)
-  {
-    with_order(tables.space->degree(), [&](const auto size) {
-      constexpr int              n = decltype(size)::value;
-      const CellGeometry<dim, n> geometry(tables, cell);
-      square += add_force_of_cell<dim, n>(geometry, points, sums.data());
-    });
-  }
-
-
-
-  template <int dim>
-  void
-  TrialSums<dim>::take_force(VectorField<dim> &force) const
-  {
-    for (unsigned int d = 0; d < dim; ++d)
-      take_from_buffer(sums, dim, d, force[d]);
-  }
-
-
-
-  template <int dim>
-  const double *
-  TrialSums<dim>::stiffness(const unsigned int                  cell,
-                            const std::vector<TrialPoint<dim>> &points)
-  {
-    with_order(tables.space->degree(), [&](const auto size) {
-      constexpr int              n = decltype(size)::value;
-      const CellGeometry<dim, n> geometry(tables, cell);
-      stiffness_of_cell<dim, n>(geometry, points, matrix.data());
-    });
-    return matrix.data();
-  }
-
-
-
-  namespace
-  {
-    template <int dim, int n>
-    double
-    add_force_of_surface(const CellGeometry<dim, n>                &geometry,
-                         const std::vector<TrialSurfacePoint<dim>> &points,
-                         double                                    *sums)
-    {
-      double square                    = 0.;
-      double force[power(n, dim)][dim] = {};
-      for (const TrialSurfacePoint<dim> &point : points)
-        {
-          const ValuesAndGradients<dim, n> N(geometry, point.x);
-          for (int a = 0; a < power(n, dim); ++a)
-            for (int i = 0; i < dim; ++i)
-              force[a][i] += point.area * point.load[i] * N.values[a];
-        }
-      for (int a = 0; a < power(n, dim); ++a)
-        for (int i = 0; i < dim; ++i)
-          {
-            sums[std::size_t(geometry.functions[a]) * dim + i] += force[a][i];
-            square += force[a][i] * force[a][i];
-          }
-      return square;
-    }
-
-
-
-    template <int dim, int n>
-    void
-    stiffness_of_surface(const CellGeometry<dim, n>                &geometry,
-                         const std::vector<TrialSurfacePoint<dim>> &points,
-                         double                                    *matrix)
-    {
-      constexpr int n_functions = power(n, dim);
-      std::fill_n(matrix, n_functions * dim * n_functions * dim, 0.);
-      for (const TrialSurfacePoint<dim> &point : points)
-        {
-          const ValuesAndGradients<dim, n> N(geometry, point.x);
-          double                          *row = matrix;
-          for (int a = 0; a < n_functions; ++a)
-            for (int i = 0; i < dim; ++i)
-              for (int k = 0; k < dim; ++k, row += n_functions)
-                {
-                  const double factor = -point.area * N.values[a];
-                  for (int b = 0; b < n_functions; ++b)
-                    {
-                      double sum = point.by_displacement[i][k] * N.values[b];
-                      for (int L = 0; L < dim; ++L)
-                        sum +=
-                          point.by_gradient[i][k][L] * N.gradients.values[L][b];
-                      row[b] += factor * sum;
-                    }
-                }
-        }
-    }
-  } // namespace
-
-
-
-  template <int dim>
-  void
-  TrialSums<dim>::add_force(const unsigned int                         cell,
-                            const std::vector<TrialSurfacePoint<dim>> &points)
-  {
-    with_order(tables.space->degree(), [&](const auto size) {
-      constexpr int              n = decltype(size)::value;
-      const CellGeometry<dim, n> geometry(tables, cell);
-      square += add_force_of_surface<dim, n>(geometry, points, sums.data());
-    });
-  }
-
-
-
-  template <int dim>
-  const double *
-  TrialSums<dim>::stiffness(const unsigned int                         cell,
-                            const std::vector<TrialSurfacePoint<dim>> &points)
-  {
-    with_order(tables.space->degree(), [&](const auto size) {
-      constexpr int              n = decltype(size)::value;
-      const CellGeometry<dim, n> geometry(tables, cell);
-      stiffness_of_surface<dim, n>(geometry, points, matrix.data());
-    });
-    return matrix.data();
-  }
-
-
-
   template class TrialStep<2>;
   template class TrialStep<3>;
-  template class TrialSums<2>;
-  template class TrialSums<3>;
 } // namespace greville

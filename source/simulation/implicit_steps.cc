@@ -355,19 +355,28 @@ namespace greville
 
     n_linear = n_all_linear = 0;
     NewtonProblem problem;
-    // The guess is linearized at once: it gets both with one pass over points.
-    bool is_guess    = true;
+    // The guess is linearized at once, and so is what follows up to the
+    // iterations of the last step: it gets both with one pass over points.
+    unsigned int n_residuals = 0;
+    VectorType   linearized;
     problem.residual = [&](VectorType &r, const VectorType &at) {
-      const bool with_stiffness = is_guess;
-      is_guess                  = false;
+      const bool with_stiffness = n_residuals++ < expected_iterations;
+      if (with_stiffness)
+        linearized = at;
       return find_residual(r, at, dt, with_stiffness);
     };
     problem.scale     = [&]() { return force_scale; };
     problem.linearize = [&](const VectorType &at) -> std::string {
-      if (!has_stiffness)
+      const auto is_linearized = [&]() {
+        VectorType difference = linearized;
+        difference -= at;
+        return difference.linfty_norm() == 0.;
+      };
+      if (!has_stiffness || !is_linearized())
         {
           VectorType r;
           system.initialize(r);
+          linearized = at;
           find_residual(r, at, dt, true);
         }
       const PartTimer timer(log, "set-up");
@@ -414,7 +423,8 @@ namespace greville
         rejection = result.reason + describe_residual();
         throw StepRejected(rejection);
       }
-    n_newton = result.n_iterations();
+    n_newton            = result.n_iterations();
+    expected_iterations = std::max(1u, n_newton);
   }
 
 

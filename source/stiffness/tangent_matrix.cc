@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/linear_algebra/petsc_preconditioner.h>
+#include <greville/multigrid/lattice_levels.h>
 #include <greville/stiffness/tangent_level.h>
 
 #include <algorithm>
@@ -120,12 +121,13 @@ namespace greville
     class UnknownsPreconditioner : public Preconditioner
     {
     public:
-      UnknownsPreconditioner(const TangentLevel<dim> &level,
-                             PetscMatrix              given_matrix,
-                             const std::string       &options)
+      UnknownsPreconditioner(const TangentLevel<dim>       &level,
+                             PetscMatrix                    given_matrix,
+                             const std::string             &options,
+                             const std::function<void(PC)> &prepare = {})
         : level(level)
         , matrix(std::move(given_matrix))
-        , petsc(matrix.get(), options)
+        , petsc(matrix.get(), options, prepare)
       {
         level.extended().initialize_vector(to, dim);
         level.extended().initialize_vector(from, dim);
@@ -151,8 +153,8 @@ namespace greville
 
 
   template <int dim>
-  std::unique_ptr<Preconditioner>
-  TangentLevel<dim>::petsc_preconditioner(const std::string &options) const
+  PetscMatrix
+  TangentLevel<dim>::petsc_matrix() const
   {
     const InterleavedLayout &layout    = *extended_mass.unknown_layout();
     const auto              &functions = extended_mass.unknown_functions();
@@ -217,7 +219,19 @@ namespace greville
         }
     check_petsc(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
     check_petsc(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
-    set_rigid_body_modes(mat, spline_space, functions);
+    return matrix;
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  TangentLevel<dim>::petsc_preconditioner(const std::string &options) const
+  {
+    PetscMatrix matrix = petsc_matrix();
+    set_rigid_body_modes(matrix.get(),
+                         spline_space,
+                         extended_mass.unknown_functions());
     return std::make_unique<UnknownsPreconditioner<dim>>(*this,
                                                          std::move(matrix),
                                                          options);
@@ -225,6 +239,30 @@ namespace greville
 
 
 
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  TangentLevel<dim>::lattice_preconditioner(const std::string &options) const
+  {
+    PetscMatrix              matrix = petsc_matrix();
+    const LatticeLevels<dim> lattice(matrix.get(),
+                                     spline_space,
+                                     extended_mass.unknown_functions(),
+                                     dim,
+                                     extended_mass.held_unknowns());
+    return std::make_unique<UnknownsPreconditioner<dim>>(
+      *this, std::move(matrix), options, [&](PC pc) { lattice.apply_to(pc); });
+  }
+
+
+
+  template PetscMatrix
+  TangentLevel<2>::petsc_matrix() const;
+  template PetscMatrix
+  TangentLevel<3>::petsc_matrix() const;
+  template std::unique_ptr<Preconditioner>
+  TangentLevel<2>::lattice_preconditioner(const std::string &) const;
+  template std::unique_ptr<Preconditioner>
+  TangentLevel<3>::lattice_preconditioner(const std::string &) const;
   template std::unique_ptr<Preconditioner>
   TangentLevel<2>::petsc_preconditioner(const std::string &) const;
   template std::unique_ptr<Preconditioner>

@@ -64,6 +64,9 @@ namespace greville
     std::unique_ptr<Preconditioner>
     petsc_preconditioner(const std::string &options) const override;
 
+    std::unique_ptr<Preconditioner>
+    lattice_preconditioner(const std::string &options) const override;
+
   private:
     const SplineSpace<dim>          &spline_space;
     std::unique_ptr<MassMatrix<dim>> entries;

@@ -8,6 +8,7 @@
 
 #include <petscpc.h>
 
+#include <functional>
 #include <string>
 
 namespace greville
@@ -22,9 +23,12 @@ namespace greville
   public:
     /**
      * Collective. Throws dealii::ExcMessage where PETSc does not use one of
-     * the options, or cannot make the preconditioner.
+     * the options, or cannot make the preconditioner. It is given to @p
+     * prepare before the options.
      */
-    PetscPreconditioner(const Mat matrix, const std::string &options);
+    PetscPreconditioner(const Mat                      matrix,
+                        const std::string             &options,
+                        const std::function<void(PC)> &prepare = {});
 
     void
     vmult(VectorType &dst, const VectorType &src) const override;

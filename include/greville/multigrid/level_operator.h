@@ -153,6 +153,15 @@ namespace greville
     }
 
     /**
+     * Collective. The same, with LatticeLevels below the entries, for order 1.
+     */
+    virtual std::unique_ptr<Preconditioner>
+    lattice_preconditioner(const std::string & /*options*/) const
+    {
+      return nullptr;
+    }
+
+    /**
      * The points, with their weights, of the L2 products of a transfer; null:
      * those of the volume.
      */

@@ -36,8 +36,10 @@ namespace greville
     double volume;
     /// The first Piola-Kirchhoff stress relative to the begin, Pa.
     dealii::Tensor<2, dim> P;
-    /// Its derivative dP_iJ / df_kL by the increment f, where it is asked for.
-    dealii::Tensor<4, dim> dP;
+    /// Its derivative by the increment f, where it is asked for: dP_iJ / df_kL
+    /// = map_Jj A_ijkl map_Ll.
+    dealii::Tensor<4, dim> A;
+    dealii::Tensor<2, dim> map;
   };
 
 
@@ -166,10 +168,13 @@ namespace greville
 
     /**
      * The matrix of a cell with entries as BlockStencil::add_cell() takes them.
+     * Where the derivatives are @p symmetric (A_ijkl = A_klij), half of it is
+     * summed up.
      */
     const double *
     stiffness(const unsigned int                  cell,
-              const std::vector<TrialPoint<dim>> &points);
+              const std::vector<TrialPoint<dim>> &points,
+              const bool                          symmetric);
 
     /**
      * Likewise what loads on surfaces contribute: minus their derivative.
@@ -180,7 +185,7 @@ namespace greville
 
   private:
     SpacePolynomials<dim> tables;
-    std::vector<double>   sums, matrix;
+    std::vector<double>   sums, matrix, work;
     double                square = 0.;
   };
 } // namespace greville

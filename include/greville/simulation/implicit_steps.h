@@ -54,6 +54,7 @@ namespace greville
     forget() override
     {
       system.forget();
+      expected_iterations = 1;
     }
 
     std::vector<SolverLevel>
@@ -157,6 +158,7 @@ namespace greville
     std::vector<LoadedSurface<dim>> surfaces;
     SurfaceMotion<dim>              surface_motion;
     bool                            surfaces_are_symmetric = true;
+    unsigned int                    expected_iterations    = 1; // of Newton
     std::uint64_t                   stamp                  = 0; // of the mass
 
     VectorField<dim> velocity, acceleration, displacement;

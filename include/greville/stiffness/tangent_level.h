@@ -160,6 +160,9 @@ namespace greville
     std::unique_ptr<Preconditioner>
     petsc_preconditioner(const std::string &options) const override;
 
+    std::unique_ptr<Preconditioner>
+    lattice_preconditioner(const std::string &options) const override;
+
     const DensityWeights<dim> *
     transfer_weights() const override
     {
@@ -176,6 +179,12 @@ namespace greville
     write(VectorType &x, const VectorType &unknowns) const;
 
   private:
+    /**
+     * Collective. A for PETSc.
+     */
+    PetscMatrix
+    petsc_matrix() const;
+
     template <typename Number>
     void
     multiply(VectorType                      &dst,

@@ -4,49 +4,14 @@
 #define greville_stiffness_tangent_system_h
 
 #include <greville/linear_algebra/solve_result.h>
-#include <greville/multigrid/p_multigrid.h>
 #include <greville/particles/trial_step.h>
 #include <greville/stiffness/tangent_level.h>
+#include <greville/stiffness/tangent_parameters.h>
 
 #include <string>
 
 namespace greville
 {
-  /**
-   * Parameters of the smoothers that a TangentLevel has a use for.
-   */
-  struct TangentSmootherParameters : SmootherParameters
-  {
-    void
-    declare(dealii::ParameterHandler &prm)
-    {
-      declare_for_operators(prm);
-    }
-  };
-
-
-
-  /**
-   * How linear systems of implicit steps are solved.
-   */
-  struct TangentParameters
-  {
-    TangentParameters();
-
-    void
-    declare(dealii::ParameterHandler &prm);
-
-    std::string          method         = "auto";
-    std::string          preconditioner = "auto";
-    unsigned int         max_iterations = 200;
-    unsigned int         reuse          = 10;
-    PMultigridParameters multigrid;
-
-    TangentSmootherParameters smoother;
-  };
-
-
-
   /**
    * Points that feel forces, and their law.
    */

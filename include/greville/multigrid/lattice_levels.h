@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_multigrid_lattice_levels_h
+#define greville_multigrid_lattice_levels_h
+
+#include <greville/base/petsc.h>
+#include <greville/spline/spline_space.h>
+
+#include <petscpc.h>
+
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Geometric levels below a matrix of order 1, for PETSc's PCMG: the lattice
+   * of functions is coarsened by two in each direction again and again, with
+   * multilinear interpolation, which has all rigid body modes, and Galerkin
+   * products. An unknown of a level exists where an unknown of the next finer
+   * one asks for it, so that bodies may end anywhere in the lattice. Stencils
+   * keep their size on all levels: together these have about 1 / (2^dim - 1) of
+   * the entries of the matrix.
+   *
+   * Unknowns are numbered and interpolated component by component: what walls
+   * hold, or a body does not reach, has no coarse unknown.
+   */
+  template <int dim>
+  class LatticeLevels
+  {
+  public:
+    /**
+     * Collective. Row i * n_components + c of @p matrix on this process, which
+     * is symmetric, belongs to component c of the local function functions[i].
+     * Its bit c of held[i] leaves it out: the row has the diagonal alone.
+     */
+    LatticeLevels(const Mat                         matrix,
+                  const SplineSpace<dim>           &space,
+                  const std::vector<unsigned int>  &functions,
+                  const unsigned int                n_components,
+                  const std::vector<unsigned char> &held);
+
+    /**
+     * Collective. Let @p pc, whose operator is the matrix, be PCMG on these
+     * levels.
+     */
+    void
+    apply_to(PC pc) const;
+
+  private:
+    /**
+     * An unknown, one component of a function of a lattice.
+     */
+    struct Unknown
+    {
+      MultiIndex<dim> position;
+      unsigned int    component;
+      bool            is_held;
+    };
+
+    /**
+     * Collective. The interpolation from the next coarser lattice to the owned
+     * @p unknowns, which become those of the coarse lattice, as @p size becomes
+     * that of it.
+     */
+    PetscMatrix
+    coarsen(std::vector<Unknown>        &unknowns,
+            MultiIndex<dim>             &size,
+            const std::array<bool, dim> &periodic,
+            const unsigned int           n_components,
+            const MPI_Comm               comm) const;
+
+    std::vector<PetscMatrix> interpolations; // to the finest level first
+    std::vector<PetscMatrix> matrices;       // without the finest one
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/lac/la_parallel_vector.h>
+
+#include <greville/base/vector_field.h>
+#include <greville/multigrid/lattice_levels.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Up to this size a level is solved directly.
+    constexpr PetscInt small_size = 400;
+
+    // Coarse unknowns at the edge of a body may depend on each other: a
+    // fraction of the diagonal keeps matrices regular.
+    constexpr double regularization = 1e-10;
+
+
+
+    void
+    add_to_diagonal(const Mat matrix)
+    {
+      Vec handle;
+      check_petsc(MatCreateVecs(matrix, &handle, nullptr));
+      const PetscVector diagonal(handle);
+      check_petsc(MatGetDiagonal(matrix, handle));
+      check_petsc(VecScale(handle, regularization));
+      check_petsc(MatDiagonalSet(matrix, handle, ADD_VALUES));
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  LatticeLevels<dim>::LatticeLevels(const Mat                        matrix,
+                                    const SplineSpace<dim>          &space,
+                                    const std::vector<unsigned int> &functions,
+                                    const unsigned int n_components,
+                                    const std::vector<unsigned char> &held)
+  {
+    Assert(space.degree() == 1, ExcInternalError());
+    std::vector<Unknown> unknowns;
+    unknowns.reserve(functions.size() * n_components);
+    for (unsigned int i = 0; i < functions.size(); ++i)
+      {
+        const MultiIndex<dim> position =
+          multi_index<dim>(space.owned_functions()[functions[i]],
+                           space.n_functions());
+        for (unsigned int c = 0; c < n_components; ++c)
+          unknowns.push_back({position, c, ((held[i] >> c) & 1) != 0});
+      }
+    MultiIndex<dim>       size = space.n_functions();
+    std::array<bool, dim> periodic;
+    for (unsigned int d = 0; d < dim; ++d)
+      periodic[d] = space.lattice().is_periodic(d);
+
+    Mat      fine = matrix;
+    PetscInt n_rows;
+    check_petsc(MatGetSize(matrix, &n_rows, nullptr));
+    while (
+      interpolations.empty() ||
+      (n_rows > small_size && *std::max_element(size.begin(), size.end()) > 2))
+      {
+        interpolations.push_back(coarsen(
+          unknowns, size, periodic, n_components, space.communicator()));
+        Mat P = interpolations.back().get(), coarse;
+        check_petsc(
+          MatPtAP(fine, P, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &coarse));
+        matrices.emplace_back(coarse);
+        add_to_diagonal(coarse);
+        fine = coarse;
+        check_petsc(MatGetSize(coarse, &n_rows, nullptr));
+      }
+  }
+
+
+
+  template <int dim>
+  PetscMatrix
+  LatticeLevels<dim>::coarsen(std::vector<Unknown>        &unknowns,
+                              MultiIndex<dim>             &size,
+                              const std::array<bool, dim> &periodic,
+                              const unsigned int           n_components,
+                              const MPI_Comm               comm) const
+  {
+    MultiIndex<dim> coarse_size;
+    std::uint64_t   n_keys = n_components;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        coarse_size[d] = periodic[d] ? (size[d] + 1) / 2 : size[d] / 2 + 1;
+        n_keys *= coarse_size[d];
+      }
+    // The coarse functions of an unknown, one or two in each direction, with
+    // equal weights. Keys are the places in the lattice, and components.
+    constexpr unsigned int most = 1 << dim;
+    const auto with_keys        = [&](const Unknown &u, const auto &visit) {
+      std::uint64_t keys[most] = {u.component};
+      unsigned int  n          = 1;
+      std::uint64_t stride     = n_components;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const unsigned int lower = u.position[d] / 2;
+          if (u.position[d] % 2 == 1)
+            {
+              const unsigned int upper = (lower + 1) % coarse_size[d];
+              for (unsigned int k = 0; k < n; ++k)
+                keys[n + k] = keys[k] + stride * upper;
+            }
+          for (unsigned int k = 0; k < n; ++k)
+            keys[k] += stride * lower;
+          n *= 1 + u.position[d] % 2;
+          stride *= coarse_size[d];
+        }
+      visit(keys, n);
+    };
+    std::vector<std::uint64_t> wanted;
+    for (const Unknown &u : unknowns)
+      if (!u.is_held)
+        with_keys(u, [&](const std::uint64_t *keys, const unsigned int n) {
+          wanted.insert(wanted.end(), keys, keys + n);
+        });
+    std::sort(wanted.begin(), wanted.end());
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+
+    // All processes share a list of the keys; the first one that wants a key
+    // owns it.
+    const unsigned int me          = Utilities::MPI::this_mpi_process(comm);
+    const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
+    IndexSet           mine(n_keys), others(n_keys);
+    mine.add_range(n_keys * me / n_processes, n_keys * (me + 1) / n_processes);
+    others.add_indices(wanted.begin(), wanted.end());
+    LinearAlgebra::distributed::Vector<double> list(mine, others, comm);
+    list = n_processes;
+    for (unsigned int i = 0; i < list.get_partitioner()->n_ghost_indices(); ++i)
+      list.local_element(list.locally_owned_size() + i) = n_processes;
+    for (const std::uint64_t key : wanted)
+      list(key) = me;
+    list.compress(VectorOperation::min);
+    list.update_ghost_values();
+    std::vector<std::uint64_t> owned;
+    for (const std::uint64_t key : wanted)
+      if (list(key) == me)
+        owned.push_back(key);
+
+    // Their numbers.
+    const std::uint64_t n_owned = owned.size();
+    std::uint64_t       first   = 0;
+    const int           ierr =
+      MPI_Exscan(&n_owned, &first, 1, MPI_UINT64_T, MPI_SUM, comm);
+    AssertThrowMPI(ierr);
+    if (me == 0)
+      first = 0;
+    list.zero_out_ghost_values();
+    list = 0.;
+    for (std::uint64_t k = 0; k < n_owned; ++k)
+      list(owned[k]) = first + k;
+    list.compress(VectorOperation::add);
+    list.update_ghost_values();
+
+    Mat handle;
+    check_petsc(MatCreate(comm, &handle));
+    PetscMatrix result(handle);
+    check_petsc(MatSetSizes(
+      handle, unknowns.size(), n_owned, PETSC_DETERMINE, PETSC_DETERMINE));
+    check_petsc(MatSetType(handle, MATAIJ));
+    check_petsc(MatSeqAIJSetPreallocation(handle, most, nullptr));
+    check_petsc(
+      MatMPIAIJSetPreallocation(handle, most, nullptr, most, nullptr));
+    PetscInt row;
+    check_petsc(MatGetOwnershipRange(handle, &row, nullptr));
+    for (const Unknown &u : unknowns)
+      {
+        if (!u.is_held)
+          with_keys(u, [&](const std::uint64_t *keys, const unsigned int n) {
+            PetscInt    columns[most];
+            PetscScalar weights[most];
+            for (unsigned int k = 0; k < n; ++k)
+              {
+                columns[k] = static_cast<PetscInt>(list(keys[k]));
+                weights[k] = 1. / n;
+              }
+            check_petsc(MatSetValues(
+              handle, 1, &row, n, columns, weights, INSERT_VALUES));
+          });
+        ++row;
+      }
+    check_petsc(MatAssemblyBegin(handle, MAT_FINAL_ASSEMBLY));
+    check_petsc(MatAssemblyEnd(handle, MAT_FINAL_ASSEMBLY));
+
+    size = coarse_size;
+    unknowns.clear();
+    for (const std::uint64_t key : owned)
+      unknowns.push_back({multi_index<dim>(key / n_components, coarse_size),
+                          static_cast<unsigned int>(key % n_components),
+                          false});
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  LatticeLevels<dim>::apply_to(PC pc) const
+  {
+    const PetscInt n = interpolations.size() + 1;
+    check_petsc(PCSetType(pc, PCMG));
+    check_petsc(PCMGSetLevels(pc, n, nullptr));
+    for (PetscInt l = 0; l + 1 < n; ++l)
+      {
+        KSP smoother;
+        check_petsc(PCMGGetSmoother(pc, n - 2 - l, &smoother));
+        check_petsc(
+          KSPSetOperators(smoother, matrices[l].get(), matrices[l].get()));
+        const Mat P = interpolations[l].get();
+        check_petsc(PCMGSetInterpolation(pc, n - 1 - l, P));
+        // PETSc tells an interpolation from a restriction by the sizes.
+        PetscInt n_fine, n_coarse;
+        check_petsc(MatGetSize(P, &n_fine, &n_coarse));
+        if (n_fine == n_coarse)
+          {
+            Mat handle;
+            check_petsc(MatTranspose(P, MAT_INITIAL_MATRIX, &handle));
+            const PetscMatrix restriction(handle);
+            check_petsc(PCMGSetRestriction(pc, n - 1 - l, handle));
+          }
+      }
+  }
+
+
+
+  template class LatticeLevels<2>;
+  template class LatticeLevels<3>;
+} // namespace greville

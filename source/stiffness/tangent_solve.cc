@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// How TangentSystem solves its systems.
+
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/solver_gmres.h>
+
+#include <greville/stiffness/tangent_system.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  void
+  TangentSystem<dim>::multiply_by_differences(VectorType       &dst,
+                                              const VectorType &src)
+  {
+    // Of strains, between round-off and what is not linear.
+    constexpr double difference = 1e-7;
+    if (direction[0].size() == 0)
+      for (VectorField<dim> *field : {&direction, &moved, &moved_force})
+        for (VectorType &component : *field)
+          space().initialize_vector(component);
+    double largest = 0.;
+    for (VectorType &component : direction)
+      component = 0.;
+    extend(direction, src);
+    for (const VectorType &component : direction)
+      largest = std::max(largest, component.linfty_norm());
+    dst = 0.;
+    if (!(largest > 0.))
+      return;
+    double h = space().lattice().cell_size(0);
+    for (unsigned int d = 1; d < dim; ++d)
+      h = std::min(h, space().lattice().cell_size(d));
+    const double eps = difference * h / largest;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        moved[d] = last.u[d];
+        moved[d].add(eps, direction[d]);
+        direction[d] *= mass_factor;
+      }
+    evaluate(last.bodies, moved, last.dt, last.stress, false, moved_force);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        moved_force[d] -= last.force[d];
+        moved_force[d] *= 1. / eps;
+      }
+    if (!last.surfaces.empty())
+      {
+        VectorField<dim> change = last.surface_force;
+        add_surfaces(last.surfaces, moved, last.motion, false, change);
+        for (unsigned int d = 0; d < dim; ++d)
+          moved_force[d].add(-1. / eps,
+                             change[d],
+                             1. / eps,
+                             last.surface_force[d]);
+      }
+    restrict(dst, moved_force, mass_factor != 0. ? &direction : nullptr);
+  }
+
+
+
+  namespace
+  {
+    /**
+     * Run a Krylov method, which stops by an exception where it does not
+     * converge.
+     */
+    template <typename Run>
+    SolveResult
+    run_solver(const unsigned int max_iterations,
+               const double       tolerance,
+               const VectorType  &b,
+               const Run         &run)
+    {
+      SolveResult  result;
+      const double start = b.l2_norm();
+      result.iterations  = 0;
+      result.converged   = start == 0.;
+      if (start == 0.)
+        return result;
+      SolverControl control(max_iterations, tolerance * start, false, false);
+      try
+        {
+          run(control);
+          result.converged = true;
+        }
+      catch (const SolverControl::NoConvergence &)
+        {}
+      result.iterations = control.last_step();
+      result.reduction  = control.last_value() / start;
+      if (!result.converged)
+        {
+          std::ostringstream text;
+          text << "did not converge in " << control.last_step()
+               << " iterations; the residual is " << result.reduction
+               << " times the right-hand side";
+          result.reason = text.str();
+        }
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  SolveResult
+  TangentSystem<dim>::solve(VectorType       &x,
+                            const VectorType &b,
+                            const double      tolerance)
+  {
+    struct ByDifferences
+    {
+      void
+      vmult(VectorType &dst, const VectorType &src) const
+      {
+        system.multiply_by_differences(dst, src);
+      }
+
+      TangentSystem &system;
+    };
+    const bool with_cg =
+      parameters.method == "cg" || (parameters.method == "auto" && symmetric);
+    const auto run = [&](const unsigned int max_iterations) {
+      x = 0.;
+      return run_solver(
+        max_iterations, tolerance, b, [&](SolverControl &control) {
+          using Fgmres = SolverFGMRES<VectorType>;
+          // A product by differences costs more than the vectors of a restart.
+          constexpr unsigned int n_vectors = 100;
+          if (projection)
+            Fgmres(control, Fgmres::AdditionalData(n_vectors))
+              .solve(ByDifferences{*this}, x, b, *multigrid);
+          else if (with_cg)
+            SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
+          else
+            Fgmres(control).solve(finest(), x, b, *multigrid);
+        });
+    };
+    // Digits that the residual loses.
+    const auto digits = [](const SolveResult &result) {
+      return std::max(0.5, -std::log10(std::max(result.reduction, 1e-16)));
+    };
+
+    unsigned int n_wasted = 0;
+    SolveResult  result;
+    if (!is_fresh)
+      {
+        const double expected = -std::log10(tolerance) * first_iterations;
+        result =
+          run(std::min<double>(parameters.max_iterations,
+                               std::ceil(expected + parameters.reuse + 1.)));
+        if (!result.converged)
+          {
+            n_wasted = *result.iterations;
+            set_up(has_levels);
+          }
+        else
+          excess_iterations +=
+            std::max(0.,
+                     *result.iterations - digits(result) * first_iterations);
+      }
+    if (is_fresh)
+      {
+        result           = run(parameters.max_iterations);
+        first_iterations = *result.iterations / digits(result);
+        is_fresh         = *result.iterations == 0;
+      }
+    *result.iterations += n_wasted;
+    return result;
+  }
+
+
+
+  template <int dim>
+  SolveResult
+  TangentSystem<dim>::solve_mass(VectorField<dim>       &velocity,
+                                 const VectorField<dim> &momentum)
+  {
+    struct Mass
+    {
+      void
+      vmult(VectorType &dst, const VectorType &src) const
+      {
+        level.multiply_mass(dst, src);
+      }
+
+      const TangentLevel<dim> &level;
+    };
+    struct Inverse
+    {
+      void
+      vmult(VectorType &dst, const VectorType &src) const
+      {
+        dst = src;
+        level.apply_inverse_mass(dst);
+      }
+
+      const TangentLevel<dim> &level;
+    };
+
+    VectorType x, b;
+    initialize(x);
+    initialize(b);
+    // What held coefficients contribute goes to the right-hand side.
+    VectorField<dim> held;
+    for (unsigned int c = 0; c < dim; ++c)
+      held[c] = velocity[c];
+    extend(held, x);
+    for (unsigned int c = 0; c < dim; ++c)
+      held[c] *= -1.;
+    restrict(b, momentum, &held);
+    SolveResult result = run_solver(200, 1e-12, b, [&](SolverControl &control) {
+      SolverCG<VectorType>(control).solve(Mass{finest()},
+                                          x,
+                                          b,
+                                          Inverse{finest()});
+    });
+    // Round-off may leave more where points spread thinly.
+    constexpr double negligible = 1e-9;
+    result.converged = result.converged || result.reduction < negligible;
+    extend(velocity, x);
+    return result;
+  }
+
+
+
+  template SolveResult
+  TangentSystem<2>::solve(VectorType &, const VectorType &, const double);
+  template SolveResult
+  TangentSystem<3>::solve(VectorType &, const VectorType &, const double);
+  template SolveResult
+  TangentSystem<2>::solve_mass(VectorField<2> &, const VectorField<2> &);
+  template SolveResult
+  TangentSystem<3>::solve_mass(VectorField<3> &, const VectorField<3> &);
+} // namespace greville
