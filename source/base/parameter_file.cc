@@ -318,9 +318,12 @@ namespace greville
       if (entry == section->second.end())
         {
           std::string hint = did_you_mean(line.name, names_of(section->second));
-          for (const auto &other : sections)
-            if (hint.empty() && other.second.count(line.name) > 0)
-              hint = " It belongs to the section '" + other.first + "'.";
+          // Sections of sections come last.
+          for (const bool is_inner : {false, true})
+            for (const auto &other : sections)
+              if (hint.empty() && other.second.count(line.name) > 0 &&
+                  is_inner == (other.first.find('/') != std::string::npos))
+                hint = " It belongs to the section '" + other.first + "'.";
           AssertThrow(false,
                       ExcMessage(
                         line.place +

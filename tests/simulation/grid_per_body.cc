@@ -98,11 +98,11 @@ namespace
                                          "Shape = ball(0.4, 0.45, 0.21)",
                                          "Placement = fitted",
                                          "Points per direction = 4",
-                                         "Velocity = 2; 0.5 * x"},
+                                         "Velocity = 4; 0.5 * x"},
                                  box  = {"Material = rubber",
                                          "Shape = box(0.5, 0.3, 0.85, 0.6)",
                                          "Placement = fitted",
-                                         "Velocity = -1 + 2 * y; 0"};
+                                         "Velocity = -2 + 2 * y; 0"};
 
   /**
    * A ball and a box in the same place.
@@ -127,7 +127,7 @@ namespace
       .add("Newton", {"Tolerance = 1e-11"})
       .add("Solver", {"Tolerance = 1e-13"})
       .add("Time",
-           {"End = 0.2",
+           {"End = 0.1",
             scheme == "USL" || scheme == "USF" || scheme == "MUSL"
               ? "Step = 0.001"
               : "Step = 0.01"});
@@ -348,7 +348,7 @@ namespace
     // Newton's method of the ball needs shorter steps than the given one.
     const Text given = ball_and_box("newmark", "consistent")
                          .with("Grid", {"Per body = true"})
-                         .with("Time", {"Step = 0.1"})
+                         .with("Time", {"Step = 0.1", "End = 0.2"})
                          .with("Newton", {"Maximum iterations = 5"})
                          .with("Body box", {"Velocity = 0; 0"})
                          .with("Body ball", {"Velocity = 8 * y; -12 * x"});
