@@ -286,7 +286,7 @@ namespace greville
                                             with_tangents);
               }
             if (layout.is_total_lagrangian())
-              pull_back<dim>(trial, inverse_F<dim>(p), with_tangents);
+              pull_back<dim>(trial, inverse_F<dim>(p, layout), with_tangents);
             if (!(ends[k].J > 0.) || !is_finite(trial, with_tangents))
               report_bad_point<dim>(p, ends[k].J, report);
             ++k;
