@@ -190,7 +190,9 @@ namespace
 
   /**
    * Relative errors, root mean squares: of the displacement and stress of all
-   * points, and of the stress and the largest error of it at the inner wall.
+   * points, and of the stress and the largest error of it at the inner wall,
+   * which feels a pressure or, with a @p penalty, has the exact displacement by
+   * springs of the stiffness penalty * (K + 4 G / 3) / h.
    */
   using RingErrors = std::array<double, 4>;
 
@@ -199,13 +201,19 @@ namespace
   ring_errors(const unsigned int n,
               const unsigned int p,
               const double       growth,
-              const unsigned int n_steps)
+              const unsigned int n_steps,
+              const double       penalty = 0.)
   {
     const Ring         ring(growth);
     const std::string  N = std::to_string(n);
-    std::ostringstream pressure, step;
+    std::ostringstream pressure, imposed, stiffness, step;
     pressure.precision(16);
     pressure << "Pressure = t * " << ring.pressure;
+    imposed.precision(16);
+    imposed << "Displacement = " << growth << " * t * X; " << growth
+            << " * t * Y";
+    stiffness.precision(16);
+    stiffness << "Stiffness = " << penalty * (lambda + 2. * mu) * n / 2.2;
     step.precision(16);
     step << "Step = " << 1. / n_steps;
     Simulated<2> run(
@@ -235,10 +243,13 @@ namespace
               "Youngs modulus = 1300",
               "Poissons ratio = 0.3"})
         .add("Surface load pressure",
-             {"Body = ring",
-              "Where = ball(0, 0, 1.5)",
-              "Kind = pressure",
-              pressure.str()}));
+             {"Body = ring", "Where = ball(0, 0, 1.5)"})
+        .add("Surface load pressure",
+             penalty == 0.
+               ? std::vector<std::string>{"Kind = pressure", pressure.str()}
+               : std::vector<std::string>{"Kind = displacement",
+                                          imposed.str(),
+                                          stiffness.str()}));
     run.run();
 
     std::vector<double> sums(6);
@@ -320,6 +331,47 @@ namespace
           }
       }
   }
+
+
+
+  /**
+   * An imposed displacement is missed by the traction over the stiffness of its
+   * springs: by the strain times h / penalty. The error is of order 1 with a
+   * fixed penalty, and of order p + 1 where it grows with h^-p.
+   */
+  void
+  check_penalty()
+  {
+    const auto errors =
+      [](const unsigned int p, const double first, const double power) {
+        std::vector<double> result;
+        for (const unsigned int n : {24, 48})
+          result.push_back(ring_errors<NeoHookeanRing>(
+            n, p, 0.5, 5, first * std::pow(n / 12., power))[0]);
+        if (std::getenv("TABLE"))
+          print() << "imposed displacement, p = " << p << ", penalty " << first
+                  << " (12 h)^-" << power << ": " << result[0] << " "
+                  << result[1] << " (" << std::log2(result[0] / result[1])
+                  << ")" << std::endl;
+        return result;
+      };
+    const auto order = [](const std::vector<double> &e) {
+      return std::log2(e[0] / e[1]);
+    };
+    for (const unsigned int p : {1, 2})
+      {
+        const std::string name =
+          "imposed displacement, p = " + std::to_string(p) + ": ";
+        const auto fixed = errors(p, 10., 0.);
+        check(name + "order", std::abs(order(fixed) - 1.), 0.2);
+        check(name + "order with a penalty that grows",
+              order(errors(p, 10., p)) > p + 0.8);
+        if (p == 2)
+          check(name + "ten times the penalty",
+                std::abs(errors(p, 100., 0.)[1] / fixed[1] - 0.1),
+                0.01);
+      }
+  }
 } // namespace
 
 
@@ -333,4 +385,5 @@ main(int argc, char **argv)
         1e-5);
   check_ring<LameRing>(1e-7, 1);
   check_ring<NeoHookeanRing>(0.5, 5);
+  check_penalty();
 }
