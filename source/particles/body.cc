@@ -305,6 +305,10 @@ namespace greville
               else
                 initialize_from_file<dim>(state, file, k, material);
               J_of_shape = state.J;
+              if (layout.initial_F != 0)
+                for (unsigned int d = 0; d < dim; ++d)
+                  for (unsigned int e = 0; e < dim; ++e)
+                    p[layout.initial_F + d * dim + e] = state.F[d][e];
               displace<dim>(x, state, material, displacement, small_steps);
             }
           catch (const std::exception &error)

@@ -92,13 +92,17 @@ namespace greville
 
 
     /**
-     * F^-1 of a point, in 2D in the plane.
+     * The inverse of the deformation of a point since the initial
+     * configuration, in 2D in the plane.
      */
     template <int dim>
     dealii::Tensor<2, dim>
-    inverse_F(const ConstPointRef<dim> p)
+    inverse_F(const ConstPointRef<dim> p, const PointLayout<dim> &layout)
     {
-      return dealii::invert(p.matrix(PointLayout<dim>::F));
+      const dealii::Tensor<2, dim> inverse =
+        dealii::invert(p.matrix(PointLayout<dim>::F));
+      return layout.initial_F == 0 ? inverse
+                                   : p.matrix(layout.initial_F) * inverse;
     }
 
 
@@ -122,7 +126,7 @@ namespace greville
           for (int a = 0; a < power(n, dim); ++a)
             gradient[i][j] += coefficients[i][a] * gradients.values[j][a];
       if (layout.is_total_lagrangian())
-        gradient = gradient * inverse_F<dim>(p);
+        gradient = gradient * inverse_F<dim>(p, layout);
       return dealii::unit_symmetric_tensor<dim>() + dt * gradient;
     }
   } // namespace internal

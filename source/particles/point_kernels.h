@@ -183,45 +183,6 @@ namespace greville
 
 
     /**
-     * The inverse of the deformation gradients (in 2D in the plane) of a group,
-     * which takes gradients with respect to reference positions to those with
-     * respect to current ones.
-     */
-    template <int dim>
-    inline void
-    load_inverse_F(const double *group, Simd (&inverse)[dim][dim])
-    {
-      Simd F[dim][dim];
-      for (int i = 0; i < dim; ++i)
-        load_numbers<dim>(group, PointLayout<dim>::F + i * dim, F[i]);
-      // The transposed cofactors.
-      Simd det = 0.;
-      if constexpr (dim == 2)
-        {
-          inverse[0][0] = F[1][1];
-          inverse[0][1] = -F[0][1];
-          inverse[1][0] = -F[1][0];
-          inverse[1][1] = F[0][0];
-        }
-      else
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j)
-            {
-              const int a = (i + 1) % 3, b = (i + 2) % 3;
-              const int c = (j + 1) % 3, d = (j + 2) % 3;
-              inverse[j][i] = F[a][c] * F[b][d] - F[a][d] * F[b][c];
-            }
-      for (int j = 0; j < dim; ++j)
-        det += F[0][j] * inverse[j][0];
-      const Simd factor = 1. / det;
-      for (int i = 0; i < dim; ++i)
-        for (int j = 0; j < dim; ++j)
-          inverse[i][j] *= factor;
-    }
-
-
-
-    /**
      * C = A B, or A B^T.
      */
     template <int dim>
@@ -252,6 +213,56 @@ namespace greville
             for (int k = 1; k < dim; ++k)
               C[i][j] += A[i][k] * B[j][k];
           }
+    }
+
+
+
+    /**
+     * The inverse of the deformation gradients (in 2D in the plane) of a group
+     * since the initial configuration, which takes gradients with respect to
+     * reference positions to those with respect to current ones. Field @p
+     * initial_F as in PointLayout.
+     */
+    template <int dim>
+    inline void
+    load_inverse_F(const double      *group,
+                   const unsigned int initial_F,
+                   Simd (&inverse)[dim][dim])
+    {
+      Simd F[dim][dim];
+      for (int i = 0; i < dim; ++i)
+        load_numbers<dim>(group, PointLayout<dim>::F + i * dim, F[i]);
+      // The transposed cofactors.
+      Simd det = 0.;
+      if constexpr (dim == 2)
+        {
+          inverse[0][0] = F[1][1];
+          inverse[0][1] = -F[0][1];
+          inverse[1][0] = -F[1][0];
+          inverse[1][1] = F[0][0];
+        }
+      else
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            {
+              const int a = (i + 1) % 3, b = (i + 2) % 3;
+              const int c = (j + 1) % 3, d = (j + 2) % 3;
+              inverse[j][i] = F[a][c] * F[b][d] - F[a][d] * F[b][c];
+            }
+      for (int j = 0; j < dim; ++j)
+        det += F[0][j] * inverse[j][0];
+      const Simd factor = 1. / det;
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          inverse[i][j] *= factor;
+      if (initial_F != 0)
+        {
+          Simd initial[dim][dim], F_inverse[dim][dim];
+          std::copy_n(inverse[0], dim * dim, F_inverse[0]);
+          for (int i = 0; i < dim; ++i)
+            load_numbers<dim>(group, initial_F + i * dim, initial[i]);
+          multiply<dim>(initial, F_inverse, inverse);
+        }
     }
 
 

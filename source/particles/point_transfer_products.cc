@@ -61,11 +61,12 @@ namespace greville
                        const double                *source,
                        double                      *target)
     {
-      using Layout               = PointLayout<dim>;
-      constexpr int n_z          = dim == 3 ? n : 1;
-      const bool    total        = points.layout().is_total_lagrangian();
-      const double  wave_modulus = stiffness.lambda + 2. * stiffness.shear;
-      const double  inverse =
+      using Layout                    = PointLayout<dim>;
+      constexpr int      n_z          = dim == 3 ? n : 1;
+      const bool         total        = points.layout().is_total_lagrangian();
+      const unsigned int initial_F    = points.layout().initial_F;
+      const double       wave_modulus = stiffness.lambda + 2. * stiffness.shear;
+      const double       inverse =
         wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
       const auto product = [&](const double        *group,
                                const Shape<dim, n> &shape,
@@ -129,7 +130,7 @@ namespace greville
           {
             Simd reference[dim][dim];
             std::copy_n(H[0], dim * dim, reference[0]);
-            load_inverse_F<dim>(group, inverse);
+            load_inverse_F<dim>(group, initial_F, inverse);
             multiply<dim>(reference, inverse, H);
           }
         Simd trace = H[0][0];

@@ -52,10 +52,11 @@ namespace greville
       const PointField  *field_of_load = points.layout().find("load");
       const unsigned int first_affine =
         affine ? points.layout().first("affine") : 0;
-      constexpr int first_force = with_momentum ? 1 + dim : 0;
-      constexpr int n_fields    = first_force + (with_force ? dim : 0);
-      constexpr int n_z         = dim == 3 ? n : 1;
-      const bool    total       = points.layout().is_total_lagrangian();
+      constexpr int      first_force = with_momentum ? 1 + dim : 0;
+      constexpr int      n_fields    = first_force + (with_force ? dim : 0);
+      constexpr int      n_z         = dim == 3 ? n : 1;
+      const bool         total       = points.layout().is_total_lagrangian();
+      const unsigned int initial_F   = points.layout().initial_F;
 
       for (const unsigned int cell : points.cells())
         {
@@ -93,7 +94,7 @@ namespace greville
                     {
                       Simd sigma[dim][dim], inverse[dim][dim];
                       std::copy_n(stress[0], dim * dim, sigma[0]);
-                      load_inverse_F<dim>(group, inverse);
+                      load_inverse_F<dim>(group, initial_F, inverse);
                       multiply_transposed<dim>(sigma, inverse, stress);
                     }
                   for (int i = 0; i < dim; ++i)

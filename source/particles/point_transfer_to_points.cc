@@ -141,15 +141,16 @@ namespace greville
       using Layout = PointLayout<dim>;
       const unsigned int first_affine =
         Kind::apic ? points.layout().first("affine") : 0;
-      constexpr int  first_w        = Kind::has_v ? dim : 0;
-      constexpr int  first_a        = first_w + (Kind::has_w ? dim : 0);
-      constexpr int  n_fields       = first_a + (Kind::has_a ? dim : 0);
-      constexpr int  first_gradient = Kind::has_w ? first_w : 0;
-      constexpr int  n_functions    = power(n, dim);
-      constexpr int  n_z            = dim == 3 ? n : 1;
-      constexpr bool derivatives    = Kind::deform;
-      Simd           fastest = 0., fastest_wave = 0.;
-      const bool     total = points.layout().is_total_lagrangian();
+      constexpr int      first_w        = Kind::has_v ? dim : 0;
+      constexpr int      first_a        = first_w + (Kind::has_w ? dim : 0);
+      constexpr int      n_fields       = first_a + (Kind::has_a ? dim : 0);
+      constexpr int      first_gradient = Kind::has_w ? first_w : 0;
+      constexpr int      n_functions    = power(n, dim);
+      constexpr int      n_z            = dim == 3 ? n : 1;
+      constexpr bool     derivatives    = Kind::deform;
+      Simd               fastest = 0., fastest_wave = 0.;
+      const bool         total     = points.layout().is_total_lagrangian();
+      const unsigned int initial_F = points.layout().initial_F;
 
       for (const unsigned int cell : points.cells())
         {
@@ -308,7 +309,7 @@ namespace greville
                     {
                       Simd reference[dim][dim];
                       std::copy_n(gradient[0], dim * dim, reference[0]);
-                      load_inverse_F<dim>(group, inverse);
+                      load_inverse_F<dim>(group, initial_F, inverse);
                       multiply<dim>(reference, inverse, gradient);
                     }
                   for (int i = 0; i < dim; ++i)

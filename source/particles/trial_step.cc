@@ -300,7 +300,7 @@ namespace greville
                                             with_tangents);
               }
             if (layout.is_total_lagrangian())
-              pull_back<dim>(trial, inverse_F<dim>(p), with_tangents);
+              pull_back<dim>(trial, inverse_F<dim>(p, layout), with_tangents);
             if (!(updated[k].J > 0.) || !is_finite(trial, with_tangents))
               report_bad_point<dim>(p, updated[k].J, report);
             ++k;

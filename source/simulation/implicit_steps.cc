@@ -30,7 +30,8 @@ namespace greville
           return held_components_at_walls(space, discretization.walls());
         },
         parameters.implicit_solver,
-        parameters.implicit.filling,
+        parameters.implicit.filling_threshold(
+          parameters.scheme.is_total_lagrangian()),
         parameters.scheme.mass == "lumped",
         discretization.volume_projection())
   {

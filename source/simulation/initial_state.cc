@@ -246,7 +246,11 @@ namespace greville
         PointLayout<dim> layout(body.material->state_names());
         add_fields(layout, parameters);
         if (parameters.scheme.is_total_lagrangian())
-          layout.basis_position = PointLayout<dim>::reference;
+          {
+            layout.basis_position = PointLayout<dim>::reference;
+            if (!body.parameters->stress.empty() || body.parameters->K0 >= 0.)
+              layout.add_initial_F();
+          }
         const auto left  = make_points(body,
                                       space,
                                       loads.gravity(parameters.time.start),

@@ -28,6 +28,8 @@ namespace greville
    * variables of the material, then those of
    *   "affine", dim x dim numbers: the matrix of APIC, row by row, 1 / s,
    *   "load", dim numbers: the acceleration by loads, m / s^2,
+   *   "initial_F", dim x dim numbers: the deformation gradient (in 2D in the
+   *     plane) from the stress-free state to the initial one,
    * and of what else somebody keeps at points (PointLoad) that there are.
    */
   template <int dim>
@@ -115,6 +117,18 @@ namespace greville
     /// `position` in updated Lagrangian steps, `reference` in total Lagrangian
     /// ones, in which gradients are those with respect to it.
     unsigned int basis_position = position;
+
+    /// The first number of "initial_F", 0 where there is none. Points of total
+    /// Lagrangian steps with initial stresses have it: F F_initial^-1 is the
+    /// deformation since the configuration of their basis functions.
+    unsigned int initial_F = 0;
+
+    void
+    add_initial_F()
+    {
+      add("initial_F", dim * dim);
+      initial_F = first("initial_F");
+    }
 
     bool
     is_total_lagrangian() const

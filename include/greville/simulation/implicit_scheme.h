@@ -24,7 +24,17 @@ namespace greville
     double       spectral_radius = 0.8;
     double       smallest_step   = 1e-3;
     unsigned int easy_iterations = 6;
-    double       filling         = 0.55;
+    double       filling         = -1.;
+
+    /**
+     * Points that move through the grid need more of a cell than those of @p
+     * total_lagrangian steps.
+     */
+    double
+    filling_threshold(const bool total_lagrangian) const
+    {
+      return filling >= 0. ? filling : (total_lagrangian ? 0.1 : 0.55);
+    }
   };
 
 
