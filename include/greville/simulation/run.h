@@ -148,9 +148,6 @@ namespace greville
     void
     write_due(const bool is_last);
 
-    void
-    write_fields();
-
     /**
      * The time of the state and a bit, against round-off.
      */
