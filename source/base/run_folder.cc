@@ -27,7 +27,7 @@ namespace greville
         R"((parameters\.prm|summary\.json|(statistics|probes|convergence)\.csv)"
         R"(|(points|grid|surface)[A-Za-z0-9_-]*\.(pvd|pvtu|vtu)|)"
         R"((points|grid|surface)\w*_[0-9]+\.[0-9]+\.vtu|)"
-        R"(checkpoint_[0-9]+\.h5(\.new)?)(\.tmp)?)");
+        R"(checkpoint_[0-9]+\.h5(\.new|\.refused)?)(\.tmp)?)");
       std::vector<std::filesystem::path> results;
       for (const auto &entry : std::filesystem::directory_iterator(folder))
         if (entry.is_regular_file() &&

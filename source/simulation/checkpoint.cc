@@ -191,10 +191,10 @@ namespace greville
         }
       catch (const std::exception &error)
         {
-          checkpoint.refused.push_back(message_of(error));
+          checkpoint.refused.emplace_back(checkpoint.file, message_of(error));
         }
     std::string reasons;
-    for (const std::string &reason : checkpoint.refused)
+    for (const auto &[file, reason] : checkpoint.refused)
       reasons += " " + reason;
     AssertThrow(false,
                 ExcMessage("There is no checkpoint in the folder <" + folder +

@@ -7,6 +7,7 @@
 #include <greville/simulation/run.h>
 
 #include <csignal>
+#include <filesystem>
 
 namespace greville
 {
@@ -94,8 +95,16 @@ namespace greville
   void
   SimulationRun<dim>::go_on(const Checkpoint &checkpoint)
   {
-    for (const std::string &refused : checkpoint.refused)
-      out << "Warning: " << refused << std::endl;
+    for (const auto &refused : checkpoint.refused)
+      {
+        out << "Warning: " << refused.second << " It is renamed to <"
+            << refused.first << ".refused>." << std::endl;
+        run_on_first(
+          [&]() {
+            std::filesystem::rename(refused.first, refused.first + ".refused");
+          },
+          comm);
+      }
     const TablesFile &content = checkpoint.content;
     try
       {

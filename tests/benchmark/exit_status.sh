@@ -35,7 +35,7 @@ refuse 'The name of the parameter file is empty' "$@" ''
 refuse 'is a folder, not a parameter file' "$@" .
 refuse 'there is no option <--foo>' "$@" --foo
 refuse 'there is no parameter file to run' "$@"
-refuse 'takes one argument, not 2' "$@" a b
+refuse 'takes one parameter file, not 2' "$@" a b
 accept 'Usage: ' "$@" --help
 accept 'Usage: ' "$@" -h
 accept '[0-9]\.[0-9]\.[0-9], deal.II [0-9]' "$@" --version

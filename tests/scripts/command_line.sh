@@ -24,7 +24,7 @@ answers() {
 }
 
 scripts="run test fresh_machine stiffness_tables"
-[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear"
+[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume"
 for script in $scripts; do
   for option in -h --help; do
     answers 0 40 "sage: scripts/$script" "scripts/$script" $option
@@ -40,6 +40,9 @@ answers 2 1 "there is no parameter file <a.prm>" scripts/run a.prm
 answers 2 1 "<prm> is a folder" scripts/run prm
 answers 2 1 "has no section of a program" scripts/run README.md
 answers 2 1 "what is <b.prm>?" scripts/run README.md b.prm
+answers 2 1 "takes the folder of a run" scripts/run --resume
+answers 2 1 "there is no folder <nowhere>" scripts/run --from nowhere README.md
+answers 2 1 "has its parameter file" scripts/run --resume prm README.md
 answers 2 1 "what is <b>?" scripts/test a b
 answers 2 1 "--tests takes" scripts/fresh_machine --tests
 exit $status

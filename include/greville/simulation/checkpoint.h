@@ -72,8 +72,8 @@ namespace greville
   {
     std::string file;
     TablesFile  content;
-    /// Why newer ones have not been taken.
-    std::vector<std::string> refused;
+    /// Newer ones that have not been taken, and why.
+    std::vector<std::pair<std::string, std::string>> refused;
   };
 
 
