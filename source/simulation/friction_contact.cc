@@ -40,7 +40,7 @@ namespace greville
               contact.function = i;
               contacts.push_back(contact);
             }
-    for (auto *field : {&change, &load, &reaction})
+    for (auto *field : {&change, &load, &reaction, &held})
       for (VectorType &component : *field)
         mass.space().initialize_vector(component);
   }
@@ -206,9 +206,9 @@ namespace greville
     // Walls that hold take what the change would give them.
     for (VectorType &component : load)
       component = 0.;
-    mass.rows_of_held(reaction, change, load, 0);
+    mass.rows_of_held(held, change, load, 0);
     walls.add_held(sums, [&](const unsigned int c, const unsigned int i) {
-      return reaction[c].local_element(i);
+      return held[c].local_element(i);
     });
     return sums;
   }

@@ -325,11 +325,17 @@ namespace greville
 
     const VectorType &lumped = discretization.lumped_mass();
     const auto       &held   = system.finest().held_components();
+    double            work   = 0.;
     for (unsigned int d = 0; d < dim && is_taken; ++d)
       for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
         if (((held[i] >> d) & 1) && lumped.local_element(i) > 0.)
-          state.acceleration[d].local_element(i) +=
-            held_momentum[d].local_element(i) / (dt * lumped.local_element(i));
+          {
+            const double momentum = held_momentum[d].local_element(i);
+            state.acceleration[d].local_element(i) +=
+              momentum / (dt * lumped.local_element(i));
+            work += momentum * velocity[d].local_element(i);
+          }
+    state.energy.add_work(EnergyBalance::walls, work);
   }
 
 

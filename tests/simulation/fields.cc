@@ -86,6 +86,7 @@ namespace
               {"Mass = consistent",
                "Formulation = total Lagrangian",
                "Stress update = " + scheme})
+        .with("Implicit", {"Filling threshold = 0.55"})
         .with("Surface load push",
               {"Body = body", "Where = x > 0.7", "Traction = 2; 0"})
         .with("Surface load all",

@@ -132,7 +132,7 @@ namespace greville
     ConsistentMass<dim>       &mass;
     std::vector<Contact>       contacts;
     std::vector<unsigned char> normals; // bits of components that touch
-    VectorField<dim>           change, load, reaction;
+    VectorField<dim>           change, load, reaction, held;
     unsigned int               iterations = 0, most = 0, rounds = 0;
   };
 } // namespace greville
