@@ -82,11 +82,13 @@ namespace greville
             wrong.empty() ? "the initial residual is infinite or NaN" : wrong;
           return result;
         }
+      // That of the forces at x. At a trial far away it may be any number.
+      double          scale = problem.scale();
       NewtonIteration row;
       const auto      add_row = [&]() {
-        const double scale = std::max(problem.scale(), norm);
-        row.residual       = norm;
-        row.relative       = scale > 0. ? norm / scale : 0.;
+        const double largest = std::max(scale, norm);
+        row.residual         = norm;
+        row.relative         = largest > 0. ? norm / largest : 0.;
         result.iterations.push_back(row);
       };
       add_row();
@@ -95,13 +97,14 @@ namespace greville
       // Where the residual was smallest, and the steps without a line search
       // since.
       VectorType   best = x, best_r = r;
-      double       best_norm = norm;
-      unsigned int n_free    = 0;
-      bool         is_free   = true;
-      const auto   go_back   = [&]() {
+      double       best_norm = norm, best_scale = scale;
+      unsigned int n_free  = 0;
+      bool         is_free = true;
+      const auto   go_back = [&]() {
         x        = best;
         r        = best_r;
         norm     = best_norm;
+        scale    = best_scale;
         is_free  = false;
         n_free   = 0;
         forcing  = parameters.largest_forcing;
@@ -161,7 +164,7 @@ namespace greville
                 break;
               // Round-off: it does not get better.
               if (wrong.empty() && std::isfinite(norm) &&
-                  norm <= 10. * parameters.tolerance * problem.scale())
+                  norm <= 10. * parameters.tolerance * scale)
                 break;
               if (is_free)
                 break;
@@ -184,13 +187,15 @@ namespace greville
             }
           x.swap(trial);
           r.swap(trial_r);
+          scale = problem.scale();
           add_row();
           if (norm < best_norm || !is_free)
             {
-              best      = x;
-              best_r    = r;
-              best_norm = norm;
-              n_free    = 0;
+              best       = x;
+              best_r     = r;
+              best_norm  = norm;
+              best_scale = scale;
+              n_free     = 0;
             }
           const double ratio = norm / old_norm;
           forcing =
