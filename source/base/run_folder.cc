@@ -11,6 +11,7 @@
 #include <fstream>
 #include <regex>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <vector>
 
@@ -111,19 +112,32 @@ namespace greville
   {
     const std::string file = folder + "/lock";
     errno                  = 0;
-    lock_descriptor = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    AssertThrow(lock_descriptor >= 0, ExcMessage(write_error(file)));
-    if (flock(lock_descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    for (bool is_there = false; !is_there;)
       {
-        std::string holder;
-        std::getline(std::ifstream(file), holder);
-        close(lock_descriptor);
-        lock_descriptor = -1;
-        AssertThrow(false,
-                    ExcMessage("The folder <" + folder +
-                               "> of the parameter '" + parameter +
-                               "' is in use by another run" +
-                               (holder.empty() ? "" : ": " + holder) + "."));
+        lock_descriptor =
+          open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        AssertThrow(lock_descriptor >= 0, ExcMessage(write_error(file)));
+        if (flock(lock_descriptor, LOCK_EX | LOCK_NB) != 0 &&
+            errno == EWOULDBLOCK)
+          {
+            std::string   holder;
+            std::ifstream in(file);
+            std::getline(in, holder);
+            close(lock_descriptor);
+            lock_descriptor = -1;
+            AssertThrow(false,
+                        ExcMessage(
+                          "The folder <" + folder + "> of the parameter '" +
+                          parameter + "' is in use by another run" +
+                          (holder.empty() ? "" : ": " + holder) + "."));
+          }
+        // The run before may have removed it since.
+        struct stat opened, named;
+        is_there = fstat(lock_descriptor, &opened) == 0 &&
+                   stat(file.c_str(), &named) == 0 &&
+                   opened.st_ino == named.st_ino;
+        if (!is_there)
+          close(lock_descriptor);
       }
     // A file system without locks holds none.
     char host[256] = "";
@@ -133,7 +147,11 @@ namespace greville
     if (ftruncate(lock_descriptor, 0) != 0 ||
         write(lock_descriptor, text.data(), text.size()) !=
           ssize_t(text.size()))
-      AssertThrow(false, ExcMessage(write_error(file)));
+      {
+        const std::string message = write_error(file);
+        release();
+        AssertThrow(false, ExcMessage(message));
+      }
   }
 
 

@@ -85,7 +85,7 @@ namespace greville
       };
       for (const std::string section : {"Output/", "Checkpoints/"})
         if (parameter.rfind(section, 0) == 0)
-          return true;
+          return parameter != "Output/Probes";
       return is("Time/End") || is("Time/Maximum steps");
     }
   } // namespace

@@ -3,7 +3,6 @@
 #include <greville/base/errors.h>
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
-#include <greville/base/signals.h>
 #include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/run.h>
 
@@ -88,8 +87,6 @@ namespace greville
     , probes(parameters.output.probes, ensemble.bodies(), comm)
     , is_terminal(isatty(STDOUT_FILENO) == 1)
   {
-    for (const Body<dim> &body : ensemble.bodies())
-      n_points += body.n_points;
     reactions = reactions_of<dim>(parameters);
     // A formula that fails is better found now than at the end.
     const double end = parameters.end_of_run();
@@ -119,7 +116,6 @@ namespace greville
   SimulationRun<dim>::run()
   {
     print_header();
-    const SignalCatcher signals;
     begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
     if (!is_resumed)
       {
@@ -156,7 +152,9 @@ namespace greville
       }
     const RunSummary summary = summarize();
     print_summary(summary);
-    write_summary(summary);
+    // One that was at its end has the summary of its steps.
+    if (!is_resumed || common().n_steps > first_step)
+      write_summary(summary);
     return summary;
   }
 
@@ -265,6 +263,7 @@ namespace greville
   {
     const OutputParameters &output = parameters.output;
     const double            time   = common().time;
+    last_written_fields            = common().n_steps;
     fields.write_points(time, ensemble.bodies(), comm);
     const auto wants = [&](const std::string &name) {
       return std::find(output.fields.begin(), output.fields.end(), name) !=
@@ -314,6 +313,7 @@ namespace greville
     if (!parameters.stages.empty())
       values.push_back(common().stage + 1);
     statistics_file.write(values);
+    last_written_statistics = common().n_steps;
   }
 
 

@@ -66,6 +66,8 @@ namespace greville
         if (!options.from.empty())
           {
             const Checkpoint other = read_checkpoint(options.from, comm);
+            for (const auto &refused : other.refused)
+              out << "Warning: " << refused.second << std::endl;
             try
               {
                 ensemble.begin_with(other.content);
@@ -77,6 +79,8 @@ namespace greville
                                        other.file + ">: " + message_of(error)));
               }
           }
+        // Those of the other run, perhaps.
+        probes = Probes<dim>(parameters.output.probes, ensemble.bodies(), comm);
         statistics_file.open(statistics_file_in(directory),
                              columns(),
                              14,
@@ -84,6 +88,8 @@ namespace greville
         probes.open(probes_file_in(directory));
         next_fields = next_statistics = common().time;
       }
+    for (const Body<dim> &body : ensemble.bodies())
+      n_points += body.n_points;
     first_step = common().n_steps;
     first_time = common().time;
     last_stage = common().stage;
@@ -187,9 +193,10 @@ namespace greville
   void
   SimulationRun<dim>::look_for_checkpoint(const bool is_last)
   {
-    const CheckpointParameters &when   = parameters.checkpoints;
-    const int                   signal = SignalCatcher::take(comm);
-    bool                        is_due = signal != 0;
+    const CheckpointParameters &when = parameters.checkpoints;
+    // At the end it is for the next run of a sweep.
+    const int signal = is_last ? 0 : SignalCatcher::take(comm);
+    bool      is_due = signal != 0;
     if (when.every_steps > 0 && common().n_steps % when.every_steps == 0)
       is_due = true;
     if (when.every_minutes > 0.)
@@ -201,13 +208,25 @@ namespace greville
       }
     if (is_last)
       is_due = when.at_end;
+    // The run goes on where the disk is full for a while.
     if (is_due)
-      write_checkpoint();
+      try
+        {
+          write_checkpoint();
+        }
+      catch (const ErrorOnAll &error)
+        {
+          out << "\nWarning: no checkpoint has been written. "
+              << message_of(error) << std::endl;
+          last_checkpoint = std::chrono::steady_clock::now();
+        }
     if (is_last || signal == 0 || signal == SIGUSR1)
       return;
     // A run that goes on removes what comes behind the checkpoint.
-    write_statistics();
-    write_fields();
+    if (last_written_statistics != common().n_steps)
+      write_statistics();
+    if (last_written_fields != common().n_steps)
+      write_fields();
     const RunSummary summary = summarize();
     out << '\n';
     print_summary(summary);
@@ -215,7 +234,7 @@ namespace greville
     AssertThrow(false,
                 RunStopped("Stopped by " + SignalCatcher::name(signal) +
                            " after step " + std::to_string(common().n_steps) +
-                           ", t = " + std::to_string(common().time) +
+                           ", t = " + text_of(common().time) +
                            " s. --resume goes on from the checkpoint in <" +
                            directory + ">."));
   }

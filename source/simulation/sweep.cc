@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/base/run_folder.h>
+#include <greville/base/signals.h>
 #include <greville/simulation/run.h>
 
 #include <algorithm>
@@ -44,6 +45,30 @@ namespace greville
              : word == "move aside" ? EarlierResults::move_aside
              : word == "refuse"     ? EarlierResults::refuse
                                     : EarlierResults::remove;
+    }
+
+
+
+    /**
+     * Collective. Throw where a run is to begin with the results in its own
+     * folder, which it would move away.
+     */
+    void
+    check_other_folder(const RunOptions  &options,
+                       const std::string &folder,
+                       const MPI_Comm     comm)
+    {
+      if (options.from.empty())
+        return;
+      run_on_first(
+        [&]() {
+          std::error_code error;
+          AssertThrow(!std::filesystem::equivalent(options.from, folder, error),
+                      ExcMessage("--from names the folder <" + options.from +
+                                 "> of this run itself: give the new run "
+                                 "another 'Output/Directory'."));
+        },
+        comm);
     }
 
 
@@ -196,6 +221,7 @@ namespace greville
             mass + "_" + row.parameters.scheme.quadrature + "_p" +
             std::to_string(row.parameters.grid.degree) + "_" +
             std::to_string(row.cells);
+          check_other_folder(options, folder, comm);
           const RunFolder own(folder,
                               "Output/Directory",
                               what_of_earlier(parameters, options),
@@ -243,6 +269,20 @@ namespace greville
       AssertThrow(failures.empty(),
                   ExcMessage("Runs of 'Sweep' failed:" + failures));
     }
+    template <int dim>
+    void
+    run_one(const SimulationParameters  &parameters,
+            const std::string           &directory,
+            std::ostream                &out,
+            const MPI_Comm               comm,
+            const RunOptions            &options,
+            const std::function<void()> &write_parameters)
+    {
+      SimulationRun<dim> run(parameters, directory, out, comm, options);
+      if (options.resumes)
+        write_parameters();
+      run.run();
+    }
   } // namespace
 
 
@@ -261,21 +301,28 @@ namespace greville
     const std::filesystem::path path(file);
     const std::string           directory =
       options.resumes && path.filename() == "parameters.prm"
-                  ? path.parent_path().string()
+                  ? std::filesystem::absolute(path).parent_path().string()
                 : parameters.output.directory.empty()
                   ? "output/" + parameters.general.name
                   : parameters.output.directory;
-    const RunFolder folder(directory,
+    check_other_folder(options, directory, comm);
+    const SignalCatcher signals;
+    const RunFolder     folder(directory,
                            parameters.output.directory.empty()
-                             ? "Simulation/Name"
-                             : "Output/Directory",
+                                 ? "Simulation/Name"
+                                 : "Output/Directory",
                            what_of_earlier(parameters, options),
                            comm);
-    run_on_first(
-      [&]() {
-        write_atomically(directory + "/parameters.prm", parameters.used());
-      },
-      comm);
+    const auto          write_parameters = [&]() {
+      run_on_first(
+        [&]() {
+          write_atomically(directory + "/parameters.prm", parameters.used());
+        },
+        comm);
+    };
+    // A run that goes on replaces them when it has accepted them.
+    if (!options.resumes)
+      write_parameters();
 
     const SweepParameters &sweep = parameters.sweep;
     const bool is_sweep = !sweep.cells.empty() || !sweep.degrees.empty() ||
@@ -286,8 +333,8 @@ namespace greville
     else if (is_sweep)
       run_sweep<3>(parameters, directory, out, comm, options);
     else if (parameters.general.dimension == 2)
-      SimulationRun<2>(parameters, directory, out, comm, options).run();
+      run_one<2>(parameters, directory, out, comm, options, write_parameters);
     else
-      SimulationRun<3>(parameters, directory, out, comm, options).run();
+      run_one<3>(parameters, directory, out, comm, options, write_parameters);
   }
 } // namespace greville

@@ -208,10 +208,12 @@ namespace greville
     std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;
     double                                last_shown_time = 0.;
     unsigned int                          last_stage      = 0;
-    bool                                  is_resumed      = false;
-    unsigned int                          first_step      = 0;
-    double                                first_time      = 0.;
-    bool                                  is_terminal;
+    // Steps that the last rows and fields belong to.
+    unsigned int last_written_statistics = -1, last_written_fields = -1;
+    bool         is_resumed = false;
+    unsigned int first_step = 0;
+    double       first_time = 0.;
+    bool         is_terminal;
   };
 
 
