@@ -201,7 +201,7 @@ namespace greville
                 {
                   fail_if(true,
                           "the array '" + name + "' has <" + word +
-                            ">, which is no number");
+                            ">, which is not a number");
                 }
           }
         else if (format == "binary" || format == "appended")
