@@ -105,7 +105,7 @@ namespace greville
       prm.set("Published iterations", absolute);
       prm.set("Output directory", output_directory);
       prm.leave_subsection();
-      prm.print_parameters(used, ParameterHandler::Text);
+      prm.print_parameters(used, ParameterHandler::PRM);
     }
     write_on_first([&]() {
       create_folder(output_directory, "Benchmark/Output directory");

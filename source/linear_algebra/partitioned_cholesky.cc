@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/index_limits.h>
 #include <greville/linear_algebra/partitioned_cholesky.h>
 
 #include <algorithm>
@@ -308,7 +309,7 @@ namespace greville
              interface_layout->global_number(j),
              complement.values[e]});
         }
-    auto       received = Utilities::MPI::some_to_some(comm, sent);
+    auto       received = exchange_lists(comm, sent);
     const auto own      = sent.find(me);
     if (own != sent.end())
       received[me] = std::move(own->second);

@@ -45,9 +45,9 @@ namespace greville
         }
       catch (const std::exception &)
         {
-          return PETSC_ERR_MAT_LU_ZRPVT;
+          return PetscErrorCode(PETSC_ERR_MAT_LU_ZRPVT);
         }
-      return 0;
+      return PetscErrorCode(0);
     }
 
 

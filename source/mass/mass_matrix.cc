@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/index_limits.h>
 #include <greville/mass/mass_matrix.h>
 
 namespace greville
 {
   using namespace dealii;
+
+  static_assert(sizeof(PetscInt) == sizeof(types::global_dof_index),
+                "deal.II and PETSc must both have 32-bit or 64-bit indices.");
 
   template <int dim>
   MassMatrix<dim>::MassMatrix(const ExtendedMass<dim>         &mass,
@@ -12,10 +16,11 @@ namespace greville
                               const std::vector<unsigned int> &inactive,
                               const double inactive_diagonal)
   {
-    const SplineSpace<dim> &space   = mass.matrix().space();
-    const MPI_Comm          comm    = space.communicator();
-    const PetscInt          n_owned = space.n_locally_owned_dofs();
-    const PetscInt          first   = space.partitioner()->local_range().first;
+    const SplineSpace<dim> &space = mass.matrix().space();
+    const MPI_Comm          comm  = space.communicator();
+    checked_index<PetscInt>(space.n_dofs(), "rows of a matrix");
+    const PetscInt n_owned = space.n_locally_owned_dofs();
+    const PetscInt first   = space.partitioner()->local_range().first;
 
     // The numbers of unknowns, those of other processes, too; none: -1.
     std::vector<bool> is_inactive(n_owned, false);

@@ -2,6 +2,7 @@
 
 #include <deal.II/lac/la_parallel_vector.h>
 
+#include <greville/base/index_limits.h>
 #include <greville/base/vector_field.h>
 #include <greville/multigrid/lattice_levels.h>
 
@@ -95,6 +96,7 @@ namespace greville
         coarse_size[d] = periodic[d] ? (size[d] + 1) / 2 : size[d] / 2 + 1;
         n_keys *= coarse_size[d];
       }
+    checked_index<types::global_dof_index>(n_keys, "functions of a level");
     // The coarse functions of an unknown, one or two in each direction, with
     // equal weights. Keys are the places in the lattice, and components.
     constexpr unsigned int most = 1 << dim;

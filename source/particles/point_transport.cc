@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/index_limits.h>
 #include <greville/particles/point_transport.h>
 
 #include <algorithm>
@@ -155,7 +156,7 @@ namespace greville
                                 rows.begin() + k * width,
                                 rows.begin() + (k + 1) * width);
     auto own      = to_send.extract(process);
-    auto received = Utilities::MPI::some_to_some(comm, to_send);
+    auto received = exchange_lists(comm, to_send);
     if (!own.empty())
       received[process].swap(own.mapped());
 

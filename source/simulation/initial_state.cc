@@ -189,7 +189,7 @@ namespace greville
                const SimulationParameters    &parameters,
                const Loads<dim>              &loads)
   {
-    if (Utilities::MPI::n_mpi_processes(mesh.get_communicator()) == 1)
+    if (Utilities::MPI::n_mpi_processes(get_communicator(mesh)) == 1)
       return;
     // The work of a point is about four times that of an empty cell.
     const SplineSpace<dim>    cells(mesh, 1);

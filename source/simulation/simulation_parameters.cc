@@ -283,7 +283,7 @@ namespace greville
         locate("Body " + body.first, "Shape file", body.second.shape_file);
       }
     std::ostringstream text;
-    prm.print_parameters(text, ParameterHandler::Text);
+    prm.print_parameters(text, ParameterHandler::PRM);
     used_text = text.str();
 
     for (const auto &law : laws)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/index_limits.h>
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/state_tables.h>
 
@@ -230,7 +231,7 @@ namespace greville
         }
       const unsigned int process  = Utilities::MPI::this_mpi_process(comm);
       auto               own      = to_send.extract(process);
-      auto               received = Utilities::MPI::some_to_some(comm, to_send);
+      auto               received = exchange_lists(comm, to_send);
       if (!own.empty())
         received[process].swap(own.mapped());
       for (const auto &message : received)

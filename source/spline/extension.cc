@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/index_limits.h>
 #include <greville/spline/extension.h>
 
 #include <algorithm>
@@ -122,7 +123,7 @@ namespace greville
               to_owners[target.first].emplace_back(
                 partitioner.local_to_global(f), entry.second);
             });
-        add(Utilities::MPI::some_to_some(space.communicator(), to_owners));
+        add(exchange_lists(space.communicator(), to_owners));
 
         std::map<unsigned int, Message> to_others;
         auto range = partitioner.import_indices().begin();
@@ -133,7 +134,7 @@ namespace greville
                 to_others[target.first].emplace_back(
                   partitioner.local_to_global(f), entry.second);
               });
-        add(Utilities::MPI::some_to_some(space.communicator(), to_others));
+        add(exchange_lists(space.communicator(), to_others));
       }
 
     extended_numbers.clear();

@@ -5,6 +5,7 @@
 #include <deal.II/fe/fe_bernstein.h>
 #include <deal.II/fe/fe_system.h>
 
+#include <greville/base/index_limits.h>
 #include <greville/spline/spline_space.h>
 
 #include <algorithm>
@@ -341,12 +342,12 @@ namespace greville
           questions[owners[k]].push_back(positions[k]);
         }
 
-    const auto received = Utilities::MPI::some_to_some(comm, questions);
+    const auto received = exchange_lists(comm, questions);
     std::map<unsigned int, std::vector<types::global_dof_index>> answers;
     for (const auto &question : received)
       for (const std::uint64_t position : question.second)
         answers[question.first].push_back(number_of(position));
-    for (const auto &answer : Utilities::MPI::some_to_some(comm, answers))
+    for (const auto &answer : exchange_lists(comm, answers))
       for (std::size_t k = 0; k < answer.second.size(); ++k)
         result[places[answer.first][k]] = answer.second[k];
     return result;

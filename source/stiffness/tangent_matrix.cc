@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/index_limits.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
 #include <greville/multigrid/lattice_levels.h>
 #include <greville/stiffness/tangent_level.h>
@@ -159,6 +160,9 @@ namespace greville
     const InterleavedLayout &layout    = *extended_mass.unknown_layout();
     const auto              &functions = extended_mass.unknown_functions();
     const MPI_Comm           comm      = spline_space.communicator();
+    checked_index<PetscInt>(
+      Utilities::MPI::sum<std::uint64_t>(layout.n_owned() * dim, comm),
+      "rows of a matrix");
 
     // What is held of unknowns of other processes, too.
     column = 0.;

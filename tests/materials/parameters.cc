@@ -54,7 +54,7 @@ namespace
     std::stringstream parameters;
     const auto        material = make_material(name, "Name");
     material->declare(prm);
-    prm.print_parameters(parameters, ParameterHandler::ShortText);
+    prm.print_parameters(parameters, ParameterHandler::ShortPRM);
     for (std::string line; std::getline(parameters, line);)
       declared += line.find("set ") != std::string::npos;
     changes.push_back("Density = 1234");

@@ -74,8 +74,8 @@ test(const MultiIndex<dim> &cells,
 
   DoFHandler<dim> dof_handler(box.mesh);
   dof_handler.distribute_dofs(space.fe());
-  IndexSet relevant;
-  DoFTools::extract_locally_relevant_dofs(dof_handler, relevant);
+  const IndexSet relevant =
+    DoFTools::extract_locally_relevant_dofs(dof_handler);
   VectorType field(dof_handler.locally_owned_dofs(), relevant, MPI_COMM_WORLD);
   space.extract(x, dof_handler, field);
 

@@ -4,6 +4,8 @@
 // owned once, all processes agree on its number, and the coefficients of the
 // Greville points reproduce x on each cell.
 
+#include <greville/base/index_limits.h>
+
 #include <map>
 #include <tests.h>
 
@@ -135,13 +137,8 @@ main(int argc, char **argv)
 
   print() << "weighted" << std::endl;
   Box<2> box(MultiIndex<2>{{16, 16}});
-#if DEAL_II_VERSION_GTE(9, 6, 0)
   box.mesh.signals.weight.connect(
     [](const auto &cell, const auto) { return weight<2>(cell); });
-#else
-  box.mesh.signals.cell_weight.connect(
-    [](const auto &cell, const auto) { return weight<2>(cell); });
-#endif
   box.mesh.repartition();
   for (unsigned int p = 1; p <= 5; ++p)
     test<2>(box.mesh, p, 1);
@@ -166,6 +163,28 @@ main(int argc, char **argv)
       refused = message_of(error).find("4294967295") != std::string::npos;
     }
   check("more functions than 32 bits can number", refused);
+
+  const auto is_refused = [](const auto &action) {
+    try
+      {
+        action();
+      }
+    catch (const std::exception &error)
+      {
+        return message_of(error).find("2147483648 ") != std::string::npos;
+      }
+    return false;
+  };
+  const std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+  check("the last number of 32 bits",
+        checked_index<std::int32_t>(most, "rows") == std::int32_t(most));
+  check("more rows than a matrix can number",
+        is_refused([&]() { checked_index<std::int32_t>(most + 1, "rows"); }));
+  check("more rows for 64 bits",
+        checked_index<std::int64_t>(most + 1, "rows") == 2147483648);
+  check_message_size(most - 1024, false);
+  check("a message that is too long",
+        is_refused([&]() { check_message_size(most + 1, false); }));
   try
     {
       for (const auto &cell : box.mesh.active_cell_iterators())

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #ifndef greville_base_compatibility_h
-#define greville_base_compatibility_h
+#  define greville_base_compatibility_h
 
-#include <deal.II/base/config.h>
-#include <deal.II/base/mpi.h>
-#if DEAL_II_VERSION_GTE(9, 7, 0)
-#  include <deal.II/base/enable_observer_pointer.h>
-#else
-#  include <deal.II/base/subscriptor.h>
-#endif
+#  include <deal.II/base/config.h>
+#  include <deal.II/base/mpi.h>
+#  if DEAL_II_VERSION_GTE(9, 7, 0)
+#    include <deal.II/base/enable_observer_pointer.h>
+#  else
+#    include <deal.II/base/subscriptor.h>
+#  endif
 
-#include <deal.II/distributed/tria.h>
-#include <deal.II/lac/la_parallel_vector.h>
+#  include <deal.II/distributed/tria.h>
+#  include <deal.II/lac/la_parallel_vector.h>
 
 /**
  * The base of all parts of the project. This file holds what deal.II renamed
@@ -34,22 +34,41 @@ namespace greville
   /**
    * The base of what deal.II's solvers and smoothers keep pointers to.
    */
-#if DEAL_II_VERSION_GTE(9, 7, 0)
+#  if DEAL_II_VERSION_GTE(9, 7, 0)
   using Observable = dealii::EnableObserverPointer;
-#else
+#  else
   using Observable = dealii::Subscriptor;
-#endif
+#  endif
 
   template <int dim>
   MPI_Comm
   get_communicator(const DistributedTriangulation<dim> &triangulation)
   {
-#if DEAL_II_VERSION_GTE(9, 7, 0)
+#  if DEAL_II_VERSION_GTE(9, 7, 0)
     return triangulation.get_mpi_communicator();
-#else
+#  else
     return triangulation.get_communicator();
-#endif
+#  endif
   }
 } // namespace greville
 
 #endif
+
+/*
+ * What deal.II's notes of changes say of the names above:
+ * - EnableObserverPointer: incompatible changes between 9.6.0 and 9.7.0
+ *   (2024/09/09): "the Subscriptor class has been renamed to
+ *   EnableObserverPointer, since that is what the class actually does".
+ * - get_mpi_communicator(): incompatible changes between 9.4.0 and 9.5.0
+ *   (2023/04/12) for vectors and matrices, which have had no other name; in 9.7
+ *   Triangulation::get_communicator() is marked "Access the MPI communicator
+ *   with get_mpi_communicator() instead".
+ *
+ * Names that all supported versions have, used in place of ones that are gone:
+ * - ParameterHandler::PRM, ShortPRM: 9.7 removed Text and ShortText
+ *   (2024/08/21).
+ * - Triangulation::Signals::weight: 9.6 removed cell_weight (2023/06/27), which
+ *   added 1000 to all weights.
+ * - DoFTools::extract_locally_relevant_dofs() that returns the IndexSet: 9.7
+ *   deprecates the one that fills an argument.
+ */

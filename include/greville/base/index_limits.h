@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_base_index_limits_h
+#define greville_base_index_limits_h
+
+#include <deal.II/base/mpi.h>
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+/**
+ * Where 32 bits end: numbers of libraries that are built with 32-bit indices,
+ * and the lengths of messages, which MPI counts by int.
+ */
+namespace greville
+{
+  /**
+   * @p number as an Index of a library. Throws dealii::ExcMessage with @p what
+   * is counted where the Index has too few bits for it.
+   */
+  template <typename Index>
+  Index
+  checked_index(const std::uint64_t number, const std::string &what)
+  {
+    constexpr std::uint64_t most = std::numeric_limits<Index>::max();
+    AssertThrow(number <= most,
+                dealii::ExcMessage(
+                  std::to_string(number) + " " + what +
+                  " are more than the libraries can number here, which is " +
+                  std::to_string(most) +
+                  ": use a coarser grid, or a PETSc and a deal.II with 64-bit "
+                  "indices (DEAL_II_WITH_64BIT_INDICES)."));
+    return Index(number);
+  }
+
+
+
+  /**
+   * Throws dealii::ExcMessage where a message of @p n_bytes is too long for
+   * deal.II and MPI. What is packed by Boost (@p is_packed) may become longer.
+   */
+  inline void
+  check_message_size(const std::uint64_t n_bytes, const bool is_packed)
+  {
+    const std::uint64_t most =
+      std::numeric_limits<int>::max() / (is_packed ? 2 : 1) - 1024;
+    AssertThrow(n_bytes <= most,
+                dealii::ExcMessage("A message of " + std::to_string(n_bytes) +
+                                   " bytes from one process to another is "
+                                   "longer than MPI can count, which is " +
+                                   std::to_string(most) +
+                                   ": use more processes."));
+  }
+
+
+
+  /**
+   * Collective. dealii::Utilities::MPI::some_to_some() for lists, which must
+   * not be too long for a message.
+   */
+  template <typename T>
+  std::map<unsigned int, std::vector<T>>
+  exchange_lists(const MPI_Comm                                comm,
+                 const std::map<unsigned int, std::vector<T>> &lists)
+  {
+    for (const auto &list : lists)
+      check_message_size(list.second.size() * sizeof(T),
+                         !std::is_trivially_copyable_v<T>);
+    return dealii::Utilities::MPI::some_to_some(comm, lists);
+  }
+} // namespace greville
+
+#endif
