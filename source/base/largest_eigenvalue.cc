@@ -104,7 +104,8 @@ namespace greville
     std::array<Direction, 3> directions{Direction(n),
                                         Direction(n),
                                         Direction(n)};
-    auto &[vector, residual, last] = directions;
+    Direction               &vector = directions[0], &residual = directions[1],
+              &last = directions[2];
     LargestEigenvalue result;
 
     // Products of directions by G = B^-1 and by S.

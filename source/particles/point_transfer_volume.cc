@@ -139,7 +139,8 @@ namespace greville
     });
     for (VectorType &sum : sums)
       sum.compress(VectorOperation::add);
-    auto &[volumes, changes, sizes] = sums;
+    const VectorType &volumes = sums[0];
+    VectorType       &changes = sums[1], &sizes = sums[2];
     for (unsigned int i = 0; i < volumes.locally_owned_size(); ++i)
       if (sizes.local_element(i) > 0.)
         {

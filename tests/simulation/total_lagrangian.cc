@@ -297,12 +297,12 @@ namespace
     const Text good = disk("1; 0", "USL").with("Time", {"End = 0.01"});
     for (const auto &[section, line, wanted] :
          std::vector<std::array<std::string, 3>>{
-           {"Scheme", "Transfer = APIC", "'Scheme/Transfer' = APIC"},
-           {"Scheme",
-            "Quadrature = least-squares",
-            "'Scheme/Quadrature' = least-squares"},
-           {"Walls", "Bottom = friction", "'Walls/Bottom' = friction"},
-           {"Body body", "Imposed velocity = 1; 0", "Imposed velocity'"}})
+           {{"Scheme", "Transfer = APIC", "'Scheme/Transfer' = APIC"}},
+           {{"Scheme",
+             "Quadrature = least-squares",
+             "'Scheme/Quadrature' = least-squares"}},
+           {{"Walls", "Bottom = friction", "'Walls/Bottom' = friction"}},
+           {{"Body body", "Imposed velocity = 1; 0", "Imposed velocity'"}}})
       check_refused(line, good.with(section, {line}), wanted);
 
     const auto stages = [&](const std::string &line) {
