@@ -3,6 +3,7 @@
 
 packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
 test_packages="numdiff perl lld clang-format-14 doxygen"
+checking_packages="clang-14 clang-tidy-14 libclang-rt-14-dev valgrind gcc"
 drawing_packages="python3-matplotlib python3-vtk9 python3-pil"
 
 # Without these ccache does not look into its cache where a precompiled header
@@ -57,12 +58,32 @@ configure() {
   }
 }
 
+# configure_sanitizers: what scripts/sanitize, scripts/fuzz and scripts/lint
+# build or read, in one folder.
+configure_sanitizers() {
+  configure build-sanitize Debug -DCMAKE_CXX_COMPILER=clang++-14 \
+    -DGREVILLE_SANITIZE=address,undefined -DGREVILLE_TESTS=ON \
+    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+}
+
+# deal.II's test script takes a guard file that is in place when a test begins
+# for a sign of an interrupted run and builds again; it expects it under another
+# name. The build wants it in place.
+put_guards_back() {
+  find "$1/tests" -name interrupt_guard.cc_bck 2>/dev/null |
+    while read -r file; do mv "$file" "${file%_bck}"; done
+}
+put_guards_away() {
+  find "$1/tests" -name interrupt_guard.cc |
+    while read -r file; do mv "$file" "${file}_bck"; done
+}
+
 # build FOLDER TARGET...: build what is out of date.
 build() {
   folder=$1
   shift
   say "building $folder"
-  cmake --build "$folder" -j 2 --target "$@"
+  cmake --build "$folder" -j "${JOBS:-2}" --target "$@"
 }
 
 # Open MPI refuses to run as root unless it is told twice, and more processes
