@@ -366,6 +366,10 @@ namespace greville
                     H5Sget_simple_extent_dims(space, size, nullptr) == 2 &&
                     size[1] == table.columns.size() && size[1] > 0,
                   ExcMessage("the table " + name + " has a wrong shape"));
+      hsize_t n_bytes = 0;
+      check(H5Fget_filesize(file, &n_bytes));
+      AssertThrow(size[0] <= n_bytes / (sizeof(double) * size[1]),
+                  ExcMessage("the table " + name + " is longer than the file"));
       const std::uint64_t n = Utilities::MPI::n_mpi_processes(comm);
       const std::uint64_t r = Utilities::MPI::this_mpi_process(comm);
       // Not size * r / n, which may be too large.

@@ -181,10 +181,12 @@ namespace greville
       }
 
       /**
-       * The @p n numbers of an array.
+       * The numbers of an array with so many components at @p n points.
        */
       std::vector<double>
-      numbers(const Tree &array, const std::size_t n) const
+      numbers(const Tree       &array,
+              const std::size_t n,
+              const std::size_t n_components) const
       {
         const std::string   name   = array.get("<xmlattr>.Name", "Points");
         const std::string   format = array.get("<xmlattr>.format", "ascii");
@@ -212,10 +214,15 @@ namespace greville
           fail_if(true,
                   "the format of the array '" + name + "' is <" + format +
                     ">, none of ascii, binary, appended");
-        fail_if(result.size() != n,
+        // Not the product with n, which may have more than 64 bits.
+        fail_if(n_components == 0 || result.size() % n_components > 0 ||
+                  result.size() / n_components != n,
                 "the array '" + name + "' has " +
                   std::to_string(result.size()) + " numbers, not " +
-                  std::to_string(n));
+                  (n_components == 1
+                     ? std::to_string(n)
+                     : std::to_string(n_components) + " at each of " +
+                         std::to_string(n) + " points"));
         return result;
       }
 
@@ -233,16 +240,23 @@ namespace greville
       /**
        * Base64 text, of several parts that each end with their padding.
        */
-      static Bytes
-      decode_text(const std::string &text)
+      Bytes
+      decode_text(const std::string &text) const
       {
         Bytes       result;
         std::string part;
         const auto  flush = [&]() {
           if (part.empty())
             return;
-          const Bytes bytes = Utilities::decode_base64(part);
-          result.insert(result.end(), bytes.begin(), bytes.end());
+          try
+            {
+              const Bytes bytes = Utilities::decode_base64(part);
+              result.insert(result.end(), bytes.begin(), bytes.end());
+            }
+          catch (const std::exception &)
+            {
+              fail_if(true, "its data are not in base64");
+            }
           part.clear();
         };
         for (const char c : text)
@@ -396,6 +410,7 @@ namespace greville
     void
     read_vtk(const std::string  &file,
              const std::string  &of,
+             const bool          is_piece,
              const HeaderAction &header,
              const RowAction    &row)
     {
@@ -405,17 +420,21 @@ namespace greville
                     vtk.type != "PUnstructuredGrid" && vtk.type != "PPolyData",
                   "its type is <" + vtk.type +
                     ">, neither UnstructuredGrid nor PolyData");
+      const bool has_files = vtk.type[0] == 'P' && vtk.type != "PolyData";
+      // It may be its own piece.
+      vtk.fail_if(is_piece && has_files, "it is a piece that has pieces");
       for (const auto &child : *vtk.pieces_of)
         {
           if (child.first != "Piece")
             continue;
           const Tree &piece = child.second;
-          if (vtk.type[0] == 'P' && vtk.type != "PolyData")
+          if (has_files)
             {
               const auto source = std::filesystem::path(file).parent_path() /
                                   piece.get("<xmlattr>.Source", "");
               read_vtk(source.string(),
                        "<" + source.string() + ">, a piece of " + of,
+                       true,
                        header,
                        row);
               continue;
@@ -427,7 +446,7 @@ namespace greville
           std::vector<std::vector<double>> columns;
           const auto                       add = [&](const Tree                     &array,
                                const std::vector<std::string> &components) {
-            const auto values = vtk.numbers(array, n * components.size());
+            const auto values = vtk.numbers(array, n, components.size());
             for (std::size_t c = 0; c < components.size(); ++c)
               {
                 names.push_back(components[c]);
@@ -443,10 +462,17 @@ namespace greville
             for (const auto &array : *data)
               if (array.first == "DataArray" &&
                   array.second.get("<xmlattr>.type", "") != "String")
-                add(array.second,
-                    component_names(
-                      array.second.get("<xmlattr>.Name", ""),
-                      array.second.get("<xmlattr>.NumberOfComponents", 1u)));
+                {
+                  const std::string name =
+                    array.second.get("<xmlattr>.Name", "");
+                  const unsigned int n_components =
+                    array.second.get("<xmlattr>.NumberOfComponents", 1u);
+                  vtk.fail_if(n_components > 1000,
+                              "the array '" + name + "' has " +
+                                std::to_string(n_components) +
+                                " components, more than 1000");
+                  add(array.second, component_names(name, n_components));
+                }
           visit_columns(names, columns, of, header, row);
         }
     }
@@ -575,7 +601,7 @@ namespace greville
         return;
       }
     if (is({".vtu", ".vtp", ".pvtu", ".pvtp"}))
-      read_vtk(file, of, header, count);
+      read_vtk(file, of, false, header, count);
     else if (is({".ply"}))
       read_ply(file, of, header, count);
     else

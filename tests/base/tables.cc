@@ -13,6 +13,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <hdf5.h>
 
 TablesFile
 example(const MPI_Comm comm, const double scale)
@@ -63,6 +64,39 @@ check_refused(const std::string &file,
     }
   check("<" + text + "> in <" + message + ">",
         message.find(text) != std::string::npos);
+}
+
+
+
+// A file with a table of 2^40 rows, none of which has been written.
+void
+write_promises(const std::string &name)
+{
+  const hid_t file =
+    H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t letter = H5Tcopy(H5T_C_S1), scalar = H5Screate(H5S_SCALAR);
+  const auto  add_text =
+    [&](const hid_t object, const char *key, const char *text) {
+      const hid_t attribute =
+        H5Acreate2(object, key, letter, scalar, H5P_DEFAULT, H5P_DEFAULT);
+      H5Awrite(attribute, letter, text);
+      H5Aclose(attribute);
+    };
+  add_text(file, "checksum", "0");
+  const hsize_t size[2] = {hsize_t(1) << 40, 1}, chunk[2] = {1024, 1};
+  const hid_t   list  = H5Pcreate(H5P_DATASET_CREATE);
+  const hid_t   space = H5Screate_simple(2, size, nullptr);
+  H5Pset_chunk(list, 2, chunk);
+  const hid_t table = H5Dcreate2(
+    file, "rows", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, list, H5P_DEFAULT);
+  add_text(table, "columns", "a");
+  add_text(table, "checksum", "0");
+  H5Dclose(table);
+  H5Pclose(list);
+  H5Sclose(space);
+  H5Sclose(scalar);
+  H5Tclose(letter);
+  H5Fclose(file);
 }
 
 
@@ -132,6 +166,13 @@ main(int argc, char **argv)
     std::ofstream("foreign.h5") << "time,step\n0,1\n";
   MPI_Barrier(comm);
   check_refused("foreign.h5", "is no file of HDF5", comm);
+
+  // A table that promises more rows than there are, without the memory for
+  // them.
+  if (is_first)
+    write_promises("promises.h5");
+  MPI_Barrier(comm);
+  check_refused("promises.h5", "the table rows is longer than the file", comm);
 
   // A file cannot take the place of a folder.
   if (is_first)

@@ -272,12 +272,24 @@ namespace
     refuse_grid(grid(array("volume", "0.1 nan")));
     refuse_grid(grid(array("volume", "0.1 -1")));
     refuse_grid(grid(array("volume", "CAAAAA==", "binary")));
+    refuse_grid(grid(array("volume", "AgAA*AAA", "binary")));
     refuse_grid(grid(array("volume", "AgAAAAAA", "binary", "Float80")));
     refuse_grid(grid(array("volume", "1 1", "octal")));
     refuse_grid(grid(array("volume", "1 1"), "byte_order=\"BigEndian\""));
     refuse_grid(
       grid(array("volume", "1 1"), "compressor=\"vtkLZ4DataCompressor\""));
     refuse_grid(grid(array("volume", "1 1") + array("stress_xx", "1 1")));
+    refuse_grid(grid("<DataArray type=\"Float64\" Name=\"volume\" "
+                     "NumberOfComponents=\"4294967295\">1 1</DataArray>"));
+    // Three times as many have more than 64 bits, the last of which are 2.
+    refuse_grid("<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece "
+                "NumberOfPoints=\"6148914691236517206\"><Points><DataArray "
+                "type=\"Float64\">1 1</DataArray></Points></Piece>"
+                "</UnstructuredGrid></VTKFile>");
+    write("own_piece.pvtu",
+          "<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid><Piece "
+          "Source=\"own_piece.pvtu\"/></PUnstructuredGrid></VTKFile>");
+    refuse("own_piece.pvtu");
     write("wrong.vtu", grid(array("volume", "1 1")));
     refuse("wrong.vtu", [](BodyParameters &body) { body.body_in_file = 0; });
     refuse("cut.ply");
