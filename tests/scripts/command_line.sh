@@ -23,8 +23,8 @@ answers() {
   fi
 }
 
-scripts="run test fresh_machine stiffness_tables"
-[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume"
+scripts="run test fresh_machine stiffness_tables sanitize fuzz"
+[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume lint"
 for script in $scripts; do
   for option in -h --help; do
     answers 0 40 "sage: scripts/$script" "scripts/$script" $option
@@ -44,5 +44,9 @@ answers 2 1 "takes the folder of a run" scripts/run --resume
 answers 2 1 "there is no folder <nowhere>" scripts/run --from nowhere README.md
 answers 2 1 "has its parameter file" scripts/run --resume prm README.md
 answers 2 1 "what is <b>?" scripts/test a b
+answers 2 1 "what is <b>?" scripts/sanitize a b
+answers 2 1 "not <x>" scripts/fuzz x
+answers 2 1 "there is no parser <x>" scripts/fuzz 1 x
+answers 2 1 "there is no file <x.cc>" scripts/lint x.cc
 answers 2 1 "--tests takes" scripts/fresh_machine --tests
 exit $status
