@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #ifndef greville_base_compatibility_h
-#  define greville_base_compatibility_h
+#define greville_base_compatibility_h
 
-#  include <deal.II/base/config.h>
-#  include <deal.II/base/mpi.h>
-#  if DEAL_II_VERSION_GTE(9, 7, 0)
-#    include <deal.II/base/enable_observer_pointer.h>
-#  else
-#    include <deal.II/base/subscriptor.h>
-#  endif
+#include <deal.II/base/config.h>
+#include <deal.II/base/mpi.h>
+#if DEAL_II_VERSION_GTE(9, 7, 0)
+#  include <deal.II/base/enable_observer_pointer.h>
+#else
+#  include <deal.II/base/subscriptor.h>
+#endif
 
-#  include <deal.II/distributed/tria.h>
-#  include <deal.II/lac/la_parallel_vector.h>
+#include <deal.II/distributed/tria.h>
+#include <deal.II/lac/la_parallel_vector.h>
 
 /**
  * The base of all parts of the project. This file holds what deal.II renamed
@@ -34,25 +34,23 @@ namespace greville
   /**
    * The base of what deal.II's solvers and smoothers keep pointers to.
    */
-#  if DEAL_II_VERSION_GTE(9, 7, 0)
+#if DEAL_II_VERSION_GTE(9, 7, 0)
   using Observable = dealii::EnableObserverPointer;
-#  else
+#else
   using Observable = dealii::Subscriptor;
-#  endif
+#endif
 
   template <int dim>
   MPI_Comm
   get_communicator(const DistributedTriangulation<dim> &triangulation)
   {
-#  if DEAL_II_VERSION_GTE(9, 7, 0)
+#if DEAL_II_VERSION_GTE(9, 7, 0)
     return triangulation.get_mpi_communicator();
-#  else
+#else
     return triangulation.get_communicator();
-#  endif
+#endif
   }
 } // namespace greville
-
-#endif
 
 /*
  * What deal.II's notes of changes say of the names above:
@@ -72,3 +70,5 @@ namespace greville
  * - DoFTools::extract_locally_relevant_dofs() that returns the IndexSet: 9.7
  *   deprecates the one that fills an argument.
  */
+
+#endif
