@@ -381,15 +381,19 @@ namespace greville
   PointTransfer<dim>::grid_to_points(MaterialPoints<dim>    &points,
                                      const PointUpdate<dim> &update)
   {
-    const bool kick   = update.acceleration != nullptr;
-    const bool deform = update.deformation != nullptr;
-    const bool same   = update.deformation == update.velocity;
-    Assert(update.velocity || !(kick || update.move), ExcInternalError());
+    const bool kick    = update.acceleration != nullptr;
+    const bool deform  = update.deformation != nullptr;
+    const bool same    = update.deformation == update.velocity;
+    const bool is_flip = !update.apic && update.flip == 1.;
+    Assert(update.velocity || !(update.move || (kick && !is_flip)),
+           ExcMessage("Points that move, and kicks of PIC and APIC, need a "
+                      "velocity of the grid."));
     Assert(!update.apic || points.layout().find("affine"), ExcInternalError());
 
     std::vector<const VectorField<dim> *> fields;
+    // A kick of FLIP does not look at it, but at its place in the buffer.
     if (kick || update.move || (deform && same))
-      fields.push_back(update.velocity);
+      fields.push_back(update.velocity ? update.velocity : update.acceleration);
     if (deform && !same)
       fields.push_back(update.deformation);
     if (kick && !update.apic)
