@@ -3,7 +3,6 @@
 // @sect3{Include files}
 
 // From deal.II come the mesh, the Krylov solvers, tables and output.
-#include <deal.II/base/conditional_ostream.h>
 #include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/table_handler.h>
 #include <deal.II/dofs/dof_tools.h>
@@ -15,6 +14,7 @@
 // multigrid cycle, and files of points.
 #include <greville/base/errors.h>
 #include <greville/materials/neo_hookean.h>
+#include <greville/multigrid/level_fields.h>
 #include <greville/multigrid/p_multigrid.h>
 #include <greville/particles/body.h>
 #include <greville/particles/point_transport.h>
@@ -71,17 +71,12 @@ namespace StepGreville
   // On each level there is a spline space of another order, and everything is
   // summed over the same points. A <code>TangentLevel</code> is a
   // <code>LevelOperator</code>: all that the cycle, the smoothers and the
-  // transfers ask of an operator. Nothing is held at walls here, so that the
-  // second argument of its constructor is zero for all functions that this
-  // process sees.
+  // transfers ask of an operator.
   template <int dim>
   struct Level
   {
     Level(const SplineSpace<dim> &space)
-      : matrix(space,
-               std::vector<unsigned char>(space.owned_functions().size() +
-                                            space.ghost_functions().size(),
-                                          0))
+      : matrix(space)
     {
       transfer.reinit(space);
       sums.reinit(space);
@@ -128,11 +123,11 @@ namespace StepGreville
           const double       mass_factor,
           const std::string &coarsening = "one by one");
 
-    VectorType
-    condensed(const VectorField<dim> &forces) const;
-
-    VectorField<dim>
-    distributed(const VectorType &x) const;
+    const TangentLevel<dim> &
+    finest() const
+    {
+      return levels.back()->matrix;
+    }
 
     double
     wave_speed() const;
@@ -169,11 +164,10 @@ namespace StepGreville
     BodyParameters         body_parameters;
     std::vector<Body<dim>> bodies;
 
-    VectorField<dim>   velocity, force, load;
-    VectorType         lumped_mass;
-    const double       cell_size;
-    bool               is_first_sum = true;
-    ConditionalOStream pcout;
+    VectorField<dim> velocity, force, load;
+    VectorType       lumped_mass;
+    const double     cell_size;
+    bool             is_first_sum = true;
 
     std::vector<std::pair<double, std::string>> grid_files;
     unsigned int                                n_solves     = 0;
@@ -190,7 +184,6 @@ namespace StepGreville
                                 const unsigned int n_cells)
     : mesh(MPI_COMM_WORLD, Triangulation<dim>::none, mesh_settings<dim>)
     , cell_size(1. / n_cells)
-    , pcout(std::cout, Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
   {
     Point<dim>      upper;
     MultiIndex<dim> cells;
@@ -392,49 +385,10 @@ namespace StepGreville
     SolverControl            control(100, 1e-8 * b.l2_norm());
     SolverFGMRES<VectorType> solver(control);
     x = 0.;
-    solver.solve(levels.back()->matrix, x, b, multigrid);
+    solver.solve(finest(), x, b, multigrid);
     ++n_solves;
     n_iterations += control.last_step();
     return control.last_step();
-  }
-
-  // @sect4{Fields and unknowns}
-
-  // A field of the grid has a vector of coefficients for each component.
-  // Vectors of the levels have the components of a function side by side, and
-  // are zero but for the unknowns. From forces to the right-hand side leads
-  // $E^T$, from the solution to all coefficients $E$.
-  template <int dim>
-  VectorType
-  FallingDisk<dim>::condensed(const VectorField<dim> &forces) const
-  {
-    VectorType result;
-    initialize_vector<dim>(result, levels.back()->matrix);
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        VectorType component = forces[c];
-        levels.back()->matrix.condense(component, c);
-        for (unsigned int i = 0; i < component.locally_owned_size(); ++i)
-          result.local_element(i * dim + c) = component.local_element(i);
-      }
-    return result;
-  }
-
-
-
-  template <int dim>
-  VectorField<dim>
-  FallingDisk<dim>::distributed(const VectorType &x) const
-  {
-    VectorField<dim> result;
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        spaces.finest().initialize_vector(result[c]);
-        for (unsigned int i = 0; i < result[c].locally_owned_size(); ++i)
-          result[c].local_element(i) = x.local_element(i * dim + c);
-        levels.back()->matrix.distribute(result[c], c);
-      }
-    return result;
   }
 
   // @sect4{FallingDisk::count_iterations}
@@ -455,7 +409,7 @@ namespace StepGreville
           std::sin(1e3 * std::sin(positions[i] * dim + c));
 
     sum_mass();
-    const VectorType            b = condensed(rough);
+    const VectorType            b = condense_field<dim>(finest(), rough);
     VectorType                  x(b);
     std::array<unsigned int, 4> result;
     result[0] = solve(x, b, 1.);
@@ -488,11 +442,9 @@ namespace StepGreville
   unsigned int
   FallingDisk<dim>::n_unknowns() const
   {
-    const TangentLevel<dim> &matrix = levels.back()->matrix;
-    return dim *
-           Utilities::MPI::sum<unsigned int>(
-             matrix.space().n_locally_owned_dofs() - matrix.inactive().size(),
-             MPI_COMM_WORLD);
+    return dim * (spaces.finest().n_dofs() -
+                  Utilities::MPI::sum<unsigned int>(finest().inactive().size(),
+                                                    MPI_COMM_WORLD));
   }
 
   // @sect3{Steps}
@@ -578,7 +530,9 @@ namespace StepGreville
   // @f]
   // First the mass gives the velocity of the grid from the momentum of the
   // points; then Newton's method begins with a free flight. The multigrid
-  // solves both kinds of systems.
+  // solves both kinds of systems. From forces to the right-hand side of a level
+  // leads $E^T$ (<code>condense_field()</code>), from its solution to all
+  // coefficients of a field $E$ (<code>distribute_field()</code>).
   template <int dim>
   void
   FallingDisk<dim>::implicit_step(const double dt)
@@ -590,20 +544,21 @@ namespace StepGreville
                                            nullptr);
     VectorType v, u, du, residual, inertia;
     for (VectorType *vector : {&v, &u, &du, &residual, &inertia})
-      initialize_vector<dim>(*vector, levels.back()->matrix);
-    solve(v, condensed(velocity), 1.);
+      initialize_vector<dim>(*vector, finest());
+    solve(v, condense_field<dim>(finest(), velocity), 1.);
 
     u.equ(dt, v);
     for (unsigned int iteration = 0;; ++iteration)
       {
-        sum_forces(distributed(u), dt);
-        residual = condensed(force);
-        residual -= condensed(load);
+        sum_forces(distribute_field<dim>(finest(), u), dt);
+        const VectorType weight = condense_field<dim>(finest(), load);
+        residual                = condense_field<dim>(finest(), force);
+        residual -= weight;
         inertia.equ(2. / (dt * dt), u);
         inertia.add(-2. / dt, v);
-        levels.back()->matrix.multiply_mass(du, inertia);
+        finest().multiply_mass(du, inertia);
         residual += du;
-        if (residual.l2_norm() <= 1e-8 * condensed(load).l2_norm())
+        if (residual.l2_norm() <= 1e-8 * weight.l2_norm())
           break;
         AssertThrow(iteration < 20,
                     ExcMessage("Newton's method did not converge."));
@@ -615,9 +570,9 @@ namespace StepGreville
     // velocity $u / \Delta t$.
     inertia.equ(2. / (dt * dt), u);
     inertia.add(-2. / dt, v);
-    kick(distributed(inertia), dt);
+    kick(distribute_field<dim>(finest(), inertia), dt);
     u /= dt;
-    velocity = distributed(u);
+    velocity = distribute_field<dim>(finest(), u);
     move(dt);
   }
 
@@ -653,7 +608,8 @@ namespace StepGreville
       mass * Problem::gravity * (height - Problem::floor - Problem::radius);
     table.add_value("time", time);
     table.add_value("height", height);
-    table.add_value("free fall", fall < gap ? Problem::height - fall : 0.);
+    table.add_value("free fall",
+                    fall < gap ? std::to_string(Problem::height - fall) : "-");
     table.add_value("kinetic", kinetic);
     table.add_value("potential", potential);
     table.add_value("elastic", elastic);
@@ -737,18 +693,20 @@ namespace StepGreville
       }
 
     for (const std::string column : {"kinetic", "potential", "elastic", "sum"})
-      table.set_precision(column, 1);
+      table.set_precision(column, 2);
     table.set_precision("time", 2);
-    table.set_precision("height", 4);
-    table.set_precision("free fall", 4);
-    pcout << "\nThe " << scheme << " steps: " << n_outputs * n_steps << " of "
-          << bodies[0].n_points << " points";
+    table.set_precision("height", 6);
+    if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) != 0)
+      return;
+    std::cout << "\n"
+              << n_outputs * n_steps << ' ' << scheme << " steps of "
+              << bodies[0].n_points << " points";
     if (is_implicit)
-      pcout << ", " << n_solves << " linear systems, " << std::setprecision(2)
-            << double(n_iterations) / n_solves << " iterations each";
-    pcout << std::endl;
-    if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-      table.write_text(std::cout, TableHandler::org_mode_table);
+      std::cout << ", " << n_solves << " linear systems, "
+                << std::setprecision(2) << double(n_iterations) / n_solves
+                << " iterations each";
+    std::cout << std::endl;
+    table.write_text(std::cout, TableHandler::org_mode_table);
   }
 } // namespace StepGreville
 
