@@ -89,9 +89,11 @@ namespace StepGreville
 
   // @sect3{The class}
 
-  // The constructor makes the mesh, the spaces and the points. The first three
-  // functions behind it are the linear algebra, then come the two kinds of
-  // steps with what they share, and at last what is shown to the user.
+  // The constructor makes the mesh, the spaces and the points. From outside one
+  // asks for the iterations of the multigrid, or for a run with either scheme.
+  // Of the private functions, the first ones sum over the points and solve,
+  // then come the two kinds of steps with what they share, and at last what is
+  // shown to the user.
   template <int dim>
   class FallingDisk
   {
@@ -396,7 +398,9 @@ namespace StepGreville
   // How good is the preconditioner? The right-hand side is as rough as the grid
   // can have it, a number without pattern for each function. It is solved for
   // with the mass alone, and with mass and stiffness of steps in which a
-  // pressure wave runs through 10 and 100 cells.
+  // pressure wave runs through 10 and 100 cells; the last once more with the
+  // smoother in place of the cycle. The sums are made anew for each system, for
+  // <code>solve()</code> adds the mass to them.
   template <int dim>
   std::array<unsigned int, 4>
   FallingDisk<dim>::count_iterations()
@@ -480,7 +484,9 @@ namespace StepGreville
     const PointReport report =
       levels.back()->transfer.grid_to_points(bodies[0].points, update);
     throw_on_all(report.bad_reason, MPI_COMM_WORLD);
-    transport.move(bodies[0].points, report.left_cells);
+    const auto result = transport.move(bodies[0].points, report.left_cells);
+    throw_on_all(result.outside < 0 ? "" : "The disk has left the box.",
+                 MPI_COMM_WORLD);
   }
 
   // @sect4{FallingDisk::explicit_step}
@@ -713,8 +719,7 @@ namespace StepGreville
 // @sect3{The main function}
 
 // First the table of iterations, then both kinds of steps with quadratic
-// splines. <code>run_on_all()</code> and its kin throw on all processes
-// together, so that an exception ends all of them.
+// splines.
 int
 main(int argc, char **argv)
 {
