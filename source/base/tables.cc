@@ -29,6 +29,11 @@ namespace greville
 
 
 
+    std::string
+    reason_of_hdf5();
+
+
+
     /**
      * What HDF5 makes, with the function that closes it.
      */
@@ -39,7 +44,7 @@ namespace greville
         : id(id)
         , close(close)
       {
-        AssertThrow(id >= 0, ExcMessage("HDF5 has failed"));
+        AssertThrow(id >= 0, ExcMessage(reason_of_hdf5()));
       }
 
       Handle(const Handle &) = delete;
@@ -63,7 +68,7 @@ namespace greville
       {
         const hid_t closed = id;
         id                 = -1;
-        AssertThrow(close(closed) >= 0, ExcMessage("HDF5 cannot close"));
+        AssertThrow(close(closed) >= 0, ExcMessage(reason_of_hdf5()));
       }
 
     private:
@@ -73,10 +78,31 @@ namespace greville
 
 
 
+    /**
+     * What HDF5 says of the last call, which has failed: the innermost of its
+     * messages, with the reason of the system where there is one.
+     */
+    std::string
+    reason_of_hdf5()
+    {
+      std::string text;
+      const auto  keep =
+        [](unsigned, const H5E_error2_t *error, void *found) -> herr_t {
+        auto &words = *static_cast<std::string *>(found);
+        if (words.empty() && error->desc != nullptr)
+          words = error->desc;
+        return 0;
+      };
+      H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, +keep, &text);
+      return "HDF5 has failed" + (text.empty() ? "" : ": " + text);
+    }
+
+
+
     void
     check(const herr_t result)
     {
-      AssertThrow(result >= 0, ExcMessage("HDF5 has failed"));
+      AssertThrow(result >= 0, ExcMessage(reason_of_hdf5()));
     }
 
 
@@ -452,6 +478,35 @@ namespace greville
 
 
 
+  namespace
+  {
+    /**
+     * The system's reason why a file cannot be written on, "No space left on
+     * device. ", or nothing. What MPI-IO met is no longer known: it is tried
+     * again at the end of the file.
+     */
+    std::string
+    system_reason(const std::string &file)
+    {
+      const int descriptor = open(file.c_str(), O_WRONLY | O_APPEND);
+      int       error      = descriptor < 0 ? errno : 0;
+      errno                = 0;
+      if (descriptor >= 0)
+        {
+          const std::vector<char> zeros(1 << 16, 0);
+          if (write(descriptor, zeros.data(), zeros.size()) !=
+              ssize_t(zeros.size()))
+            error = errno != 0 ? errno : ENOSPC;
+          else if (fsync(descriptor) != 0)
+            error = errno;
+          close(descriptor);
+        }
+      return error == 0 ? "" : std::string(std::strerror(error)) + ". ";
+    }
+  } // namespace
+
+
+
   void
   write_tables(const std::string &file,
                const TablesFile  &content,
@@ -486,9 +541,10 @@ namespace greville
           write_table(handle, table, comm);
         handle.finish();
       }
-    catch (const std::exception &)
+    catch (const std::exception &error)
       {
-        message = write_error(unfinished);
+        message = "Cannot write <" + unfinished +
+                  ">: " + system_reason(unfinished) + message_of(error) + ".";
       }
     message = first_of_all(message, comm);
     run_on_first(

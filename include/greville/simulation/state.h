@@ -92,9 +92,11 @@ namespace greville
     unsigned int stage = 0;
 
     unsigned int  n_steps   = 0;
-    std::uint64_t n_removed = 0; // points outside of the grid
-    std::uint64_t n_free    = 0; // points of bodies that feel forces
-    std::uint64_t n_sent    = 0; // points that left this process
+    std::uint64_t n_removed = 0;  // points outside of the grid
+    std::uint64_t n_free    = 0;  // points of bodies that feel forces
+    std::uint64_t n_sent    = 0;  // points that left this process
+    std::uint64_t n_points  = 0;  // those of all bodies after the last step
+    double        mass      = 0.; // that these should have, kg (2D: kg / m)
 
     /// Most iterations of a solve of the last step, and those of all solves.
     unsigned int  n_iterations     = 0;
@@ -195,6 +197,12 @@ namespace greville
       for (unsigned int s = 0; s < surfaces.size(); ++s)
         surfaces[s].restore(state.surfaces[s].points);
       state.points_have_changed();
+    }
+
+    unsigned int
+    stage() const
+    {
+      return rest.stage;
     }
 
     /**
