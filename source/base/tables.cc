@@ -27,6 +27,9 @@ namespace greville
     // int.
     constexpr hsize_t most_elements = 1u << 27;
 
+    // Bytes of what HDF5 adds to the content of a file, and of a table in it.
+    constexpr std::uint64_t size_of_headers = 4096;
+
 
 
     std::string
@@ -115,6 +118,10 @@ namespace greville
     public:
       Silence()
       {
+        // At the end of the program, a file that could not be written would be
+        // tried again, without MPI.
+        static const herr_t no_end = H5dont_atexit();
+        (void)no_end;
         H5Eget_auto2(H5E_DEFAULT, &function, &data);
         H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
       }
@@ -503,6 +510,49 @@ namespace greville
         }
       return error == 0 ? "" : std::string(std::strerror(error)) + ". ";
     }
+
+
+
+    /**
+     * The bytes of a file with the content of all processes, and some more.
+     */
+    std::uint64_t
+    size_of(const TablesFile &content, const MPI_Comm comm)
+    {
+      std::uint64_t own = 0;
+      for (const DistributedTable &table : content.tables)
+        own += table.values.size() * sizeof(double);
+      std::uint64_t size =
+        sum_of(own, comm) + size_of_headers * (1 + content.tables.size());
+      for (const auto &[name, text] : content.texts)
+        size += name.size() + text.size();
+      return size;
+    }
+
+
+
+    /**
+     * Make an empty file on a disk with room for @p size bytes. A full disk is
+     * found here, where the system says so, and not by HDF5, which would try to
+     * write what is left when the program ends.
+     */
+    void
+    make_file(const std::string &file, const std::uint64_t size)
+    {
+      errno = 0;
+      const int descriptor =
+        open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+      AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
+      // Not all file systems can tell.
+      const bool has_room = fallocate(descriptor, 0, 0, off_t(size)) == 0 ||
+                            errno == EOPNOTSUPP || errno == ENOSYS ||
+                            errno == ENODEV;
+      const std::string message = write_error(file);
+      close(descriptor);
+      if (!has_room)
+        unlink(file.c_str());
+      AssertThrow(has_room, ExcMessage(message));
+    }
   } // namespace
 
 
@@ -515,17 +565,10 @@ namespace greville
     const std::string unfinished = file + ".new";
     const Silence     silence;
     std::string       message;
+    const auto        size = size_of(content, comm);
     // A file that cannot be made is found by the first process alone, so that
     // MPI-IO does not report it from all.
-    run_on_first(
-      [&]() {
-        errno = 0;
-        const int descriptor =
-          open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-        AssertThrow(descriptor >= 0, ExcMessage(write_error(unfinished)));
-        close(descriptor);
-      },
-      comm);
+    run_on_first([&]() { make_file(unfinished, size); }, comm);
     try
       {
         const Handle access = parallel_access(comm);
