@@ -372,7 +372,8 @@ namespace greville
     state.n_points = std::uint64_t(counts[0]);
     state.n_free   = std::uint64_t(counts[1]);
     state.n_removed += std::uint64_t(counts[2]);
-    state.mass -= counts[3];
+    state.removed_mass += state.mass_removed_last;
+    state.mass_removed_last = counts[3];
     return problem;
   }
 

@@ -107,6 +107,7 @@ namespace greville
           [&](const unsigned int, ConstPointRef<dim> p) { mass += p.mass(); });
       }
     state.mass = Utilities::MPI::sum(mass, discretization.communicator());
+    state.removed_mass = state.mass_removed_last = 0.;
   }
 
 
@@ -209,10 +210,12 @@ namespace greville
     Utilities::MPI::max(extremes, comm, extremes);
     const double smallest_J = -extremes[0], largest_J = extremes[1];
     const double most = most_volume_change;
-    if (!(std::abs(mass - state.mass) <= mass_tolerance * state.mass))
+    // Points have been weighed before they were removed.
+    const double before = state.mass - state.removed_mass;
+    if (!(std::abs(mass - before) <= mass_tolerance * state.mass))
       throw StepFailed("the mass of the points is " + text_of(mass) +
-                         " kg, and it was " + text_of(state.mass) +
-                         " kg before. " + error_of_program,
+                         " kg, and it was " + text_of(before) + " kg before. " +
+                         error_of_program,
                        false);
     if (largest_J > most || smallest_J < 1. / most)
       throw StepFailed(
