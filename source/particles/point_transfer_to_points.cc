@@ -74,6 +74,27 @@ namespace greville
 
 
 
+    template <int dim>
+    std::string
+    place_text(const SplineSpace<dim> &space,
+               const unsigned int      cell,
+               const Point<dim>       &x,
+               const std::string      &word)
+    {
+      std::ostringstream text;
+      text << "at (";
+      for (unsigned int d = 0; d < dim; ++d)
+        text << (d > 0 ? ", " : "") << x[d];
+      text << ") m, " << word << " the cell (";
+      const auto index =
+        multi_index<dim>(space.owned_cells()[cell], space.lattice().n_cells());
+      for (unsigned int d = 0; d < dim; ++d)
+        text << (d > 0 ? ", " : "") << index[d];
+      return text.str() + ")";
+    }
+
+
+
     /**
      * Name what is wrong with a point of a group, if it is the first.
      */
@@ -102,7 +123,7 @@ namespace greville
             reason << "its state is infinite or NaN (J = " << J << ", velocity "
                    << p.velocity(0) << " m/s in x)";
           reason << "; it is "
-                 << describe_place<dim>(points.space(), cell, p.position());
+                 << place_text<dim>(points.space(), cell, p.position(), "from");
           report.bad_reason = reason.str();
         }
     }
@@ -407,16 +428,7 @@ namespace greville
                  const unsigned int      cell,
                  const Point<dim>       &x)
   {
-    std::ostringstream text;
-    text << "at (";
-    for (unsigned int d = 0; d < dim; ++d)
-      text << (d > 0 ? ", " : "") << x[d];
-    text << ") m, in the cell (";
-    const auto index =
-      multi_index<dim>(space.owned_cells()[cell], space.lattice().n_cells());
-    for (unsigned int d = 0; d < dim; ++d)
-      text << (d > 0 ? ", " : "") << index[d];
-    return text.str() + ")";
+    return place_text<dim>(space, cell, x, "in");
   }
 
 

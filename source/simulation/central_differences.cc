@@ -197,6 +197,7 @@ namespace greville
                         discretization.transfer(),
                         state.velocity_time,
                         state.velocity_time + trial.velocity_step);
+    fail_with([&]() { loads.gravity(state.time); }, false);
     {
       const PartTimer timer(log, "loads");
       const auto      set = [&]() {

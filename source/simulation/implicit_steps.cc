@@ -90,10 +90,16 @@ namespace greville
                                 const double      t,
                                 VectorField<dim> &sums)
   {
-    const Tensor<1, dim> g = loads.gravity(t);
+    Tensor<1, dim> g;
+    fail_with([&]() { g = loads.gravity(t); }, false);
     if (loads.act_on_points())
       {
-        loads.set(state.bodies, t);
+        fail_with(
+          [&]() {
+            run_on_all([&]() { loads.set(state.bodies, t); },
+                       discretization.communicator());
+          },
+          false);
         discretization.sum(state, &sums);
       }
     for (unsigned int d = 0; d < dim; ++d)

@@ -429,7 +429,7 @@ namespace greville
         restore_others(at_hand);
         at_hand->go_back(failure, dt);
       }
-    catch (const ErrorOnAll &)
+    catch (const ExcMessage &)
       {
         restore_others(nullptr);
         throw;
