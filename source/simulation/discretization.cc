@@ -320,19 +320,20 @@ namespace greville
     const std::vector<std::vector<unsigned int>> &left_cells,
     const std::vector<std::vector<unsigned int>> &left_surface_cells)
   {
-    const PartTimer            timer(log, "transport");
-    std::string                problem;
-    std::uint64_t              n_points = 0;
-    std::vector<std::uint64_t> counts(3); // all, free, removed
+    const PartTimer timer(log, "transport");
+    std::string     problem;
+    // All points, free ones, removed ones, and the mass of the last: integers
+    // are exact in doubles.
+    std::vector<double> counts(4);
     for (unsigned int b = 0; b < state.bodies.size(); ++b)
       {
         Body<dim> &body   = state.bodies[b];
         const auto result = point_transport.move(body.points, left_cells[b]);
-        n_points += body.n_points;
         counts[0] += body.points.n_points();
         if (!body.rigid_motion)
           counts[1] += body.points.n_points();
         counts[2] += result.n_removed;
+        counts[3] += result.removed_mass;
         state.n_sent += result.n_sent;
         if (result.n_removed > 0 && problem.empty() &&
             (parameters.scheme.outside == "error" ||
@@ -368,13 +369,11 @@ namespace greville
       }
     state.points_have_changed();
     Utilities::MPI::sum(counts, comm, counts);
-    state.n_free = counts[1];
-    state.n_removed += counts[2];
-    AssertThrow(counts[0] + state.n_removed == n_points,
-                ExcMessage(
-                  "Points got lost: there are " + std::to_string(counts[0]) +
-                  " and " + std::to_string(state.n_removed) +
-                  " were removed, of " + std::to_string(n_points) + "."));
+    state.n_points = std::uint64_t(counts[0]);
+    state.n_free   = std::uint64_t(counts[1]);
+    state.n_removed += std::uint64_t(counts[2]);
+    state.removed_mass += state.mass_removed_last;
+    state.mass_removed_last = counts[3];
     return problem;
   }
 

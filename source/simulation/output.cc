@@ -352,6 +352,20 @@ namespace greville
 
 
   template <int dim>
+  std::string
+  FieldOutput<dim>::points_file(const double time) const
+  {
+    const auto points = times_and_names.find("points");
+    if (points != times_and_names.end())
+      for (const auto &[t, file] : points->second)
+        if (t == time)
+          return directory + "/" + file;
+    return "";
+  }
+
+
+
+  template <int dim>
   void
   FieldOutput<dim>::go_on(const std::string &record, const MPI_Comm comm)
   {

@@ -125,17 +125,19 @@ namespace greville
       }
     while (!ensemble.is_finished())
       {
+        if (ensemble.first().keeps_state())
+          mark = make_mark();
         try
           {
             ensemble.step();
           }
-        catch (const std::exception &)
+        catch (const StepGivenUp &error)
           {
             if (is_terminal && parameters.output.print_times)
               out << "\r\033[K" << std::flush;
-            // The fields of the grid are those of the step that failed.
-            fields.write_points(common().time, ensemble.bodies(), comm);
-            throw;
+            AssertThrow(false,
+                        ErrorOnAll(message_of(error) + " " +
+                                   write_last_good_state()));
           }
         if (common().stage != last_stage)
           {

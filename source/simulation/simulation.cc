@@ -58,11 +58,11 @@ namespace greville
     , loads(parameters)
     , discretization(parameters, loads, log, comm)
     , damping(parameters.loads, discretization)
-    , energy_guard(parameters.scheme, discretization, log)
+    , guard(parameters, discretization, log)
     , current(make_initial_state(parameters, loads, discretization))
     , integrator(make_time_integrator<dim>(
         parameters.scheme.stress_update,
-        {parameters, discretization, loads, current, log}))
+        {parameters, discretization, loads, current, log, guard}))
   {
     // All stages, the first one last: what is wrong with one is found now.
     for (unsigned int k = parameters.n_stages(); k-- > 0;)
@@ -73,7 +73,7 @@ namespace greville
       }
     if (!parameters.stages.empty())
       start_stage();
-    energy_guard.start(current);
+    guard.start(current);
     good.take(current);
   }
 
@@ -108,6 +108,7 @@ namespace greville
   Simulation<dim>::enter_stage(const unsigned int stage)
   {
     parameters.enter_stage(stage);
+    entered_stage = stage;
     integrator.reset();
     try
       {
@@ -119,12 +120,12 @@ namespace greville
           surface.points.set_space(discretization.space());
         integrator = make_time_integrator<dim>(
           parameters.scheme.stress_update,
-          {parameters, discretization, loads, current, log});
+          {parameters, discretization, loads, current, log, guard});
       }
     catch (const std::exception &exception)
       {
         AssertThrow(false,
-                    ExcMessage(parameters.stage_text(stage) +
+                    ErrorOnAll(parameters.stage_text(stage) +
                                message_of(exception)));
       }
     current.stage = stage;
@@ -151,7 +152,6 @@ namespace greville
     current.reactions = {};
     enter_stage(current.stage + 1);
     start_stage();
-    good.take(current);
   }
 
 
@@ -206,7 +206,7 @@ namespace greville
   Simulation<dim>::set_state(const State<dim> &state)
   {
     AssertDimension(state.bodies.size(), current.bodies.size());
-    if (state.stage != current.stage)
+    if (state.stage != entered_stage || !integrator)
       enter_stage(state.stage);
     current = state;
     discretization.mass().forget();
@@ -221,6 +221,7 @@ namespace greville
       }
     for (Surface<dim> &surface : current.surfaces)
       surface.points.set_space(discretization.space());
+    guard.weigh(current);
     good.take(current);
   }
 
@@ -234,7 +235,7 @@ namespace greville
     enter_stage(0);
     loads.find_points(current.bodies, comm);
     start_stage();
-    energy_guard.start(current);
+    guard.start(current);
     good.take(current);
   }
 
@@ -266,13 +267,21 @@ namespace greville
 
 
   template <int dim>
+  bool
+  Simulation<dim>::keeps_state() const
+  {
+    // Implicit steps are few, and go until there is no solution.
+    return current.n_steps == 0 || current.n_steps % remember_every == 0 ||
+           is_stage_finished() || !integrator->solver_levels().empty();
+  }
+
+
+
+  template <int dim>
   void
   Simulation<dim>::remember()
   {
-    // Implicit steps are few, and go until there is no solution.
-    const bool is_implicit = !integrator->solver_levels().empty();
-    if (current.n_steps > 0 &&
-        (is_implicit || current.n_steps % remember_every == 0))
+    if (current.n_steps > 0 && keeps_state())
       good.take(current);
     // Programs may have changed them.
     current.points_have_changed();
@@ -289,7 +298,24 @@ namespace greville
     if (is_stage_finished())
       next_stage();
     current.n_rejections = 0;
-    proposed             = integrator->propose_step(current);
+    propose();
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::propose()
+  {
+    // It depends on what all processes know.
+    try
+      {
+        proposed = integrator->propose_step(current);
+      }
+    catch (const ExcMessage &error)
+      {
+        AssertThrow(false, ErrorOnAll(message_of(error)));
+      }
   }
 
 
@@ -304,7 +330,7 @@ namespace greville
                        std::to_string(most_rejections) + " times, and still " +
                        rejection.what());
     ++current.n_rejections;
-    proposed = integrator->propose_step(current);
+    propose();
   }
 
 
@@ -322,7 +348,7 @@ namespace greville
     }
     if (is_first_step_of_stage)
       check_fragments();
-    energy_guard.check(current, is_finished());
+    guard.check(current, is_finished());
   }
 
 
@@ -368,11 +394,17 @@ namespace greville
     const auto restore_others = [&](const Simulation *failed) {
       for (Simulation *simulation : simulations)
         if (simulation != failed)
-          simulation->good.restore(simulation->current);
+          simulation->restore();
     };
     try
       {
+        const bool enters_stage = simulations.front()->is_stage_finished();
         for_each([](Simulation &simulation) { simulation.begin_step(); });
+        // All of them, or none.
+        if (enters_stage)
+          for_each([](Simulation &simulation) {
+            simulation.good.take(simulation.current);
+          });
         for (bool is_rejected = true; is_rejected;)
           {
             dt = simulations.front()->proposed;
@@ -395,14 +427,9 @@ namespace greville
     catch (const StepFailed &failure)
       {
         restore_others(at_hand);
-        at_hand->go_back(failure,
-                         dt,
-                         simulations.size() == 1
-                           ? ""
-                           : " of 'Body " + at_hand->current.bodies[0].name +
-                               "'");
+        at_hand->go_back(failure, dt);
       }
-    catch (...)
+    catch (const ExcMessage &)
       {
         restore_others(nullptr);
         throw;
@@ -414,12 +441,21 @@ namespace greville
 
   template <int dim>
   void
-  Simulation<dim>::go_back(const StepFailed  &failure,
-                           const double       dt,
-                           const std::string &of)
+  Simulation<dim>::restore()
+  {
+    if (entered_stage != good.stage() || !integrator)
+      enter_stage(good.stage());
+    good.restore(current);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::go_back(const StepFailed &failure, const double dt)
   {
     std::ostringstream message;
-    message << "Step " << current.n_steps + 1 << of
+    message << "Step " << current.n_steps + 1 << log.of
             << " at t = " << current.time << " s, dt = " << dt
             << " s: " << without_stop(failure.what()) << ". ";
     if (failure.by_materials)
@@ -428,11 +464,11 @@ namespace greville
                                      dt,
                                      discretization.cell_size(),
                                      comm);
-    good.restore(current);
+    restore();
     message << "The state of step " << current.n_steps
             << ", t = " << current.time
             << " s, is the last good one that was kept.";
-    AssertThrow(false, ExcMessage(message.str()));
+    AssertThrow(false, StepGivenUp(message.str()));
     // Not reached.
     throw failure;
   }

@@ -103,6 +103,13 @@ namespace greville
     record() const;
 
     /**
+     * The file with the points at a time, with its folder; empty where they
+     * have not been written.
+     */
+    std::string
+    points_file(const double time) const;
+
+    /**
      * Collective. Go on with what an earlier run has written, its record():
      * numbered files that it wrote later are removed.
      */
@@ -166,6 +173,12 @@ namespace greville
     sync()
     {
       return file.sync();
+    }
+
+    std::uint64_t
+    n_bytes() const
+    {
+      return file.n_bytes();
     }
 
     /**

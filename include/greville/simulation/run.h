@@ -9,6 +9,7 @@
 #include <greville/simulation/output.h>
 
 #include <chrono>
+#include <functional>
 
 namespace greville
 {
@@ -35,6 +36,9 @@ namespace greville
     /// Not empty: the folder of another run, from whose last checkpoint bodies
     /// and surfaces are taken.
     std::string from;
+    /// What is to be done in the folder before the first file is written, when
+    /// parameters and checkpoints have been accepted; all processes call it.
+    std::function<void()> prepare_folder;
   };
 
 
@@ -73,9 +77,9 @@ namespace greville
                   const RunOptions           &options = RunOptions());
 
     /**
-     * Collective. Throws what Simulation::step() throws, after the last good
-     * state has been written, and RunStopped after a signal, with a checkpoint
-     * and all results.
+     * Collective. Throws what Simulation::step() throws, where it has gone back
+     * after the last good state has been written, and RunStopped after a
+     * signal, with a checkpoint and all results.
      */
     RunSummary
     run();
@@ -94,10 +98,39 @@ namespace greville
     go_on(const Checkpoint &checkpoint);
 
     /**
+     * What the files of the run have when the simulation keeps a state.
+     */
+    struct Mark
+    {
+      unsigned int  n_steps             = 0;
+      std::uint64_t bytes_of_statistics = 0, bytes_of_probes = 0;
+      double        largest_front = 0.;
+      std::string   fields;
+      std::pair<std::vector<double>, std::vector<double>> series;
+    };
+
+    Mark
+    make_mark() const;
+
+    /**
+     * Write a checkpoint of the state at hand, with which the files go on from
+     * a mark. Returns its content.
+     */
+    TablesFile
+    write_checkpoint(const Mark &mark);
+
+    /**
      * Write a checkpoint, and go on as a run that begins from it.
      */
     void
     write_checkpoint();
+
+    /**
+     * Collective. After a step that has failed: write the state that the
+     * simulation has gone back to. Returns what the message is to say of it.
+     */
+    std::string
+    write_last_good_state();
 
     /**
      * Write a checkpoint if it is time, or a signal wants it. Throws RunStopped
@@ -210,9 +243,13 @@ namespace greville
     unsigned int                          last_stage      = 0;
     // Steps that the last rows and fields belong to.
     unsigned int last_written_statistics = -1, last_written_fields = -1;
-    bool         is_resumed = false;
-    unsigned int first_step = 0;
-    double       first_time = 0.;
+    // What the files had when a state was kept, and the last checkpoint.
+    Mark         mark;
+    std::string  checkpoint_file;
+    unsigned int checkpoint_step = -1;
+    bool         is_resumed      = false;
+    unsigned int first_step      = 0;
+    double       first_time      = 0.;
     bool         is_terminal;
   };
 

@@ -95,6 +95,12 @@ namespace greville
     std::uint64_t n_removed = 0; // points outside of the grid
     std::uint64_t n_free    = 0; // points of bodies that feel forces
     std::uint64_t n_sent    = 0; // points that left this process
+    std::uint64_t n_points  = 0; // those of all bodies after the last step
+
+    /// Mass that the points had at first, of those that have been removed
+    /// before the last step, and in it, kg (2D: kg / m).
+    double mass = 0., removed_mass = 0., mass_removed_last = 0.;
+
 
     /// Most iterations of a solve of the last step, and those of all solves.
     unsigned int  n_iterations     = 0;
@@ -195,6 +201,12 @@ namespace greville
       for (unsigned int s = 0; s < surfaces.size(); ++s)
         surfaces[s].restore(state.surfaces[s].points);
       state.points_have_changed();
+    }
+
+    unsigned int
+    stage() const
+    {
+      return rest.stage;
     }
 
     /**

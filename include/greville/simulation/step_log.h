@@ -12,12 +12,14 @@ namespace greville
 {
   /**
    * What the parts of a simulation report besides their results: the seconds
-   * that they take on this process, and warnings.
+   * that they take on this process, and warnings; and the words that tell it
+   * from others that go in common steps, such as " of 'Body disk'".
    */
   struct StepLog
   {
     std::map<std::string, double> seconds;
     std::vector<std::string>      warnings;
+    std::string                   of;
   };
 
 
