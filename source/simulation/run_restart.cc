@@ -4,6 +4,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/signals.h>
+#include <greville/simulation/point_fields.h>
 #include <greville/simulation/run.h>
 
 #include <csignal>
@@ -49,11 +50,12 @@ namespace greville
       go_on(read_checkpoint(directory, comm));
     else
       {
+        notes.begin();
         if (!options.from.empty())
           {
             const Checkpoint other = read_checkpoint(options.from, comm);
             for (const auto &refused : other.refused)
-              out << "Warning: " << refused.second << std::endl;
+              notes.warn(refused.second);
             try
               {
                 ensemble.begin_with(other.content);
@@ -74,6 +76,16 @@ namespace greville
         probes.open(probes_file_in(directory));
         next_fields = next_statistics = common().time;
       }
+    std::vector<std::string> fields;
+    for (const OutputField<dim> &field :
+         point_fields(parameters.output.fields, ensemble.bodies(), 0))
+      if (field.is_vector)
+        fields.push_back(field.name);
+      else
+        fields.insert(fields.end(),
+                      field.components.begin(),
+                      field.components.end());
+    notes.write_units(dim, columns(), probes.columns(), fields);
     for (const Body<dim> &body : ensemble.bodies())
       n_points += body.n_points;
     first_step = common().n_steps;
@@ -89,8 +101,8 @@ namespace greville
   {
     for (const auto &refused : checkpoint.refused)
       {
-        out << "Warning: " << refused.second << " It is renamed to <"
-            << refused.first << ".refused>." << std::endl;
+        notes.warn(refused.second + " It is renamed to <" + refused.first +
+                   ".refused>.");
         run_on_first(
           [&]() {
             std::filesystem::rename(refused.first, refused.first + ".refused");
@@ -135,7 +147,8 @@ namespace greville
                     ExcMessage("The run cannot go on from <" + checkpoint.file +
                                ">: " + message_of(error)));
       }
-    is_resumed      = true;
+    is_resumed = true;
+    notes.go_on(common().n_steps);
     const double t  = rounded_up_time();
     next_statistics = next_time(parameters.output.statistics_every, t);
     next_fields     = next_time_of_fields(t);
@@ -202,8 +215,8 @@ namespace greville
         }
       catch (const ErrorOnAll &error)
         {
-          out << "\nWarning: no checkpoint has been written. "
-              << message_of(error) << std::endl;
+          out << '\n';
+          notes.warn("no checkpoint has been written. " + message_of(error));
           last_checkpoint = std::chrono::steady_clock::now();
         }
     if (is_last || signal == 0 || signal == SIGUSR1)

@@ -288,6 +288,7 @@ namespace greville
     is_first_step_of_stage = current.n_steps == 0 || is_stage_finished();
     if (is_stage_finished())
       next_stage();
+    log.newton.clear();
     current.n_rejections = 0;
     proposed             = integrator->propose_step(current);
   }
@@ -522,6 +523,17 @@ namespace greville
   {
     std::vector<std::string> result;
     result.swap(log.warnings);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<NewtonRecord>
+  Simulation<dim>::take_newton()
+  {
+    std::vector<NewtonRecord> result;
+    result.swap(log.newton);
     return result;
   }
 
