@@ -58,7 +58,9 @@ class Table(dict):
 
 
 def column_of(words):
-    """Numbers where all words are numbers; an empty word is none."""
+    """Numbers where all words are numbers or, some of them, empty, which is NaN."""
+    if words and not any(words):
+        return list(words)
     try:
         numbers = [float(word) if word else float("nan") for word in words]
     except ValueError:
