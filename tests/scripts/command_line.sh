@@ -30,7 +30,7 @@ for script in $scripts; do
   for option in -h --help; do
     answers 0 40 "sage: scripts/$script" "scripts/$script" $option
   done
-  answers 2 3 -- "scripts/$script" --no-such-option
+  answers 2 5 "scripts/$script" "scripts/$script" --no-such-option
 done
 answers 2 10 "Usage: scripts/run" scripts/run
 answers 2 1 "-np takes a number of processes." scripts/run -np
