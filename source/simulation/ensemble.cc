@@ -198,6 +198,22 @@ namespace greville
 
 
   template <int dim>
+  std::vector<NewtonRecord>
+  Ensemble<dim>::take_newton()
+  {
+    std::vector<NewtonRecord> result;
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      for (NewtonRecord &record : parts[k]->take_newton())
+        {
+          record.part = k + 1;
+          result.push_back(std::move(record));
+        }
+    return result;
+  }
+
+
+
+  template <int dim>
   std::map<std::string, double>
   Ensemble<dim>::part_times() const
   {

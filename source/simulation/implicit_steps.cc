@@ -432,6 +432,7 @@ namespace greville
       };
     const NewtonResult result = solve_newton(x, problem, parameters.newton);
     print(state, dt, result);
+    log.newton.push_back({state.n_steps + 1, 1, state.time, dt, result});
     if (!result.converged)
       {
         rejection = result.reason + describe_residual();

@@ -85,6 +85,7 @@ namespace greville
     , measured(parameters.reference)
     , fields(directory, parameters.output)
     , probes(parameters.output.probes, ensemble.bodies(), comm)
+    , notes(directory, out, comm)
     , is_terminal(isatty(STDOUT_FILENO) == 1)
   {
     reactions = reactions_of<dim>(parameters);
@@ -115,6 +116,23 @@ namespace greville
   RunSummary
   SimulationRun<dim>::run()
   {
+    try
+      {
+        return run_to_end();
+      }
+    catch (const std::exception &error)
+      {
+        notes.note_error(message_of(error));
+        throw;
+      }
+  }
+
+
+
+  template <int dim>
+  RunSummary
+  SimulationRun<dim>::run_to_end()
+  {
     print_header();
     begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
     if (!is_resumed)
@@ -133,6 +151,7 @@ namespace greville
           }
         catch (const StepGivenUp &error)
           {
+            notes.write(ensemble.take_newton());
             if (is_terminal && parameters.output.print_times)
               out << "\r\033[K" << std::flush;
             AssertThrow(false,
@@ -146,7 +165,8 @@ namespace greville
             print_stage();
           }
         for (const std::string &warning : ensemble.take_warnings())
-          out << "Warning: " << warning << std::endl;
+          notes.warn(warning);
+        notes.write(ensemble.take_newton());
         const bool is_last = ensemble.is_finished();
         write_due(is_last);
         print_progress(is_last);

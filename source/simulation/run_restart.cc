@@ -4,6 +4,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/signals.h>
+#include <greville/simulation/point_fields.h>
 #include <greville/simulation/run.h>
 
 #include <csignal>
@@ -53,11 +54,12 @@ namespace greville
       }
     else
       {
+        std::vector<std::string> warnings;
         if (!options.from.empty())
           {
             const Checkpoint other = read_checkpoint(options.from, comm);
             for (const auto &refused : other.refused)
-              out << "Warning: " << refused.second << std::endl;
+              warnings.push_back(refused.second);
             try
               {
                 ensemble.begin_with(other.content);
@@ -73,6 +75,9 @@ namespace greville
         probes = Probes<dim>(parameters.output.probes, ensemble.bodies(), comm);
         if (options.prepare_folder)
           options.prepare_folder();
+        notes.begin();
+        for (const std::string &warning : warnings)
+          notes.warn(warning);
         statistics_file.open(statistics_file_in(directory),
                              columns(),
                              14,
@@ -80,6 +85,16 @@ namespace greville
         probes.open(probes_file_in(directory));
         next_fields = next_statistics = common().time;
       }
+    std::vector<std::string> fields;
+    for (const OutputField<dim> &field :
+         point_fields(parameters.output.fields, ensemble.bodies(), 0))
+      if (field.is_vector)
+        fields.push_back(field.name);
+      else
+        fields.insert(fields.end(),
+                      field.components.begin(),
+                      field.components.end());
+    notes.write_units(dim, columns(), probes.columns(), fields);
     for (const Body<dim> &body : ensemble.bodies())
       n_points += body.n_points;
     first_step = common().n_steps;
@@ -95,8 +110,8 @@ namespace greville
   {
     for (const auto &refused : checkpoint.refused)
       {
-        out << "Warning: " << refused.second << " It is renamed to <"
-            << refused.first << ".refused>." << std::endl;
+        notes.warn(refused.second + " It is renamed to <" + refused.first +
+                   ".refused>.");
         run_on_first(
           [&]() {
             std::filesystem::rename(refused.first, refused.first + ".refused");
@@ -144,6 +159,7 @@ namespace greville
     is_resumed      = true;
     checkpoint_file = checkpoint.file;
     checkpoint_step = common().n_steps;
+    notes.go_on(common().n_steps);
     const double t  = rounded_up_time();
     next_statistics = next_time(parameters.output.statistics_every, t);
     next_fields     = next_time_of_fields(t);
@@ -276,8 +292,8 @@ namespace greville
         }
       catch (const ErrorOnAll &error)
         {
-          out << "\nWarning: no checkpoint has been written. "
-              << message_of(error) << std::endl;
+          out << '\n';
+          notes.warn("no checkpoint has been written. " + message_of(error));
           last_checkpoint = std::chrono::steady_clock::now();
         }
     if (is_last || signal == 0 || signal == SIGUSR1)

@@ -297,6 +297,7 @@ namespace greville
     is_first_step_of_stage = current.n_steps == 0 || is_stage_finished();
     if (is_stage_finished())
       next_stage();
+    log.newton.clear();
     current.n_rejections = 0;
     propose();
   }
@@ -558,6 +559,17 @@ namespace greville
   {
     std::vector<std::string> result;
     result.swap(log.warnings);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<NewtonRecord>
+  Simulation<dim>::take_newton()
+  {
+    std::vector<NewtonRecord> result;
+    result.swap(log.newton);
     return result;
   }
 

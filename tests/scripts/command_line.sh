@@ -24,12 +24,13 @@ answers() {
 }
 
 scripts="run test fresh_machine stiffness_tables"
-[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume faults"
+[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume faults gallery benchmark \
+   cooks_membrane implicit_tables limit_loads report slope_stability stiffness_growth"
 for script in $scripts; do
   for option in -h --help; do
     answers 0 40 "sage: scripts/$script" "scripts/$script" $option
   done
-  answers 2 3 -- "scripts/$script" --no-such-option
+  answers 2 5 "scripts/$script" "scripts/$script" --no-such-option
 done
 answers 2 10 "Usage: scripts/run" scripts/run
 answers 2 1 "-np takes a number of processes." scripts/run -np

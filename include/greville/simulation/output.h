@@ -187,15 +187,18 @@ namespace greville
     void
     write(const double time, const BodyList<dim> &bodies);
 
+    /**
+     * Those of the file.
+     */
+    std::vector<std::string>
+    columns() const;
+
   private:
     struct Probe
     {
       unsigned int body;
       double       id;
     };
-
-    std::vector<std::string>
-    columns() const;
 
     MPI_Comm           comm;
     std::vector<Probe> probes;

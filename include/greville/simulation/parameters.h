@@ -176,6 +176,7 @@ namespace greville
                                                  "density",
                                                  "body",
                                                  "id",
+                                                 "size",
                                                  "history"};
     std::string              probes;
     bool                     print_times = true;

@@ -7,6 +7,7 @@
 #include <greville/simulation/comparison.h>
 #include <greville/simulation/ensemble.h>
 #include <greville/simulation/output.h>
+#include <greville/simulation/run_notes.h>
 
 #include <chrono>
 #include <functional>
@@ -58,7 +59,8 @@ namespace greville
    * Runs an Ensemble to its end, and shows and writes what a parameter file
    * asks for:
    * - statistics.csv, probes.csv, points.pvd and grid.pvd (grid_BODY.pvd where
-   *   bodies have grids of their own) with their files, summary.json;
+   *   bodies have grids of their own) with their files, summary.json, and
+   *   RunNotes;
    * - checkpoints, from which another run goes on as if nothing had happened;
    * - header, progress and summary on the first process's @p out.
    */
@@ -85,6 +87,12 @@ namespace greville
     run();
 
   private:
+    /**
+     * What run() does, which notes errors besides.
+     */
+    RunSummary
+    run_to_end();
+
     /**
      * Begin as the options want it.
      */
@@ -232,6 +240,7 @@ namespace greville
     FieldOutput<dim>           fields;
     Probes<dim>                probes;
     CsvWriter                  statistics_file;
+    RunNotes                   notes;
     // Walls and components of the forces that are written.
     std::vector<std::pair<unsigned int, unsigned int>> reactions;
     double        next_fields = 0., next_statistics = 0.;

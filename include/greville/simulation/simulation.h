@@ -198,6 +198,12 @@ namespace greville
     take_warnings();
 
     /**
+     * What Newton's method has done in the last step, once.
+     */
+    std::vector<NewtonRecord>
+    take_newton();
+
+    /**
      * Seconds on this process that each task of a step has taken.
      */
     const std::map<std::string, double> &
