@@ -318,16 +318,19 @@ namespace greville
           const hsize_t start[2] = {first + begin, 0};
           const hsize_t count[2] = {n, n_columns};
           const Handle  memory(H5Screate_simple(2, count, nullptr), H5Sclose);
-          if (n > 0)
-            check(H5Sselect_hyperslab(
-              space, H5S_SELECT_SET, start, nullptr, count, nullptr));
-          else
-            {
-              check(H5Sselect_none(space));
-              check(H5Sselect_none(memory));
-            }
-          has_failed =
-            transfer(memory, space, list, begin * n_columns) < 0 || has_failed;
+          // A process that cannot select takes part with no rows.
+          bool is_selected = n > 0 && H5Sselect_hyperslab(space,
+                                                          H5S_SELECT_SET,
+                                                          start,
+                                                          nullptr,
+                                                          count,
+                                                          nullptr) >= 0;
+          has_failed       = has_failed || (n > 0 && !is_selected);
+          if (!is_selected)
+            is_selected =
+              H5Sselect_none(space) >= 0 && H5Sselect_none(memory) >= 0;
+          has_failed = transfer(memory, space, list, begin * n_columns) < 0 ||
+                       !is_selected || has_failed;
         }
       throw_on_all(has_failed ? "HDF5 has failed" : "", comm);
     }
@@ -460,6 +463,17 @@ namespace greville
       AssertThrow(result == 0, ExcMessage(write_error(file)));
     }
   } // namespace
+
+
+
+  std::vector<double>
+  DistributedTable::gather(const MPI_Comm comm) const
+  {
+    std::vector<double> result;
+    for (const auto &part : Utilities::MPI::all_gather(comm, values))
+      result.insert(result.end(), part.begin(), part.end());
+    return result;
+  }
 
 
 

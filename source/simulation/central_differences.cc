@@ -160,35 +160,6 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::add_momentum_of_walls(const VectorField<dim> &x,
-                                                 const VectorField<dim> &b,
-                                                 const unsigned int      k,
-                                                 const double            factor)
-  {
-    if (factor == 0.)
-      return;
-    mass.rows_of_held(work_field, x, b, k);
-    walls.add_held(trial.momentum_of_walls,
-                   [&](const unsigned int c, const unsigned int i) {
-                     return factor * work_field[c].local_element(i);
-                   });
-  }
-
-
-
-  template <int dim>
-  void
-  CentralDifferences<dim>::add_momentum_of_walls(const WallSums<dim> &momentum,
-                                                 const double         factor)
-  {
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      trial.momentum_of_walls[w] += factor * momentum[w];
-  }
-
-
-
-  template <int dim>
-  void
   CentralDifferences<dim>::find_acceleration(State<dim> &state)
   {
     impose_velocities(state.bodies, state.time + 0.5 * trial.step);

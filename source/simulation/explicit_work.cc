@@ -2,7 +2,7 @@
 
 #include <greville/simulation/central_differences.h>
 
-// What CentralDifferences tells the balance of energy.
+// What CentralDifferences tells the balances of energy and momentum.
 namespace greville
 {
   using namespace dealii;
@@ -129,6 +129,35 @@ namespace greville
       momenta[d].add(1. + flip, discretization.momentum()[d]);
     state.energy.add_damping(dt *
                              damping.power(momenta, trial.force, state.time));
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_momentum_of_walls(const VectorField<dim> &x,
+                                                 const VectorField<dim> &b,
+                                                 const unsigned int      k,
+                                                 const double            factor)
+  {
+    if (factor == 0.)
+      return;
+    mass.rows_of_held(work_field, x, b, k);
+    walls.add_held(trial.momentum_of_walls,
+                   [&](const unsigned int c, const unsigned int i) {
+                     return factor * work_field[c].local_element(i);
+                   });
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_momentum_of_walls(const WallSums<dim> &momentum,
+                                                 const double         factor)
+  {
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      trial.momentum_of_walls[w] += factor * momentum[w];
   }
 
 

@@ -118,8 +118,8 @@ namespace greville
     class SurfacesOut : public PatchesOut<0, dim>
     {
     public:
-      SurfacesOut(const std::vector<Surface<dim>> &surfaces,
-                  const std::vector<unsigned int> &bodies)
+      SurfacesOut(const std::vector<Surface<dim>>   &surfaces,
+                  const std::vector<SurfaceNumbers> &numbers)
       {
         for (const std::string name :
              {"velocity", "displacement", "load", "area_vector"})
@@ -145,8 +145,8 @@ namespace greville
                   for (unsigned int d = 0; d < dim; ++d)
                     patch.data(v * dim + d, 0) = vectors[v][d];
                 patch.data(4 * dim, 0)     = area.norm();
-                patch.data(4 * dim + 1, 0) = k;
-                patch.data(4 * dim + 2, 0) = bodies[k];
+                patch.data(4 * dim + 1, 0) = numbers[k].load;
+                patch.data(4 * dim + 2, 0) = numbers[k].body;
                 patch.patch_index          = this->patches.size();
                 this->patches.push_back(patch);
               });
@@ -433,15 +433,15 @@ namespace greville
 
   template <int dim>
   void
-  FieldOutput<dim>::write_surfaces(const double                     time,
-                                   const std::vector<Surface<dim>> &surfaces,
-                                   const std::vector<unsigned int> &bodies,
-                                   const MPI_Comm                   comm,
-                                   const std::string               &body)
+  FieldOutput<dim>::write_surfaces(const double                       time,
+                                   const std::vector<Surface<dim>>   &surfaces,
+                                   const std::vector<SurfaceNumbers> &numbers,
+                                   const MPI_Comm                     comm,
+                                   const std::string                 &body)
   {
     if (surfaces.empty())
       return;
-    SurfacesOut<dim> points(surfaces, bodies);
+    SurfacesOut<dim> points(surfaces, numbers);
     points.set_flags(fast_compression());
     write_next("surface" + (body.empty() ? "" : "_" + body),
                time,

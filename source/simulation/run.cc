@@ -243,18 +243,21 @@ namespace greville
 
 
   template <int dim>
-  std::vector<unsigned int>
-  SimulationRun<dim>::loaded_bodies(const Simulation<dim> &part) const
+  std::vector<SurfaceNumbers>
+  SimulationRun<dim>::numbers_of_surfaces(const Simulation<dim> &part) const
   {
-    std::vector<unsigned int>       bodies;
-    const std::vector<std::string> &names = parameters.general.bodies;
+    const auto place = [](const std::vector<std::string> &names,
+                          const std::string              &name) {
+      return unsigned(std::find(names.begin(), names.end(), name) -
+                      names.begin());
+    };
+    std::vector<SurfaceNumbers> numbers;
     for (const Surface<dim> &surface : part.state().surfaces)
-      bodies.push_back(
-        std::find(names.begin(),
-                  names.end(),
-                  parameters.surface_loads.at(surface.name).body) -
-        names.begin());
-    return bodies;
+      numbers.push_back(
+        {place(parameters.general.surface_loads, surface.name),
+         place(parameters.general.bodies,
+               parameters.surface_loads.at(surface.name).body)});
+    return numbers;
   }
 
 
@@ -278,8 +281,11 @@ namespace greville
         const std::string body =
           parameters.has_body_grids() ? state.bodies[0].name : "";
         if (output.surface_points)
-          fields.write_surfaces(
-            time, part.loaded_surfaces(), loaded_bodies(part), comm, body);
+          fields.write_surfaces(time,
+                                part.loaded_surfaces(),
+                                numbers_of_surfaces(part),
+                                comm,
+                                body);
         if (!output.grid_fields)
           continue;
         GridFields<dim>  grid;

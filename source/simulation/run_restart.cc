@@ -37,20 +37,6 @@ namespace greville
     {
       return directory + "/probes.csv";
     }
-
-
-
-    /**
-     * All rows of a table that the first process has written.
-     */
-    std::vector<double>
-    gathered(const DistributedTable &table, const MPI_Comm comm)
-    {
-      std::vector<double> result;
-      for (const auto &part : Utilities::MPI::all_gather(comm, table.values))
-        result.insert(result.end(), part.begin(), part.end());
-      return result;
-    }
   } // namespace
 
 
@@ -129,11 +115,11 @@ namespace greville
                                "steps' only; with --from a new one begins from "
                                "its end"));
         ensemble.set_from_tables(content);
-        const auto numbers = gathered(content.table(run_name), comm);
+        const auto numbers = content.table(run_name).gather(comm);
         AssertThrow(numbers.size() == run_columns.size(),
                     ExcMessage("its table of the run is another one"));
         largest_front     = numbers[2];
-        const auto series = gathered(content.table(series_name), comm);
+        const auto series = content.table(series_name).gather(comm);
         std::pair<std::vector<double>, std::vector<double>> added;
         for (unsigned int k = 0; k + 1 < series.size(); k += 2)
           {

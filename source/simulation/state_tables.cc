@@ -145,23 +145,6 @@ namespace greville
 
 
     /**
-     * The table of a body or surface, which has its numbers.
-     */
-    template <typename Owner>
-    const DistributedTable &
-    table_for(const Owner &owner, const TablesFile &content)
-    {
-      const DistributedTable &table = content.table(name_of(owner));
-      AssertThrow(table.columns == columns_of(owner.points.layout()),
-                  ExcMessage("the " + name_of(owner) +
-                             " has other numbers at its points there: those "
-                             "of another material, transfer or load"));
-      return table;
-    }
-
-
-
-    /**
      * Give the points of a body or surface the place of those of a file.
      */
     template <int dim, typename Owner>
@@ -170,8 +153,11 @@ namespace greville
                const TablesFile    &content,
                PointTransport<dim> &transport)
     {
-      const DistributedTable &table  = table_for(owner, content);
+      const DistributedTable &table  = content.table(name_of(owner));
       const PointLayout<dim>  layout = owner.points.layout();
+      AssertThrow(table.columns == columns_of(layout),
+                  ExcMessage("the " + name_of(owner) +
+                             " has other numbers at its points there"));
       owner.points.reinit(owner.points.space(), layout);
       transport.insert(owner.points, table.values);
     }
@@ -253,20 +239,6 @@ namespace greville
             field[d](types::global_dof_index(message.second[k])) =
               message.second[k + 1 + d];
     }
-
-
-
-    /**
-     * The only rows of a small table, on all processes.
-     */
-    std::vector<double>
-    all_values(const DistributedTable &table, const MPI_Comm comm)
-    {
-      std::vector<double> result;
-      for (const auto &part : Utilities::MPI::all_gather(comm, table.values))
-        result.insert(result.end(), part.begin(), part.end());
-      return result;
-    }
   } // namespace
 
 
@@ -322,7 +294,7 @@ namespace greville
     const bool     is_first = Utilities::MPI::this_mpi_process(comm) == 0;
 
     const DistributedTable &numbers  = content.table(prefix + "state");
-    const auto              values   = all_values(numbers, comm);
+    const auto              values   = numbers.gather(comm);
     const auto              value_of = [&](const std::string &name) {
       const auto found =
         std::find(numbers.columns.begin(), numbers.columns.end(), name);
@@ -341,7 +313,7 @@ namespace greville
         value = is_first ? std::decay_t<decltype(value)>(value_of(name)) : 0;
       });
     state.estimates.last =
-      all_values(content.table(prefix + "step_estimates"), comm);
+      content.table(prefix + "step_estimates").gather(comm);
     state.slid.clear();
 
     for (const auto &[name, field] : fields_of(state))
@@ -358,7 +330,48 @@ namespace greville
   namespace
   {
     /**
-     * set_points() in the cells of another grid.
+     * The rows of a table with the columns of another layout. Numbers that the
+     * loads and the transfer of a run keep at points are zero where the table
+     * does not have them: loads find their points again, and APIC begins
+     * without an affine velocity.
+     */
+    template <int dim>
+    std::vector<double>
+    rows_with(const PointLayout<dim> &layout,
+              const DistributedTable &table,
+              const std::string      &owner)
+    {
+      const auto               columns  = columns_of(layout);
+      const unsigned int       n_needed = 1 + layout.n_fixed + layout.n_state;
+      constexpr auto           none     = std::string::npos;
+      std::vector<std::size_t> from;
+      for (unsigned int i = 0; i < columns.size(); ++i)
+        {
+          const auto found =
+            std::find(table.columns.begin(), table.columns.end(), columns[i]);
+          const bool is_found = found != table.columns.end();
+          AssertThrow(is_found ||
+                        (i >= n_needed && columns[i].find("initial_F") == none),
+                      ExcMessage("the " + owner + " has no number '" +
+                                 columns[i] +
+                                 "' at its points there: its material, or "
+                                 "what it is initially, is another one"));
+          from.push_back(is_found ? found - table.columns.begin() : none);
+        }
+      std::vector<double> rows;
+      rows.reserve(table.n_rows() * columns.size());
+      for (std::size_t k = 0; k < table.values.size();
+           k += table.columns.size())
+        for (const std::size_t column : from)
+          rows.push_back(column == none ? 0. : table.values[k + column]);
+      return rows;
+    }
+
+
+
+    /**
+     * Give a body or surface the points of another run, in the cells of its own
+     * grid.
      */
     template <int dim, typename Owner>
     void
@@ -366,11 +379,11 @@ namespace greville
                     const TablesFile    &content,
                     Discretization<dim> &discretization)
     {
-      const DistributedTable &table   = table_for(owner, content);
-      const auto             &lattice = discretization.space().lattice();
-      const PointLayout<dim>  layout  = owner.points.layout();
-      std::vector<double>     rows    = table.values;
-      std::ostringstream      message;
+      const auto            &lattice = discretization.space().lattice();
+      const PointLayout<dim> layout  = owner.points.layout();
+      std::vector<double>    rows =
+        rows_with(layout, content.table(name_of(owner)), name_of(owner));
+      std::ostringstream message;
       for (std::size_t k = 0; k < rows.size(); k += layout.size + 1)
         {
           const Point<dim> x =

@@ -148,6 +148,35 @@ namespace
 
 
   /**
+   * Files of a grid of a body have the numbers of the whole run.
+   */
+  void
+  check_numbers_of_surfaces()
+  {
+    run(block_2d("box(0.1, 0.1, 0.3, 0.3)", 8)
+          .with("Simulation",
+                {"Bodies = body, other", "Surface loads = first, second"})
+          .with("Grid", {"Per body = true"})
+          .with("Scheme", {"Formulation = total Lagrangian"})
+          .with("Body body", {"Placement = fitted"})
+          .with("Body other",
+                {"Material = solid",
+                 "Shape = box(0.6, 0.6, 0.8, 0.8)",
+                 "Placement = fitted"})
+          .with("Surface load first", {"Body = other", "Traction = 1; 0"})
+          .with("Surface load second", {"Body = body", "Traction = 1; 0"})
+          .with("Time", {"End = 0.001"}),
+        "numbers");
+    for (const unsigned int b : {0, 1})
+      for (const auto &point : read(b == 0 ? "numbers/surface_body_0000.pvtu"
+                                           : "numbers/surface_other_0000.pvtu"))
+        check("numbers of surfaces",
+              point.at("surface_load") == 1. - b && point.at("body") == b);
+  }
+
+
+
+  /**
    * A second run begins where the first one ends, to the precision of files.
    */
   void
@@ -195,6 +224,7 @@ main(int argc, char **argv)
   Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   check_grid_and_surfaces("USL");
   check_grid_and_surfaces("newmark");
+  check_numbers_of_surfaces();
 
   const Text disks = block_2d("ball(0.3, 0.5, 0.19)", 16)
                        .with("Simulation", {"Bodies = body, other"})

@@ -229,6 +229,37 @@ main(int argc, char **argv)
             1e-10 * (1. + std::abs(end[k])));
   }
 
+  // Other loads, and another transfer; another law of the material is refused.
+  const Text pulled =
+    next.with("Simulation", {"Tractions = pull"})
+      .with("Traction pull",
+            {"Shape = box(0.2, 0, 0.6, 0.1)", "Traction = 0; 8", "Area = 0.4"});
+  const auto last_momentum = [&]() {
+    const auto lines =
+      Utilities::split_string_list(content_of("next/statistics.csv"), '\n');
+    return Utilities::string_to_double(
+      Utilities::split_string_list(lines.back(), ','));
+  };
+  {
+    const auto without = last_momentum();
+    check("with a traction", run(pulled, "next", from).empty());
+    const auto with = last_momentum();
+    // Time, dt, mass, momenta: what the traction gives in this time.
+    check("momentum of the traction",
+          std::abs(with[4] - without[4] - 3.2 * (with[0] - 5.)),
+          0.3 * 3.2 * (with[0] - 5.));
+    check(
+      "APIC",
+      run(pulled.with("Scheme", {"Transfer = APIC"}), "next", from).empty());
+  }
+  check_message("another material",
+                run(next.with("Material solid",
+                              {"Model = drucker-prager",
+                               "Friction angle = 30"}),
+                    "next",
+                    from),
+                "its material, or what it is initially, is another one");
+
   // A signal ends a run, which goes on.
   {
     // An alarm raises it on one process while the run is there.

@@ -27,6 +27,12 @@ namespace greville
     {
       return columns.empty() ? 0 : values.size() / columns.size();
     }
+
+    /**
+     * Collective. The values of all rows, on all processes: of small tables.
+     */
+    std::vector<double>
+    gather(const MPI_Comm comm) const;
   };
 
 

@@ -15,6 +15,17 @@
 namespace greville
 {
   /**
+   * What files call a surface: the places of its load and of the body that it
+   * belongs to in 'Simulation/Surface loads' and 'Simulation/Bodies'.
+   */
+  struct SurfaceNumbers
+  {
+    unsigned int load = 0, body = 0;
+  };
+
+
+
+  /**
    * What grid_NNNN.pvtu has. Vectors have no ghost values.
    */
   template <int dim>
@@ -72,16 +83,17 @@ namespace greville
 
     /**
      * Collective. Write the points of loads on surfaces: the number of the load
-     * and that of its body, load (Pa per initial area), normal today times
-     * area, area, velocity and displacement. Writes nothing where there are
-     * none. Those of one of several grids have the name of its @p body.
+     * and that of its body, which @p numbers has for each surface, load (Pa per
+     * initial area), normal today times area, area, velocity and displacement.
+     * Writes nothing where there are none. Those of one of several grids have
+     * the name of its @p body.
      */
     void
-    write_surfaces(const double                     time,
-                   const std::vector<Surface<dim>> &surfaces,
-                   const std::vector<unsigned int> &bodies,
-                   const MPI_Comm                   comm,
-                   const std::string               &body = "");
+    write_surfaces(const double                       time,
+                   const std::vector<Surface<dim>>   &surfaces,
+                   const std::vector<SurfaceNumbers> &numbers,
+                   const MPI_Comm                     comm,
+                   const std::string                 &body = "");
 
     /**
      * What has been written: lines with name, time and file, separated by

@@ -170,10 +170,10 @@ namespace greville
     write_fields();
 
     /**
-     * The numbers of the bodies with the surfaces of a part.
+     * Those of the surfaces of a part.
      */
-    std::vector<unsigned int>
-    loaded_bodies(const Simulation<dim> &part) const;
+    std::vector<SurfaceNumbers>
+    numbers_of_surfaces(const Simulation<dim> &part) const;
 
     /**
      * What is due after a step.

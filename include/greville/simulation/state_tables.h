@@ -49,9 +49,10 @@ namespace greville
   /**
    * Collective. Give the bodies and surfaces of @p state, the initial one of
    * another simulation, the points of those of the same name in @p content. The
-   * grid, and what else begins anew, may be another one. Throws
-   * dealii::ExcMessage where a body or surface is not there, has other numbers
-   * at its points, or does not lie in the grid.
+   * grid, and what else begins anew, may be another one. What loads and APIC
+   * keep at points is zero where the other simulation did not have it. Throws
+   * dealii::ExcMessage where a body or surface is not there, has another
+   * material, or does not lie in the grid.
    */
   template <int dim>
   void
