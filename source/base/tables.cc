@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/disk.h>
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/base/tables.h>
@@ -8,7 +9,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
 #include <hdf5.h>
 #include <sstream>
@@ -452,15 +452,20 @@ namespace greville
 
 
 
-    void
-    write_to_disk(const std::string &file)
+    /**
+     * The bytes of a file with the content of all processes, and some more.
+     */
+    std::uint64_t
+    size_of(const TablesFile &content, const MPI_Comm comm)
     {
-      const int descriptor = open(file.c_str(), O_RDONLY);
-      if (descriptor < 0)
-        return;
-      const int result = fsync(descriptor);
-      close(descriptor);
-      AssertThrow(result == 0, ExcMessage(write_error(file)));
+      std::uint64_t own = 0;
+      for (const DistributedTable &table : content.tables)
+        own += table.values.size() * sizeof(double);
+      std::uint64_t size =
+        sum_of(own, comm) + size_of_headers * (1 + content.tables.size());
+      for (const auto &[name, text] : content.texts)
+        size += name.size() + text.size();
+      return size;
     }
   } // namespace
 
@@ -496,78 +501,6 @@ namespace greville
     AssertThrow(found != texts.end(), ExcMessage("there is no text " + name));
     return found->second;
   }
-
-
-
-  namespace
-  {
-    /**
-     * The system's reason why a file cannot be written on, "No space left on
-     * device. ", or nothing. What MPI-IO met is no longer known: it is tried
-     * again at the end of the file.
-     */
-    std::string
-    system_reason(const std::string &file)
-    {
-      const int descriptor = open(file.c_str(), O_WRONLY | O_APPEND);
-      int       error      = descriptor < 0 ? errno : 0;
-      errno                = 0;
-      if (descriptor >= 0)
-        {
-          const std::vector<char> zeros(1 << 16, 0);
-          if (write(descriptor, zeros.data(), zeros.size()) !=
-              ssize_t(zeros.size()))
-            error = errno != 0 ? errno : ENOSPC;
-          else if (fsync(descriptor) != 0)
-            error = errno;
-          close(descriptor);
-        }
-      return error == 0 ? "" : std::string(std::strerror(error)) + ". ";
-    }
-
-
-
-    /**
-     * The bytes of a file with the content of all processes, and some more.
-     */
-    std::uint64_t
-    size_of(const TablesFile &content, const MPI_Comm comm)
-    {
-      std::uint64_t own = 0;
-      for (const DistributedTable &table : content.tables)
-        own += table.values.size() * sizeof(double);
-      std::uint64_t size =
-        sum_of(own, comm) + size_of_headers * (1 + content.tables.size());
-      for (const auto &[name, text] : content.texts)
-        size += name.size() + text.size();
-      return size;
-    }
-
-
-
-    /**
-     * Make an empty file on a disk with room for @p size bytes. A full disk is
-     * found here, where the system says so, and not by HDF5, which would try to
-     * write what is left when the program ends.
-     */
-    void
-    make_file(const std::string &file, const std::uint64_t size)
-    {
-      errno = 0;
-      const int descriptor =
-        open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-      AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
-      // Not all file systems can tell.
-      const bool has_room = fallocate(descriptor, 0, 0, off_t(size)) == 0 ||
-                            errno == EOPNOTSUPP || errno == ENOSYS ||
-                            errno == ENODEV;
-      const std::string message = write_error(file);
-      close(descriptor);
-      if (!has_room)
-        unlink(file.c_str());
-      AssertThrow(has_room, ExcMessage(message));
-    }
-  } // namespace
 
 
 

@@ -17,8 +17,6 @@ namespace greville
   {
     /// What the points have to have after the step.
     dealii::Tensor<1, dim> expected;
-    /// The sum of the absolute values of its parts.
-    double size = 0.;
 
     /**
      * Add @p factor times the sum over the owned coefficients.
@@ -38,7 +36,6 @@ namespace greville
     add(const dealii::Tensor<1, dim> &momentum)
     {
       expected += momentum;
-      size += momentum.norm();
     }
   };
 
