@@ -5,6 +5,7 @@
 #include <greville/simulation/discretization.h>
 #include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/initial_state.h>
+#include <greville/simulation/load_balance.h>
 #include <greville/simulation/step_errors.h>
 
 #include <algorithm>
@@ -101,8 +102,26 @@ namespace greville
                          to_point<dim>(parameters.grid.upper),
                          to_multi_index<dim>(parameters.grid.cells),
                          Walls<dim>::periodic_directions(parameters.walls));
-    balance_load(mesh, parameters, loads);
+    cell_partition =
+      std::make_shared<const Partition>(std::vector<double>(), comm);
+    repartition(std::make_shared<const Partition>(
+      initial_partition(mesh, parameters, loads)));
     reinit();
+  }
+
+
+
+  template <int dim>
+  bool
+  Discretization<dim>::repartition(
+    const std::shared_ptr<const Partition> &partition)
+  {
+    if (Utilities::MPI::n_mpi_processes(comm) == 1 || partition->n_rows == 0 ||
+        partition->is_same(*cell_partition))
+      return false;
+    repartition_mesh(mesh, *partition, parameters.load_balance);
+    cell_partition = partition;
+    return true;
   }
 
 

@@ -4,6 +4,7 @@
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
 #include <greville/simulation/implicit_scheme.h>
+#include <greville/simulation/load_balance.h>
 #include <greville/simulation/run.h>
 
 #include <algorithm>
@@ -107,6 +108,9 @@ namespace greville
       columns.push_back(reaction_name(wall, component));
     if (!parameters.stages.empty())
       columns.push_back("stage");
+    if (parameters.output.load)
+      columns.insert(columns.end(),
+                     {"largest_load", "imbalance", "partitions"});
     return columns;
   }
 
@@ -340,6 +344,17 @@ namespace greville
       values.push_back(row.reactions[wall][component]);
     if (!parameters.stages.empty())
       values.push_back(common().stage + 1);
+    if (parameters.output.load)
+      {
+        // Of all parts, which go in common steps.
+        const double work =
+          ensemble.sum([](const Simulation<dim> &part) { return part.work(); });
+        values.push_back(Utilities::MPI::max(work, comm));
+        values.push_back(imbalance(work, comm));
+        values.push_back(ensemble.sum([](const Simulation<dim> &part) {
+          return part.state().n_partitions;
+        }));
+      }
     statistics_file.write(values);
     last_written_statistics = common().n_steps;
   }

@@ -123,12 +123,14 @@ namespace greville
       {
         const std::string changes =
           describe_changes(content.text("parameters"), parameters.used());
-        AssertThrow(changes.empty(),
-                    ExcMessage("these parameters have changed: " + changes +
-                               ". A run goes on with others in 'Output', "
-                               "'Checkpoints', 'Time/End' and 'Time/Maximum "
-                               "steps' only; with --from a new one begins from "
-                               "its end"));
+        AssertThrow(
+          changes.empty(),
+          ExcMessage(
+            "these parameters have changed: " + changes +
+            ". A run goes on with others in 'Output', "
+            "'Checkpoints', 'Load balance', 'Time/End' and 'Time/Maximum "
+            "steps' only; with --from a new one begins from "
+            "its end"));
         ensemble.set_from_tables(content);
         const auto numbers = content.table(run_name).gather(comm);
         AssertThrow(numbers.size() == run_columns.size(),

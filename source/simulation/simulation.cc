@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/simulation/initial_state.h>
+#include <greville/simulation/load_balance.h>
 #include <greville/simulation/move_points.h>
 #include <greville/simulation/simulation.h>
 #include <greville/simulation/state_tables.h>
@@ -19,6 +20,10 @@ namespace greville
   {
     // Steps between two snapshots.
     constexpr unsigned int remember_every = 50;
+
+    // The imbalance that cells are shared anew for, over the one that the last
+    // time has left.
+    constexpr double worth_it = 1.05;
 
     // Times that a step is rejected.
     constexpr unsigned int most_rejections = 20;
@@ -74,6 +79,7 @@ namespace greville
     if (!parameters.stages.empty())
       start_stage();
     guard.start(current);
+    current.imbalance = imbalance(work(), comm);
     good.take(current);
   }
 
@@ -206,11 +212,16 @@ namespace greville
   Simulation<dim>::set_state(const State<dim> &state)
   {
     AssertDimension(state.bodies.size(), current.bodies.size());
-    if (state.stage != entered_stage || !integrator)
-      enter_stage(state.stage);
-    current = state;
-    discretization.mass().forget();
-    integrator->forget();
+    const bool is_here =
+      !state.partition || state.partition->is_same(*current.partition);
+    const bool goes_on = is_here && integrator && state.stage == entered_stage;
+    if (!is_here)
+      {
+        integrator.reset();
+        discretization.repartition(state.partition);
+      }
+    current           = state;
+    current.partition = discretization.partition();
     // It may be that of another simulation, which is gone before this one.
     for (Body<dim> &body : current.bodies)
       {
@@ -221,6 +232,10 @@ namespace greville
       }
     for (Surface<dim> &surface : current.surfaces)
       surface.points.set_space(discretization.space());
+    if (!goes_on)
+      enter_stage(state.stage);
+    discretization.mass().forget();
+    integrator->forget();
     guard.weigh(current);
     good.take(current);
   }
@@ -232,11 +247,65 @@ namespace greville
   Simulation<dim>::begin_with(const TablesFile &content)
   {
     set_points_from_tables(current, content, discretization);
+    share_cells();
     enter_stage(0);
     loads.find_points(current.bodies, comm);
     start_stage();
     guard.start(current);
     good.take(current);
+  }
+
+
+
+  template <int dim>
+  double
+  Simulation<dim>::work() const
+  {
+    return work_of_process(current, space(), parameters.load_balance);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::share_cells()
+  {
+    const auto partition = std::make_shared<const Partition>(
+      balanced_partition(current, space(), parameters.load_balance));
+    if (Utilities::MPI::n_mpi_processes(comm) == 1 ||
+        partition->is_same(*current.partition))
+      return;
+    // What refers to the spaces of before, and the memory of a copy.
+    integrator.reset();
+    good = Snapshot<dim>();
+    redistribute(current, discretization, partition);
+    ++current.n_partitions;
+    current.imbalance = imbalance(work(), comm);
+    integrator        = make_time_integrator<dim>(
+      parameters.scheme.stress_update,
+      {parameters, discretization, loads, current, log});
+    good.take(current);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::balance_load()
+  {
+    const LoadBalanceParameters &when = parameters.load_balance;
+    const unsigned int           n    = current.n_steps;
+    if (Utilities::MPI::n_mpi_processes(comm) == 1 || n == 0)
+      return;
+    const bool is_due   = when.every_steps > 0 && n % when.every_steps == 0;
+    const bool compares = when.threshold > 0. && n % when.check_every == 0;
+    if (!is_due && !compares)
+      return;
+    const PartTimer timer(log, "load balance");
+    // Where cells are few, no partition is below the threshold.
+    if (is_due || imbalance(work(), comm) >
+                    std::max(when.threshold, worth_it * current.imbalance))
+      share_cells();
   }
 
 
@@ -380,6 +449,8 @@ namespace greville
   void
   Simulation<dim>::step_together(const std::vector<Simulation *> &simulations)
   {
+    for (Simulation *simulation : simulations)
+      simulation->balance_load();
     for (Simulation *simulation : simulations)
       simulation->remember();
     // Whose turn it is, and the step that is being tried.

@@ -213,6 +213,21 @@ namespace greville
     }
 
     /**
+     * The work of this process in a step, see work_of_process().
+     */
+    double
+    work() const;
+
+    /**
+     * Collective. Share the cells among the processes so that each has the same
+     * share of the work as it is now, between two steps. Spaces and masses are
+     * others after that. The results do not depend on it but by round-off and
+     * the tolerances of solvers.
+     */
+    void
+    share_cells();
+
+    /**
      * Bytes of the points on this process, with those of the state to go back
      * to.
      */
@@ -237,6 +252,12 @@ namespace greville
      */
     void
     start_stage();
+
+    /**
+     * share_cells() where the parameters want it before this step.
+     */
+    void
+    balance_load();
 
     /**
      * What is due before a step: a copy to go back to, and the next stage.

@@ -8,10 +8,12 @@
 #include <greville/particles/points_copy.h>
 #include <greville/particles/surface.h>
 #include <greville/simulation/energy_balance.h>
+#include <greville/simulation/partition.h>
 
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace greville
@@ -128,6 +130,12 @@ namespace greville
     /// process, N (2D: N / m): the momentum that they gave in the step of the
     /// velocities, over its length.
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
+
+    /// How the cells are shared among processes, how often they were shared
+    /// anew, and the imbalance() that the last time has left.
+    std::shared_ptr<const Partition> partition;
+    unsigned int                     n_partitions = 0;
+    double                           imbalance    = 1.;
 
     double warned_gain   = 0.; // of energy
     double last_kinetic  = 0.; // see KineticDamping
