@@ -6,6 +6,7 @@
 #include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/step_errors.h>
+#include <greville/spline/coarse_cells.h>
 
 #include <algorithm>
 #include <cmath>
@@ -101,6 +102,12 @@ namespace greville
                          to_point<dim>(parameters.grid.upper),
                          to_multi_index<dim>(parameters.grid.cells),
                          Walls<dim>::periodic_directions(parameters.walls));
+    const std::string warning =
+      describe_many_coarse_cells<dim>(to_multi_index<dim>(
+                                        parameters.grid.cells),
+                                      Utilities::MPI::n_mpi_processes(comm));
+    if (!warning.empty())
+      log.warnings.push_back(warning);
     balance_load(mesh, parameters, loads);
     reinit();
   }
