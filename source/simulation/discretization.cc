@@ -7,6 +7,7 @@
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/load_balance.h>
 #include <greville/simulation/step_errors.h>
+#include <greville/spline/coarse_cells.h>
 
 #include <algorithm>
 #include <cmath>
@@ -106,6 +107,12 @@ namespace greville
       std::make_shared<const Partition>(std::vector<double>(), comm);
     repartition(std::make_shared<const Partition>(
       initial_partition(mesh, parameters, loads)));
+    const std::string warning =
+      describe_many_coarse_cells<dim>(to_multi_index<dim>(
+                                        parameters.grid.cells),
+                                      Utilities::MPI::n_mpi_processes(comm));
+    if (!warning.empty())
+      log.warnings.push_back(warning);
     reinit();
   }
 

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 namespace greville
@@ -581,17 +582,40 @@ namespace greville
     result.active     = mass().n_active();
     result.fragments  = mass().n_fragments();
     result.redone     = current.n_all_rejections;
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      result.reactions[w] = Utilities::MPI::sum(current.reactions[w], comm);
-    result.work.gravity   = current.energy.work(EnergyBalance::gravity, comm);
-    result.work.loads     = current.energy.work(EnergyBalance::loads, comm);
-    result.work.walls     = current.energy.work(EnergyBalance::walls, comm);
-    result.work.obstacles = current.energy.work(EnergyBalance::obstacles, comm);
-    result.work.friction  = current.energy.friction(comm);
-    result.work.damping   = current.energy.damping(comm);
+    // All sums over processes are one message.
+    std::vector<std::pair<std::string, double>> sums;
+    const auto add = [&](const std::string &name, const double own) {
+      sums.emplace_back(name, own);
+    };
+    current.energy.visit_numbers(
+      EnergyBalance::surfaces + current.surfaces.size(),
+      [](const std::string &, const double) {},
+      add);
+    for (const Tensor<1, dim> &reaction : current.reactions)
+      for (unsigned int d = 0; d < dim; ++d)
+        add("reaction", reaction[d]);
+    std::vector<double> values;
+    for (const auto &sum : sums)
+      values.push_back(sum.second);
+    Utilities::MPI::sum(values, comm, values);
+    std::map<std::string, double> energy;
+    for (unsigned int k = 0; k < sums.size(); ++k)
+      energy[sums[k].first] = values[k];
+    const auto work = [&](const unsigned int source) {
+      return energy.at("work_" + std::to_string(source));
+    };
+    result.work.gravity   = work(EnergyBalance::gravity);
+    result.work.loads     = work(EnergyBalance::loads);
+    result.work.walls     = work(EnergyBalance::walls);
+    result.work.obstacles = work(EnergyBalance::obstacles);
+    result.work.friction  = energy.at("friction");
+    result.work.damping   = energy.at("damping");
     for (unsigned int k = 0; k < current.surfaces.size(); ++k)
-      result.work.surfaces.push_back(
-        current.energy.work(EnergyBalance::surfaces + k, comm));
+      result.work.surfaces.push_back(work(EnergyBalance::surfaces + k));
+    auto value = values.end() - 2 * dim * dim;
+    for (Tensor<1, dim> &reaction : result.reactions)
+      for (unsigned int d = 0; d < dim; ++d)
+        reaction[d] = *value++;
     result.loads =
       loads.surfaces().resultants(current.surfaces, current.time, comm);
     return result;

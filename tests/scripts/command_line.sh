@@ -25,6 +25,7 @@ answers() {
 
 scripts="run test fresh_machine stiffness_tables"
 [ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume faults gallery benchmark check_docs \
+   long_runs performance \
    cooks_membrane implicit_tables limit_loads report slope_stability stiffness_growth"
 for script in $scripts; do
   for option in -h --help; do
