@@ -4,6 +4,8 @@
 // owned once, all processes agree on its number, and the coefficients of the
 // Greville points reproduce x on each cell.
 
+#include <greville/spline/coarse_cells.h>
+
 #include <map>
 #include <tests.h>
 
