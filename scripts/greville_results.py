@@ -266,7 +266,7 @@ class Run:
     statistics, probes      Tables
     newton                  a Table: iterations of Newton's method; None with explicit steps
     summary                 summary.json as a dict; empty while the run goes on, or has failed
-    messages                [(kind, text)], where kind is Warning or Error
+    messages                [(kind, text)], where kind is Warning, Error or Note
     unit(file, column)      of units.csv, such as unit("points.pvd", "velocity")
     times                   those of the points
     points(k), grid(k), surface(k)   Fields at the kth time; names=[...] reads those only

@@ -162,6 +162,8 @@ namespace greville
   RunNotes::go_on(const unsigned int n_steps)
   {
     last_step = n_steps;
+    append("Note",
+           "The run goes on after step " + std::to_string(n_steps) + ".");
   }
 
 

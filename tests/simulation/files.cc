@@ -93,6 +93,8 @@ namespace
                        units.end(),
                        "statistics.csv,momentum_y,kg / s") == 1);
 
+    // All have read the files.
+    MPI_Barrier(MPI_COMM_WORLD);
     if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
       {
         std::ofstream("newton/newton.csv", std::ios::app)
@@ -108,6 +110,9 @@ namespace
     options.resumes = true;
     run_quietly("newton/parameters.prm", options);
     const auto more = lines_of("newton/newton.csv");
+    check("a note",
+          lines_of("newton/messages.log").back() ==
+            "Note: The run goes on after step 2.");
     check("newton.csv goes on",
           more.size() > rows.size() &&
             std::equal(rows.begin(), rows.end(), more.begin()) &&

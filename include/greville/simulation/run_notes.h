@@ -14,7 +14,8 @@ namespace greville
 {
   /**
    * What a run notes in its folder besides sums and fields:
-   * - messages.log, warnings and the error that has ended the run, a line each;
+   * - messages.log, warnings, the error that has ended the run, and where it
+   *   goes on after that, a line each;
    * - newton.csv, the iterations of Newton's method of all steps that it has
    *   solved or given up;
    * - units.csv, the units of all columns and fields of the other files.
