@@ -284,29 +284,31 @@ namespace greville
     current.imbalance = imbalance(work(), comm);
     integrator        = make_time_integrator<dim>(
       parameters.scheme.stress_update,
-      {parameters, discretization, loads, current, log});
+      {parameters, discretization, loads, current, log, guard});
     good.take(current);
   }
 
 
 
   template <int dim>
-  void
+  bool
   Simulation<dim>::balance_load()
   {
     const LoadBalanceParameters &when = parameters.load_balance;
     const unsigned int           n    = current.n_steps;
     if (Utilities::MPI::n_mpi_processes(comm) == 1 || n == 0)
-      return;
+      return false;
     const bool is_due   = when.every_steps > 0 && n % when.every_steps == 0;
     const bool compares = when.threshold > 0. && n % when.check_every == 0;
     if (!is_due && !compares)
-      return;
+      return false;
     const PartTimer timer(log, "load balance");
     // Where cells are few, no partition is below the threshold.
-    if (is_due || imbalance(work(), comm) >
-                    std::max(when.threshold, worth_it * current.imbalance))
-      share_cells();
+    if (!is_due && imbalance(work(), comm) <=
+                     std::max(when.threshold, worth_it * current.imbalance))
+      return false;
+    share_cells();
+    return true;
   }
 
 
@@ -450,10 +452,16 @@ namespace greville
   void
   Simulation<dim>::step_together(const std::vector<Simulation *> &simulations)
   {
+    bool is_shared = false;
     for (Simulation *simulation : simulations)
-      simulation->balance_load();
+      is_shared = simulation->balance_load() || is_shared;
     for (Simulation *simulation : simulations)
-      simulation->remember();
+      {
+        simulation->remember();
+        // All of them keep the state of the same step.
+        if (is_shared)
+          simulation->good.take(simulation->current);
+      }
     // Whose turn it is, and the step that is being tried.
     Simulation *at_hand  = simulations.front();
     double      dt       = at_hand->proposed;

@@ -254,9 +254,10 @@ namespace greville
     start_stage();
 
     /**
-     * share_cells() where the parameters want it before this step.
+     * share_cells() where the parameters want it before this step. Returns
+     * whether they do.
      */
-    void
+    bool
     balance_load();
 
     /**
