@@ -162,9 +162,9 @@ main(int argc, char **argv)
   const std::string many =
     describe_many_coarse_cells<3>({{500, 500, 250}}, 10000);
   check("many coarse cells",
-        many.find("<500, 500, 250>, which makes 3.90625e+06 coarse") !=
+        many.find("<500, 500, 250>, which makes 7.8125e+06 coarse") !=
             std::string::npos &&
-          many.find("<512, 512, 256> makes 256.") != std::string::npos);
+          many.find("<512, 512, 256> makes 4.") != std::string::npos);
   check("coarse cells fewer than those of a process",
         describe_many_coarse_cells<3>({{500, 500, 250}}, 1).empty());
   check("few coarse cells",
