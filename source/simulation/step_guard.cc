@@ -30,10 +30,10 @@ namespace greville
     // explicit scheme is stable with waves that are half as fast.
     constexpr double most_cells_of_points = 1., most_cells_of_waves = 3.;
 
-    // The part of the mass times the fastest signal that rounding may change of
-    // the momentum; with iterative solvers and in implicit steps.
-    constexpr double momentum_tolerance           = 1e-8;
-    constexpr double iterative_momentum_tolerance = 1e-6;
+    // The part of the mass times the fastest signal that rounding, and
+    // functions of hardly any mass, may change of the momentum; and iterative
+    // solvers.
+    constexpr double momentum_tolerance = 1e-6;
 
     /**
      * The sum of n values, of which several go side by side: one alone waits
@@ -289,10 +289,8 @@ namespace greville
   {
     const bool is_exact = discretization.mass().is_diagonal() &&
                           !is_implicit_scheme(parameters.scheme.stress_update);
-    const double tolerance =
-      is_exact ? momentum_tolerance : iterative_momentum_tolerance;
     const double difference = (found - expected).norm();
-    if (difference <= tolerance * size)
+    if (difference <= momentum_tolerance * size)
       return;
     std::ostringstream message;
     message << "the points have the momentum (" << found
