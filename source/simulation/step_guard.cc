@@ -297,8 +297,8 @@ namespace greville
             << ") kg m / s, and what they had and forces and walls have given "
                "is ("
             << expected << ") kg m / s: the difference is " << difference / size
-            << " of the sum of absolute values, and may be " << tolerance
-            << ". The usual cause is "
+            << " of the mass times the fastest signal, and may be "
+            << momentum_tolerance << ". The usual cause is "
             << (is_exact ? "an error of the program, or of another one that "
                            "changes points or grid in a step"
                          : "a solver of the mass matrix that is not accurate "
