@@ -229,10 +229,13 @@ namespace greville
         body.parameters = &parameters.bodies.at(body.name);
         body.material =
           parameters.materials.at(body.parameters->material).get();
-        body.points.set_space(discretization.space());
+        if (goes_on)
+          body.points.set_space(discretization.space());
       }
-    for (Surface<dim> &surface : current.surfaces)
-      surface.points.set_space(discretization.space());
+    // A stage that is entered makes the spaces anew, and gives them to points.
+    if (goes_on)
+      for (Surface<dim> &surface : current.surfaces)
+        surface.points.set_space(discretization.space());
     if (!goes_on)
       enter_stage(state.stage);
     discretization.mass().forget();
