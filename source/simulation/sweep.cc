@@ -222,14 +222,19 @@ namespace greville
             std::to_string(row.parameters.grid.degree) + "_" +
             std::to_string(row.cells);
           check_other_folder(options, folder, comm);
-          const RunFolder own(folder,
-                              "Output/Directory",
-                              what_of_earlier(parameters, options),
-                              comm);
+          RunFolder own(folder,
+                        "Output/Directory",
+                        what_of_earlier(parameters, options),
+                        comm);
           // Those that had not begun begin now.
           RunOptions own_options = options;
           own_options.resumes =
             options.resumes && has_checkpoints(folder, comm);
+          own_options.prepare_folder = [&]() {
+            if (k == 0)
+              options.prepare_folder();
+            own.make_room();
+          };
           SimulationRun<dim> run(
             row.parameters, folder, out, comm, own_options);
           try
@@ -269,19 +274,24 @@ namespace greville
       AssertThrow(failures.empty(),
                   ExcMessage("Runs of 'Sweep' failed:" + failures));
     }
+
+
+
     template <int dim>
     void
-    run_one(const SimulationParameters  &parameters,
-            const std::string           &directory,
-            std::ostream                &out,
-            const MPI_Comm               comm,
-            const RunOptions            &options,
-            const std::function<void()> &write_parameters)
+    run_all(const SimulationParameters &parameters,
+            const std::string          &directory,
+            std::ostream               &out,
+            const MPI_Comm              comm,
+            const RunOptions           &options)
     {
-      SimulationRun<dim> run(parameters, directory, out, comm, options);
-      if (options.resumes)
-        write_parameters();
-      run.run();
+      const SweepParameters &sweep = parameters.sweep;
+      if (!sweep.cells.empty() || !sweep.degrees.empty() ||
+          !sweep.formulations.empty() || !sweep.masses.empty() ||
+          !sweep.quadratures.empty())
+        run_sweep<dim>(parameters, directory, out, comm, options);
+      else
+        SimulationRun<dim>(parameters, directory, out, comm, options).run();
     }
   } // namespace
 
@@ -307,34 +317,23 @@ namespace greville
                   : parameters.output.directory;
     check_other_folder(options, directory, comm);
     const SignalCatcher signals;
-    const RunFolder     folder(directory,
-                           parameters.output.directory.empty()
-                                 ? "Simulation/Name"
-                                 : "Output/Directory",
-                           what_of_earlier(parameters, options),
-                           comm);
-    const auto          write_parameters = [&]() {
+    RunFolder           folder(directory,
+                     parameters.output.directory.empty() ? "Simulation/Name"
+                                                                   : "Output/Directory",
+                     what_of_earlier(parameters, options),
+                     comm);
+    RunOptions          options_of_run = options;
+    options_of_run.prepare_folder      = [&]() {
+      folder.make_room();
       run_on_first(
         [&]() {
           write_atomically(directory + "/parameters.prm", parameters.used());
         },
         comm);
     };
-    // A run that goes on replaces them when it has accepted them.
-    if (!options.resumes)
-      write_parameters();
-
-    const SweepParameters &sweep = parameters.sweep;
-    const bool is_sweep = !sweep.cells.empty() || !sweep.degrees.empty() ||
-                          !sweep.formulations.empty() ||
-                          !sweep.masses.empty() || !sweep.quadratures.empty();
-    if (is_sweep && parameters.general.dimension == 2)
-      run_sweep<2>(parameters, directory, out, comm, options);
-    else if (is_sweep)
-      run_sweep<3>(parameters, directory, out, comm, options);
-    else if (parameters.general.dimension == 2)
-      run_one<2>(parameters, directory, out, comm, options, write_parameters);
+    if (parameters.general.dimension == 2)
+      run_all<2>(parameters, directory, out, comm, options_of_run);
     else
-      run_one<3>(parameters, directory, out, comm, options, write_parameters);
+      run_all<3>(parameters, directory, out, comm, options_of_run);
   }
 } // namespace greville
