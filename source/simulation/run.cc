@@ -5,6 +5,7 @@
 #include <greville/base/parameters.h>
 #include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/run.h>
+#include <greville/simulation/run_header.h>
 
 #include <algorithm>
 #include <cmath>
@@ -115,7 +116,7 @@ namespace greville
   RunSummary
   SimulationRun<dim>::run()
   {
-    print_header();
+    print_header(out, ensemble, parameters, comm);
     begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
     if (!is_resumed)
       {
@@ -141,7 +142,7 @@ namespace greville
           {
             last_stage = common().stage;
             out << '\n';
-            print_stage();
+            print_stage(out, ensemble, parameters);
           }
         for (const std::string &warning : ensemble.take_warnings())
           out << "Warning: " << warning << std::endl;
