@@ -11,6 +11,7 @@
 #include <cmath>
 #include <fcntl.h>
 #include <filesystem>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace greville
@@ -115,6 +116,7 @@ namespace greville
         if (!error)
           out.open(file, std::ios::app);
         AssertThrow(out.is_open(), ExcMessage(write_error(file)));
+        size = n_bytes;
       },
       comm);
   }
@@ -161,6 +163,15 @@ namespace greville
           out << (k > 0 ? "," : "") << words[k];
         out << std::endl;
         AssertThrow(out, ExcMessage(write_error(file)));
+        // Lines would go to a file that nobody finds any more.
+        struct stat named;
+        AssertThrow(stat(file.c_str(), &named) == 0,
+                    ExcMessage(write_error(file)));
+        AssertThrow(inode == 0 || inode == named.st_ino,
+                    ExcMessage("Cannot write <" + file +
+                               ">: another file has taken its place."));
+        inode = named.st_ino;
+        size  = named.st_size;
       },
       comm);
   }

@@ -89,11 +89,11 @@ namespace greville
   std::string
   first_of_all(const std::string &message, const MPI_Comm comm)
   {
-    if (Utilities::MPI::max(int(!message.empty()), comm) > 0)
-      for (const std::string &m : Utilities::MPI::all_gather(comm, message))
-        if (!m.empty())
-          return m;
-    return "";
+    // The process that says it, not a list of what all say.
+    const unsigned int n     = Utilities::MPI::n_mpi_processes(comm);
+    const unsigned int first = Utilities::MPI::min(
+      message.empty() ? n : Utilities::MPI::this_mpi_process(comm), comm);
+    return first == n ? "" : Utilities::MPI::broadcast(comm, message, first);
   }
 
 

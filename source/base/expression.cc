@@ -161,7 +161,7 @@ namespace greville
           message.pop_back();
         parser->fail("is no function of " +
                      boost::algorithm::join(variables, ", ") + ": " + message +
-                     " (doc/formulas.md has all functions).");
+                     " (doc/user/formulas.md has all functions).");
       }
     catch (const ExceptionBase &error)
       {

@@ -25,7 +25,8 @@ namespace greville
     results_in(const std::string &folder)
     {
       static const std::regex names(
-        R"((parameters\.prm|summary\.json|(statistics|probes|convergence)\.csv)"
+        R"((parameters\.prm|summary\.json|messages\.log|)"
+        R"((statistics|probes|newton|units|convergence)\.csv)"
         R"(|(points|grid|surface)[A-Za-z0-9_-]*\.(pvd|pvtu|vtu)|)"
         R"((points|grid|surface)\w*_[0-9]+\.[0-9]+\.vtu|)"
         R"(checkpoint_[0-9]+\.h5(\.new|\.refused)?)(\.tmp)?)");
@@ -40,20 +41,12 @@ namespace greville
 
 
     void
-    treat_earlier_results(const std::string   &folder,
-                          const std::string   &parameter,
-                          const EarlierResults earlier)
+    move_or_remove_results(const std::string &folder, const bool remove)
     {
       const auto results = results_in(folder);
-      if (results.empty() || earlier == EarlierResults::keep)
+      if (results.empty())
         return;
-      AssertThrow(earlier != EarlierResults::refuse,
-                  ExcMessage("The folder <" + folder + "> of the parameter '" +
-                             parameter + "' has results of an earlier run, <" +
-                             results[0].filename().string() +
-                             "> for instance, and 'Output/Earlier results' = "
-                             "refuse."));
-      if (earlier == EarlierResults::remove)
+      if (remove)
         {
           for (const auto &file : results)
             std::filesystem::remove(file);
@@ -78,23 +71,47 @@ namespace greville
                        const EarlierResults earlier,
                        const MPI_Comm       comm)
     : folder(path)
+    , parameter(parameter)
+    , earlier(earlier)
+    , comm(comm)
   {
     run_on_first(
       [&]() {
         create_folder(folder, parameter);
-        lock(parameter);
+        lock();
+        if (earlier != EarlierResults::refuse)
+          return;
+        const auto results = results_in(folder);
+        if (results.empty())
+          return;
+        release();
+        AssertThrow(false,
+                    ExcMessage("The folder <" + folder +
+                               "> of the parameter '" + parameter +
+                               "' has results of an earlier run, <" +
+                               results[0].filename().string() +
+                               "> for instance, and 'Output/Earlier results' "
+                               "= refuse."));
+      },
+      comm);
+  }
+
+
+
+  void
+  RunFolder::make_room()
+  {
+    if (earlier != EarlierResults::move_aside &&
+        earlier != EarlierResults::remove)
+      return;
+    run_on_first(
+      [&]() {
         try
           {
-            treat_earlier_results(folder, parameter, earlier);
-          }
-        catch (const ExceptionBase &)
-          {
-            release();
-            throw;
+            move_or_remove_results(folder, earlier == EarlierResults::remove);
           }
         catch (const std::filesystem::filesystem_error &error)
           {
-            release();
             AssertThrow(false,
                         ExcMessage("Earlier results in the folder <" + folder +
                                    "> of the parameter '" + parameter +
@@ -108,7 +125,7 @@ namespace greville
 
 
   void
-  RunFolder::lock(const std::string &parameter)
+  RunFolder::lock()
   {
     const std::string file = folder + "/lock";
     errno                  = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/disk.h>
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/base/tables.h>
@@ -8,7 +9,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
 #include <hdf5.h>
 #include <sstream>
@@ -27,6 +27,14 @@ namespace greville
     // int.
     constexpr hsize_t most_elements = 1u << 27;
 
+    // Bytes of what HDF5 adds to the content of a file, and of a table in it.
+    constexpr std::uint64_t size_of_headers = 4096;
+
+
+
+    std::string
+    reason_of_hdf5();
+
 
 
     /**
@@ -39,7 +47,7 @@ namespace greville
         : id(id)
         , close(close)
       {
-        AssertThrow(id >= 0, ExcMessage("HDF5 has failed"));
+        AssertThrow(id >= 0, ExcMessage(reason_of_hdf5()));
       }
 
       Handle(const Handle &) = delete;
@@ -63,7 +71,7 @@ namespace greville
       {
         const hid_t closed = id;
         id                 = -1;
-        AssertThrow(close(closed) >= 0, ExcMessage("HDF5 cannot close"));
+        AssertThrow(close(closed) >= 0, ExcMessage(reason_of_hdf5()));
       }
 
     private:
@@ -73,10 +81,31 @@ namespace greville
 
 
 
+    /**
+     * What HDF5 says of the last call, which has failed: the innermost of its
+     * messages, with the reason of the system where there is one.
+     */
+    std::string
+    reason_of_hdf5()
+    {
+      std::string text;
+      const auto  keep =
+        [](unsigned, const H5E_error2_t *error, void *found) -> herr_t {
+        auto &words = *static_cast<std::string *>(found);
+        if (words.empty() && error->desc != nullptr)
+          words = error->desc;
+        return 0;
+      };
+      H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, +keep, &text);
+      return "HDF5 has failed" + (text.empty() ? "" : ": " + text);
+    }
+
+
+
     void
     check(const herr_t result)
     {
-      AssertThrow(result >= 0, ExcMessage("HDF5 has failed"));
+      AssertThrow(result >= 0, ExcMessage(reason_of_hdf5()));
     }
 
 
@@ -89,6 +118,10 @@ namespace greville
     public:
       Silence()
       {
+        // At the end of the program, a file that could not be written would be
+        // tried again, without MPI.
+        static const herr_t no_end = H5dont_atexit();
+        (void)no_end;
         H5Eget_auto2(H5E_DEFAULT, &function, &data);
         H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
       }
@@ -419,15 +452,20 @@ namespace greville
 
 
 
-    void
-    write_to_disk(const std::string &file)
+    /**
+     * The bytes of a file with the content of all processes, and some more.
+     */
+    std::uint64_t
+    size_of(const TablesFile &content, const MPI_Comm comm)
     {
-      const int descriptor = open(file.c_str(), O_RDONLY);
-      if (descriptor < 0)
-        return;
-      const int result = fsync(descriptor);
-      close(descriptor);
-      AssertThrow(result == 0, ExcMessage(write_error(file)));
+      std::uint64_t own = 0;
+      for (const DistributedTable &table : content.tables)
+        own += table.values.size() * sizeof(double);
+      std::uint64_t size =
+        sum_of(own, comm) + size_of_headers * (1 + content.tables.size());
+      for (const auto &[name, text] : content.texts)
+        size += name.size() + text.size();
+      return size;
     }
   } // namespace
 
@@ -474,17 +512,10 @@ namespace greville
     const std::string unfinished = file + ".new";
     const Silence     silence;
     std::string       message;
+    const auto        size = size_of(content, comm);
     // A file that cannot be made is found by the first process alone, so that
     // MPI-IO does not report it from all.
-    run_on_first(
-      [&]() {
-        errno = 0;
-        const int descriptor =
-          open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-        AssertThrow(descriptor >= 0, ExcMessage(write_error(unfinished)));
-        close(descriptor);
-      },
-      comm);
+    run_on_first([&]() { make_file(unfinished, size); }, comm);
     try
       {
         const Handle access = parallel_access(comm);
@@ -500,9 +531,10 @@ namespace greville
           write_table(handle, table, comm);
         handle.finish();
       }
-    catch (const std::exception &)
+    catch (const std::exception &error)
       {
-        message = write_error(unfinished);
+        message = "Cannot write <" + unfinished +
+                  ">: " + system_reason(unfinished) + message_of(error) + ".";
       }
     message = first_of_all(message, comm);
     run_on_first(

@@ -74,12 +74,34 @@ namespace greville
 
 
 
+    template <int dim>
+    std::string
+    place_text(const SplineSpace<dim> &space,
+               const unsigned int      cell,
+               const Point<dim>       &x,
+               const std::string      &word)
+    {
+      std::ostringstream text;
+      text << "at (";
+      for (unsigned int d = 0; d < dim; ++d)
+        text << (d > 0 ? ", " : "") << x[d];
+      text << ") m, " << word << " the cell (";
+      const auto index =
+        multi_index<dim>(space.owned_cells()[cell], space.lattice().n_cells());
+      for (unsigned int d = 0; d < dim; ++d)
+        text << (d > 0 ? ", " : "") << index[d];
+      return text.str() + ")";
+    }
+
+
+
     /**
      * Name what is wrong with a point of a group, if it is the first.
      */
     template <int dim>
     void
     report_bad_point(const MaterialPoints<dim> &points,
+                     const unsigned int         cell,
                      const unsigned int         g,
                      const unsigned int         count,
                      PointReport               &report)
@@ -100,6 +122,8 @@ namespace greville
           else
             reason << "its state is infinite or NaN (J = " << J << ", velocity "
                    << p.velocity(0) << " m/s in x)";
+          reason << "; it is "
+                 << place_text<dim>(points.space(), cell, p.position(), "from");
           report.bad_reason = reason.str();
         }
     }
@@ -141,14 +165,18 @@ namespace greville
       using Layout = PointLayout<dim>;
       const unsigned int first_affine =
         Kind::apic ? points.layout().first("affine") : 0;
-      constexpr int      first_w        = Kind::has_v ? dim : 0;
-      constexpr int      first_a        = first_w + (Kind::has_w ? dim : 0);
-      constexpr int      n_fields       = first_a + (Kind::has_a ? dim : 0);
-      constexpr int      first_gradient = Kind::has_w ? first_w : 0;
-      constexpr int      n_functions    = power(n, dim);
-      constexpr int      n_z            = dim == 3 ? n : 1;
-      constexpr bool     derivatives    = Kind::deform;
-      Simd               fastest = 0., fastest_wave = 0.;
+      constexpr int  first_w        = Kind::has_v ? dim : 0;
+      constexpr int  first_a        = first_w + (Kind::has_w ? dim : 0);
+      constexpr int  n_fields       = first_a + (Kind::has_a ? dim : 0);
+      constexpr int  first_gradient = Kind::has_w ? first_w : 0;
+      constexpr int  n_functions    = power(n, dim);
+      constexpr int  n_z            = dim == 3 ? n : 1;
+      constexpr bool derivatives    = Kind::deform;
+      Simd           fastest = 0., fastest_wave = 0.;
+      Simd           mass = 0., crossed = 0.;
+      Simd           momentum[dim];
+      Simd           smallest_J = report.sums.smallest_J, largest_J = 0.;
+      std::fill_n(momentum, dim, Simd(0.));
       const bool         total     = points.layout().is_total_lagrangian();
       const unsigned int initial_F = points.layout().initial_F;
 
@@ -292,9 +320,17 @@ namespace greville
                 {
                   if (total)
                     load_numbers<dim>(group, Layout::position, x);
+                  if constexpr (!Kind::kick)
+                    load_numbers<dim>(group, Layout::velocity, v);
+                  const Simd m =
+                    lane_is_used * load(group + Layout::mass * simd_width);
+                  mass += m;
                   for (int i = 0; i < dim; ++i)
                     {
-                      x[i] += update.step * lane_is_used * fields[i];
+                      const Simd way = update.step * lane_is_used * fields[i];
+                      momentum[i] += m * v[i];
+                      crossed = max(crossed, abs(way) * geometry.inverse_h[i]);
+                      x[i] += way;
                       const Simd t =
                         (x[i] - geometry.center[i]) * geometry.inverse_h[i];
                       left = left || (!total && !all_of(abs(t) < 0.5));
@@ -342,11 +378,15 @@ namespace greville
                           increment[0][0] * increment[1][2] * increment[2][1];
                   const Simd J = det * load(group + Layout::J * simd_width);
                   store(J, group + Layout::J * simd_width);
+                  Simd used_J                      = J;
+                  where(lane_is_used < 1., used_J) = 1.;
+                  smallest_J                       = min(smallest_J, used_J);
+                  largest_J                        = max(largest_J, used_J);
 
                   if (update.material
                         ? !update_material(points, g, count, increment, update)
                         : !all_of(J > 0.))
-                    report_bad_point(points, g, count, report);
+                    report_bad_point(points, cell, g, count, report);
 
                   // c^2 = modulus / density
                   Simd v2 = 0.;
@@ -371,8 +411,25 @@ namespace greville
         }
       report.fastest_signal = hmax(fastest);
       report.fastest_wave   = hmax(fastest_wave);
+      report.sums.mass      = reduce(mass);
+      for (int i = 0; i < dim; ++i)
+        report.sums.momentum[i] = reduce(momentum[i]);
+      report.sums.crossed    = hmax(crossed);
+      report.sums.smallest_J = hmin(smallest_J);
+      report.sums.largest_J  = hmax(largest_J);
     }
   } // namespace
+
+
+
+  template <int dim>
+  std::string
+  describe_place(const SplineSpace<dim> &space,
+                 const unsigned int      cell,
+                 const Point<dim>       &x)
+  {
+    return place_text<dim>(space, cell, x, "in");
+  }
 
 
 
@@ -381,15 +438,19 @@ namespace greville
   PointTransfer<dim>::grid_to_points(MaterialPoints<dim>    &points,
                                      const PointUpdate<dim> &update)
   {
-    const bool kick   = update.acceleration != nullptr;
-    const bool deform = update.deformation != nullptr;
-    const bool same   = update.deformation == update.velocity;
-    Assert(update.velocity || !(kick || update.move), ExcInternalError());
+    const bool kick    = update.acceleration != nullptr;
+    const bool deform  = update.deformation != nullptr;
+    const bool same    = update.deformation == update.velocity;
+    const bool is_flip = !update.apic && update.flip == 1.;
+    Assert(update.velocity || !(update.move || (kick && !is_flip)),
+           ExcMessage("Points that move, and kicks of PIC and APIC, need a "
+                      "velocity of the grid."));
     Assert(!update.apic || points.layout().find("affine"), ExcInternalError());
 
     std::vector<const VectorField<dim> *> fields;
+    // A kick of FLIP does not look at it, but at its place in the buffer.
     if (kick || update.move || (deform && same))
-      fields.push_back(update.velocity);
+      fields.push_back(update.velocity ? update.velocity : update.acceleration);
     if (deform && !same)
       fields.push_back(update.deformation);
     if (kick && !update.apic)
@@ -442,6 +503,8 @@ namespace greville
 
 
 
+  template decltype(describe_place<2>) describe_place<2>;
+  template decltype(describe_place<3>) describe_place<3>;
   template class PointTransfer<2>;
   template class PointTransfer<3>;
 } // namespace greville

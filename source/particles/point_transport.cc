@@ -109,6 +109,7 @@ namespace greville
         if (is_outside)
           {
             ++result.n_removed;
+            result.removed_mass += p.mass();
             // NaN is the worse.
             if (std::isfinite(result.outside_position.norm()))
               {

@@ -32,6 +32,7 @@ namespace greville
     , walls(discretization.walls())
     , loads(parts.loads)
     , log(parts.log)
+    , guard(parts.guard)
     , apic(parameters.scheme.transfer == "APIC")
     , half_steps(parameters.time.velocities == "half steps")
     , damping(parameters.loads, discretization)
@@ -167,6 +168,7 @@ namespace greville
                         discretization.transfer(),
                         state.velocity_time,
                         state.velocity_time + trial.velocity_step);
+    fail_with([&]() { loads.gravity(state.time); }, false);
     {
       const PartTimer timer(log, "loads");
       const auto      set = [&]() {
@@ -184,7 +186,9 @@ namespace greville
     const double dt           = trial.velocity_step;
     const double share        = kept_share(state);
     trial.momentum_of_walls   = {};
+    trial.momentum            = {};
     discretization.sum(state, stress_first ? nullptr : &trial.force);
+    trial.momentum.add(discretization.momentum(), 1.);
     trial.velocity = state.velocity;
     std::swap(trial.acceleration, state.acceleration);
     const WallTime after  = wall_time(state);
@@ -231,7 +235,25 @@ namespace greville
                               1. - share);
         add_momentum_of_walls(trial.acceleration, trial.force, 1, dt);
       }
+    trial.momentum.add(trial.force, dt);
     damping.damp(trial.acceleration, trial.force, state.time);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::tell_guard(const State<dim> &state)
+  {
+    guard.set(trial.motion);
+    // Obstacles and damping take some that nobody adds up, and reconstructions
+    // are not the points.
+    if (obstacles || damping.factor(state.time) != 0. ||
+        parameters.scheme.quadrature != "points")
+      return;
+    for (const Tensor<1, dim> &given : trial.momentum_of_walls)
+      trial.momentum.add(given);
+    guard.set(trial.momentum);
   }
 
 
@@ -554,6 +576,7 @@ namespace greville
                                       trial.motion.left_surface_cells);
     fail_on_all(trial.motion.problem.empty() ? problem : trial.motion.problem,
                 discretization.communicator());
+    tell_guard(state);
 
     state.signals = signals();
     std::swap(state.velocity, trial.new_velocity);

@@ -17,7 +17,7 @@ namespace greville
   namespace
   {
     // The number changes with the meaning of texts and tables.
-    constexpr const char *format = "Greville checkpoint 1";
+    constexpr const char *format = "Greville checkpoint 2";
 
     constexpr const char *prefix = "checkpoint_";
 
@@ -84,7 +84,8 @@ namespace greville
                                  end.size(),
                                  end) == 0;
       };
-      for (const std::string section : {"Output/", "Checkpoints/"})
+      for (const std::string section :
+           {"Output/", "Checkpoints/", "Load balance/"})
         if (parameter.rfind(section, 0) == 0)
           return parameter != "Output/Probes";
       return is("Time/End") || is("Time/Maximum steps");

@@ -167,7 +167,24 @@ namespace greville
   {
     if (series.empty())
       return;
-    times.push_back(statistics.time / parameters.time_unit);
+    const double time = statistics.time / parameters.time_unit;
+    // Of the values between two neighbouring measured times those that are next
+    // to these are enough, however many steps a run takes.
+    const std::size_t n = times.size();
+    if (n > 1)
+      {
+        const double before = times[n - 2];
+        const bool   is_between =
+          std::none_of(series.begin(), series.end(), [&](const auto &row) {
+            return row[0] > before && row[0] <= time;
+          });
+        if (is_between)
+          {
+            times.pop_back();
+            values.pop_back();
+          }
+      }
+    times.push_back(time);
     values.push_back(statistics.values()[quantity] / parameters.value_unit);
   }
 

@@ -5,7 +5,9 @@
 #include <greville/simulation/discretization.h>
 #include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/initial_state.h>
+#include <greville/simulation/load_balance.h>
 #include <greville/simulation/step_errors.h>
+#include <greville/spline/coarse_cells.h>
 
 #include <algorithm>
 #include <cmath>
@@ -101,8 +103,32 @@ namespace greville
                          to_point<dim>(parameters.grid.upper),
                          to_multi_index<dim>(parameters.grid.cells),
                          Walls<dim>::periodic_directions(parameters.walls));
-    balance_load(mesh, parameters, loads);
+    cell_partition =
+      std::make_shared<const Partition>(std::vector<double>(), comm);
+    repartition(std::make_shared<const Partition>(
+      initial_partition(mesh, parameters, loads)));
+    const std::string warning =
+      describe_many_coarse_cells<dim>(to_multi_index<dim>(
+                                        parameters.grid.cells),
+                                      Utilities::MPI::n_mpi_processes(comm));
+    if (!warning.empty())
+      log.warnings.push_back(warning);
     reinit();
+  }
+
+
+
+  template <int dim>
+  bool
+  Discretization<dim>::repartition(
+    const std::shared_ptr<const Partition> &partition)
+  {
+    if (Utilities::MPI::n_mpi_processes(comm) == 1 || partition->n_rows == 0 ||
+        partition->is_same(*cell_partition))
+      return false;
+    repartition_mesh(mesh, *partition, parameters.load_balance);
+    cell_partition = partition;
+    return true;
   }
 
 
@@ -320,19 +346,20 @@ namespace greville
     const std::vector<std::vector<unsigned int>> &left_cells,
     const std::vector<std::vector<unsigned int>> &left_surface_cells)
   {
-    const PartTimer            timer(log, "transport");
-    std::string                problem;
-    std::uint64_t              n_points = 0;
-    std::vector<std::uint64_t> counts(3); // all, free, removed
+    const PartTimer timer(log, "transport");
+    std::string     problem;
+    // All points, free ones, removed ones, and the mass of the last: integers
+    // are exact in doubles.
+    std::vector<double> counts(4);
     for (unsigned int b = 0; b < state.bodies.size(); ++b)
       {
         Body<dim> &body   = state.bodies[b];
         const auto result = point_transport.move(body.points, left_cells[b]);
-        n_points += body.n_points;
         counts[0] += body.points.n_points();
         if (!body.rigid_motion)
           counts[1] += body.points.n_points();
         counts[2] += result.n_removed;
+        counts[3] += result.removed_mass;
         state.n_sent += result.n_sent;
         if (result.n_removed > 0 && problem.empty() &&
             (parameters.scheme.outside == "error" ||
@@ -368,13 +395,11 @@ namespace greville
       }
     state.points_have_changed();
     Utilities::MPI::sum(counts, comm, counts);
-    state.n_free = counts[1];
-    state.n_removed += counts[2];
-    AssertThrow(counts[0] + state.n_removed == n_points,
-                ExcMessage(
-                  "Points got lost: there are " + std::to_string(counts[0]) +
-                  " and " + std::to_string(state.n_removed) +
-                  " were removed, of " + std::to_string(n_points) + "."));
+    state.n_points = std::uint64_t(counts[0]);
+    state.n_free   = std::uint64_t(counts[1]);
+    state.n_removed += std::uint64_t(counts[2]);
+    state.removed_mass += state.mass_removed_last;
+    state.mass_removed_last = counts[3];
     return problem;
   }
 

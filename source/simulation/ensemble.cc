@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/simulation/body_grids.h>
 #include <greville/simulation/ensemble.h>
 #include <greville/simulation/state_tables.h>
@@ -17,6 +18,9 @@ namespace greville
   {
     for (const auto &part : split_by_grids<dim>(parameters, comm))
       parts.push_back(std::make_unique<Simulation<dim>>(part, comm));
+    for (const auto &part : parts)
+      if (parts.size() > 1)
+        part->set_label(" of 'Body " + part->bodies()[0].name + "'");
   }
 
 
@@ -71,8 +75,22 @@ namespace greville
   Ensemble<dim>::set_state(const std::vector<State<dim>> &states)
   {
     AssertDimension(states.size(), parts.size());
-    for (unsigned int k = 0; k < parts.size(); ++k)
-      parts[k]->set_state(states[k]);
+    // Only a stage that cannot be entered fails: then all parts go back.
+    std::vector<State<dim>> before;
+    for (unsigned int k = 0; k < parts.size() && before.empty(); ++k)
+      if (states[k].stage != part(k).state().stage)
+        before = state();
+    try
+      {
+        for (unsigned int k = 0; k < parts.size(); ++k)
+          parts[k]->set_state(states[k]);
+      }
+    catch (const ErrorOnAll &)
+      {
+        for (unsigned int k = 0; k < before.size(); ++k)
+          parts[k]->set_state(before[k]);
+        throw;
+      }
   }
 
 
@@ -104,12 +122,16 @@ namespace greville
   void
   Ensemble<dim>::set_from_tables(const TablesFile &content)
   {
+    std::vector<State<dim>> states;
     for (unsigned int k = 0; k < parts.size(); ++k)
       {
-        State<dim> state = parts[k]->state();
-        greville::set_from_tables(state, content, parts[k]->grid(), prefix(k));
-        parts[k]->set_state(state);
+        states.push_back(parts[k]->state());
+        greville::set_from_tables(states[k],
+                                  content,
+                                  parts[k]->grid(),
+                                  prefix(k));
       }
+    set_state(states);
   }
 
 
@@ -170,6 +192,22 @@ namespace greville
         result.push_back(
           (parts.size() > 1 ? "Body " + part->bodies()[0].name + ": " : "") +
           warning);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<NewtonRecord>
+  Ensemble<dim>::take_newton()
+  {
+    std::vector<NewtonRecord> result;
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      for (NewtonRecord &record : parts[k]->take_newton())
+        {
+          record.part = k + 1;
+          result.push_back(std::move(record));
+        }
     return result;
   }
 

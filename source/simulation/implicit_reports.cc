@@ -197,7 +197,7 @@ namespace greville
     for (unsigned int k = 0; k < result.iterations.size(); ++k)
       {
         const NewtonIteration &row = result.iterations[k];
-        text << "  step " << state.n_steps + 1 << ", dt = " << dt
+        text << "  step " << state.n_steps + 1 << log.of << ", dt = " << dt
              << " s, iteration " << k << ": residual " << row.residual << " ("
              << row.relative << ")";
         if (k > 0)

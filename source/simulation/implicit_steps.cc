@@ -22,6 +22,7 @@ namespace greville
     , discretization(parts.discretization)
     , loads(parts.loads)
     , log(parts.log)
+    , guard(parts.guard)
     , scheme(make_implicit_scheme(name, parameters.implicit))
     , system(
         parameters.grid.degree,
@@ -89,10 +90,16 @@ namespace greville
                                 const double      t,
                                 VectorField<dim> &sums)
   {
-    const Tensor<1, dim> g = loads.gravity(t);
+    Tensor<1, dim> g;
+    fail_with([&]() { g = loads.gravity(t); }, false);
     if (loads.act_on_points())
       {
-        loads.set(state.bodies, t);
+        fail_with(
+          [&]() {
+            run_on_all([&]() { loads.set(state.bodies, t); },
+                       discretization.communicator());
+          },
+          false);
         discretization.sum(state, &sums);
       }
     for (unsigned int d = 0; d < dim; ++d)
@@ -425,6 +432,7 @@ namespace greville
       };
     const NewtonResult result = solve_newton(x, problem, parameters.newton);
     print(state, dt, result);
+    log.newton.push_back({state.n_steps + 1, 1, state.time, dt, result});
     if (!result.converged)
       {
         rejection = result.reason + describe_residual();
@@ -494,10 +502,15 @@ namespace greville
                            discretization.cell_size(),
                            state.first_signal,
                            dt);
+    MomentumBalance<dim> momentum;
     if (scheme.is_static)
       stop_points(state);
     else
       {
+        const VectorType &lumped = discretization.lumped_mass();
+        momentum.add(discretization.momentum(), kick.flip);
+        momentum.add(lumped, state.acceleration, kick.flip * dt);
+        momentum.add(lumped, velocity, 1. - kick.flip);
         PointMotion kicked = update_points(state.bodies,
                                            discretization.transfer(),
                                            kick,
@@ -525,6 +538,8 @@ namespace greville
                                       motion.left_surface_cells);
     fail_on_all(motion.problem.empty() ? problem : motion.problem,
                 discretization.communicator());
+    guard.set(motion);
+    guard.set(momentum);
     double speeds[2] = {motion.fastest_signal, motion.fastest_wave};
     Utilities::MPI::max(ArrayView<const double>(speeds, 2),
                         discretization.communicator(),

@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/simulation/initial_state.h>
+#include <greville/simulation/load_balance.h>
 
 #include <algorithm>
 #include <cmath>
@@ -184,16 +185,16 @@ namespace greville
 
 
   template <int dim>
-  void
-  balance_load(DistributedTriangulation<dim> &mesh,
-               const SimulationParameters    &parameters,
-               const Loads<dim>              &loads)
+  Partition
+  initial_partition(DistributedTriangulation<dim> &mesh,
+                    const SimulationParameters    &parameters,
+                    const Loads<dim>              &loads)
   {
-    if (Utilities::MPI::n_mpi_processes(mesh.get_communicator()) == 1)
-      return;
-    // The work of a point is about four times that of an empty cell.
-    const SplineSpace<dim>    cells(mesh, 1);
-    std::vector<unsigned int> weights(cells.owned_cells().size(), 1);
+    const MPI_Comm comm = mesh.get_communicator();
+    if (Utilities::MPI::n_mpi_processes(comm) == 1)
+      return Partition({}, comm);
+    const SplineSpace<dim>     cells(mesh, 1);
+    std::vector<std::uint64_t> counts(cells.owned_cells().size(), 0);
     for (const std::string &name : parameters.general.bodies)
       {
         Body<dim> body = make_body<dim>(name, parameters);
@@ -202,14 +203,9 @@ namespace greville
                     loads.gravity(parameters.time.start),
                     PointLayout<dim>(body.material->state_names()));
         for (const unsigned int cell : body.points.cells())
-          weights[cell] += 4 * body.points.n_points(cell);
+          counts[cell] += body.points.n_points(cell);
       }
-    const auto connection =
-      mesh.signals.weight.connect([&](const auto &cell, const auto) {
-        return weights[cells.cell_number(cell)];
-      });
-    mesh.repartition();
-    connection.disconnect();
+    return partition_by_points(counts, cells, parameters.load_balance);
   }
 
 
@@ -263,7 +259,8 @@ namespace greville
           state.n_free += body.n_points;
         state.bodies.push_back(std::move(body));
       }
-    state.surfaces = loads.surfaces().make_surfaces(state.bodies, space);
+    state.partition = discretization.partition();
+    state.surfaces  = loads.surfaces().make_surfaces(state.bodies, space);
     for (Surface<dim> &surface : state.surfaces)
       {
         const auto moved =
@@ -290,8 +287,8 @@ namespace greville
 
 
 
-  template decltype(balance_load<2>)       balance_load<2>;
-  template decltype(balance_load<3>)       balance_load<3>;
+  template decltype(initial_partition<2>)  initial_partition<2>;
+  template decltype(initial_partition<3>)  initial_partition<3>;
   template decltype(initial_signals<2>)    initial_signals<2>;
   template decltype(initial_signals<3>)    initial_signals<3>;
   template decltype(make_initial_state<2>) make_initial_state<2>;

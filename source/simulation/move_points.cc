@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/simulation/move_points.h>
 
 #include <algorithm>
@@ -20,14 +21,16 @@ namespace greville
 
     /**
      * Points with an imposed velocity go on by @p dt. Returns the cells that
-     * they leave, and their largest speed.
+     * they leave, and their largest speed. @p sums get their mass, and what
+     * they cross.
      */
     template <int dim>
     std::pair<std::vector<unsigned int>, double>
-    move_rigidly(MaterialPoints<dim> &points, const double dt)
+    move_rigidly(MaterialPoints<dim> &points, const double dt, PointSums &sums)
     {
       std::vector<unsigned int> left;
-      double                    speed = 0.;
+      double                    speed   = 0.;
+      const auto               &lattice = points.space().lattice();
       points.for_each([&](const unsigned int cell, PointRef<dim> p) {
         double square = 0.;
         for (unsigned int d = 0; d < dim; ++d)
@@ -35,7 +38,10 @@ namespace greville
             const double v = p.velocity(d);
             p.position(d) += dt * v;
             square += v * v;
+            sums.crossed =
+              std::max(sums.crossed, std::abs(dt * v) / lattice.cell_size(d));
           }
+        sums.mass += p.mass();
         speed = std::max(speed, std::sqrt(square));
         if (!points.is_inside(cell, p) && (left.empty() || left.back() != cell))
           left.push_back(cell);
@@ -51,6 +57,7 @@ namespace greville
   {
     fastest_signal = std::max(fastest_signal, before.fastest_signal);
     fastest_wave   = std::max(fastest_wave, before.fastest_wave);
+    sums.add(before.sums);
     if (!before.problem.empty())
       problem = before.problem;
   }
@@ -129,14 +136,27 @@ namespace greville
           {
             if (!update.move)
               continue;
-            const auto [left, speed] = move_rigidly(body.points, update.step);
-            motion.left_cells[b]     = left;
-            motion.fastest_signal    = std::max(motion.fastest_signal, speed);
+            const auto [left, speed] =
+              move_rigidly(body.points, update.step, motion.sums);
+            motion.left_cells[b]  = left;
+            motion.fastest_signal = std::max(motion.fastest_signal, speed);
             continue;
           }
         update.material           = body.material;
         update.strength_reduction = body.material->strength_reduction(time);
-        const PointReport report = transfer.grid_to_points(body.points, update);
+        PointReport report;
+        // A law may throw on one process, and the next body is moved by all.
+        try
+          {
+            report = transfer.grid_to_points(body.points, update);
+          }
+        catch (const std::exception &error)
+          {
+            if (motion.problem.empty())
+              motion.problem = "the law of the body '" + body.name +
+                               "' has failed: " + message_of(error);
+          }
+        motion.sums.add(report.sums);
         motion.fastest_signal =
           std::max(motion.fastest_signal, report.fastest_signal);
         motion.fastest_wave =

@@ -270,12 +270,12 @@ namespace greville
       const unsigned int process     = Utilities::MPI::this_mpi_process(comm);
       const std::string  numbered =
         name + "_" + Utilities::int_to_string(number, 4);
-      std::vector<std::string> pieces;
-      for (unsigned int k = 0; k < n_processes; ++k)
-        pieces.push_back(
-          numbered + "." +
-          Utilities::int_to_string(k, Utilities::needed_digits(n_processes)) +
-          ".vtu");
+      const auto piece = [&](const unsigned int k) {
+        return numbered + "." +
+               Utilities::int_to_string(k,
+                                        Utilities::needed_digits(n_processes)) +
+               ".vtu";
+      };
       const auto write = [&](const std::string &file, const auto &content) {
         const std::string path = directory + "/" + file;
         errno                  = 0;
@@ -294,12 +294,16 @@ namespace greville
       };
       run_on_all(
         [&]() {
-          write(pieces[process],
+          write(piece(process),
                 [&](std::ostream &out) { data.write_vtu(out); });
-          if (process == 0)
-            write(numbered + ".pvtu", [&](std::ostream &out) {
-              data.write_pvtu_record(out, pieces);
-            });
+          if (process > 0)
+            return;
+          std::vector<std::string> pieces;
+          for (unsigned int k = 0; k < n_processes; ++k)
+            pieces.push_back(piece(k));
+          write(numbered + ".pvtu", [&](std::ostream &out) {
+            data.write_pvtu_record(out, pieces);
+          });
         },
         comm);
       return numbered + ".pvtu";
@@ -347,6 +351,20 @@ namespace greville
       for (const auto &[time, file] : written)
         text << name << '\t' << time << '\t' << file << '\n';
     return text.str();
+  }
+
+
+
+  template <int dim>
+  std::string
+  FieldOutput<dim>::points_file(const double time) const
+  {
+    const auto points = times_and_names.find("points");
+    if (points != times_and_names.end())
+      for (const auto &[t, file] : points->second)
+        if (t == time)
+          return directory + "/" + file;
+    return "";
   }
 
 

@@ -519,6 +519,11 @@ namespace greville
     add_parameter(prm, "Probes", probes)(
       "Initial positions, 'x, y; x, y; ...' (m): the point nearest to each is "
       "followed in probes.csv.");
+    add_parameter(prm, "Load", load)(
+      "Write how the work is shared among the processes to statistics.csv: "
+      "largest_load (the largest work of a process, in units of that of a "
+      "point), imbalance (over the mean), partitions (how often cells were "
+      "shared anew). These columns depend on the number of processes.");
     add_parameter(prm, "Print times", print_times)(
       "Print what differs from run to run: progress and times.");
   }

@@ -4,6 +4,7 @@
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
 #include <greville/simulation/implicit_scheme.h>
+#include <greville/simulation/load_balance.h>
 #include <greville/simulation/run.h>
 #include <greville/simulation/run_header.h>
 
@@ -86,6 +87,7 @@ namespace greville
     , measured(parameters.reference)
     , fields(directory, parameters.output)
     , probes(parameters.output.probes, ensemble.bodies(), comm)
+    , notes(directory, out, comm)
     , is_terminal(isatty(STDOUT_FILENO) == 1)
   {
     reactions = reactions_of<dim>(parameters);
@@ -107,6 +109,9 @@ namespace greville
       columns.push_back(reaction_name(wall, component));
     if (!parameters.stages.empty())
       columns.push_back("stage");
+    if (parameters.output.load)
+      columns.insert(columns.end(),
+                     {"largest_load", "imbalance", "partitions"});
     return columns;
   }
 
@@ -115,6 +120,23 @@ namespace greville
   template <int dim>
   RunSummary
   SimulationRun<dim>::run()
+  {
+    try
+      {
+        return run_to_end();
+      }
+    catch (const std::exception &error)
+      {
+        notes.note_error(message_of(error));
+        throw;
+      }
+  }
+
+
+
+  template <int dim>
+  RunSummary
+  SimulationRun<dim>::run_to_end()
   {
     print_header(out, ensemble, parameters, comm);
     begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
@@ -126,17 +148,20 @@ namespace greville
       }
     while (!ensemble.is_finished())
       {
+        if (ensemble.first().keeps_state())
+          mark = make_mark();
         try
           {
             ensemble.step();
           }
-        catch (const std::exception &)
+        catch (const StepGivenUp &error)
           {
+            notes.write(ensemble.take_newton());
             if (is_terminal && parameters.output.print_times)
               out << "\r\033[K" << std::flush;
-            // The fields of the grid are those of the step that failed.
-            fields.write_points(common().time, ensemble.bodies(), comm);
-            throw;
+            AssertThrow(false,
+                        ErrorOnAll(message_of(error) + " " +
+                                   write_last_good_state()));
           }
         if (common().stage != last_stage)
           {
@@ -145,7 +170,8 @@ namespace greville
             print_stage(out, ensemble, parameters);
           }
         for (const std::string &warning : ensemble.take_warnings())
-          out << "Warning: " << warning << std::endl;
+          notes.warn(warning);
+        notes.write(ensemble.take_newton());
         const bool is_last = ensemble.is_finished();
         write_due(is_last);
         print_progress(is_last);
@@ -319,6 +345,17 @@ namespace greville
       values.push_back(row.reactions[wall][component]);
     if (!parameters.stages.empty())
       values.push_back(common().stage + 1);
+    if (parameters.output.load)
+      {
+        // Of all parts, which go in common steps.
+        const double work =
+          ensemble.sum([](const Simulation<dim> &part) { return part.work(); });
+        values.push_back(Utilities::MPI::max(work, comm));
+        values.push_back(imbalance(work, comm));
+        values.push_back(ensemble.sum([](const Simulation<dim> &part) {
+          return part.state().n_partitions;
+        }));
+      }
     statistics_file.write(values);
     last_written_statistics = common().n_steps;
   }

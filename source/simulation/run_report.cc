@@ -256,12 +256,6 @@ namespace greville
 
 
   template void
-  SimulationRun<2>::print_header();
-  template void
-  SimulationRun<2>::print_stage();
-  template void
-  SimulationRun<2>::print_levels(const Simulation<2> &);
-  template void
   SimulationRun<2>::print_progress(const bool);
   template void
   SimulationRun<2>::print_summary(const RunSummary &);
@@ -269,12 +263,6 @@ namespace greville
   SimulationRun<2>::write_summary(const RunSummary &);
   template double
   SimulationRun<2>::bytes_per_point() const;
-  template void
-  SimulationRun<3>::print_header();
-  template void
-  SimulationRun<3>::print_stage();
-  template void
-  SimulationRun<3>::print_levels(const Simulation<3> &);
   template void
   SimulationRun<3>::print_progress(const bool);
   template void

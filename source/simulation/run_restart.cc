@@ -4,6 +4,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/signals.h>
+#include <greville/simulation/point_fields.h>
 #include <greville/simulation/sweep.h>
 
 #include <csignal>
@@ -50,7 +51,8 @@ namespace greville
     AssertThrow(changes.empty(),
                 ExcMessage("these parameters have changed: " + changes +
                            ". A run goes on with others in 'Output', "
-                           "'Checkpoints', 'Time/End' and 'Time/Maximum "
+                           "'Checkpoints', 'Load balance', 'Time/End' and "
+                           "'Time/Maximum "
                            "steps' only; with --from a new one begins from "
                            "its end"));
   }
@@ -62,14 +64,19 @@ namespace greville
   SimulationRun<dim>::begin_run(const RunOptions &options)
   {
     if (options.resumes)
-      go_on(read_checkpoint(directory, comm));
+      {
+        go_on(read_checkpoint(directory, comm));
+        if (options.prepare_folder)
+          options.prepare_folder();
+      }
     else
       {
+        std::vector<std::string> warnings;
         if (!options.from.empty())
           {
             const Checkpoint other = read_checkpoint(options.from, comm);
             for (const auto &refused : other.refused)
-              out << "Warning: " << refused.second << std::endl;
+              warnings.push_back(refused.second);
             try
               {
                 ensemble.begin_with(other.content);
@@ -83,6 +90,11 @@ namespace greville
           }
         // Those of the other run, perhaps.
         probes = Probes<dim>(parameters.output.probes, ensemble.bodies(), comm);
+        if (options.prepare_folder)
+          options.prepare_folder();
+        notes.begin();
+        for (const std::string &warning : warnings)
+          notes.warn(warning);
         statistics_file.open(statistics_file_in(directory),
                              columns(),
                              14,
@@ -90,6 +102,16 @@ namespace greville
         probes.open(probes_file_in(directory));
         next_fields = next_statistics = common().time;
       }
+    std::vector<std::string> fields;
+    for (const OutputField<dim> &field :
+         point_fields(parameters.output.fields, ensemble.bodies(), 0))
+      if (field.is_vector)
+        fields.push_back(field.name);
+      else
+        fields.insert(fields.end(),
+                      field.components.begin(),
+                      field.components.end());
+    notes.write_units(dim, columns(), probes.columns(), fields);
     for (const Body<dim> &body : ensemble.bodies())
       n_points += body.n_points;
     first_step = common().n_steps;
@@ -105,8 +127,8 @@ namespace greville
   {
     for (const auto &refused : checkpoint.refused)
       {
-        out << "Warning: " << refused.second << " It is renamed to <"
-            << refused.first << ".refused>." << std::endl;
+        notes.warn(refused.second + " It is renamed to <" + refused.first +
+                   ".refused>.");
         run_on_first(
           [&]() {
             std::filesystem::rename(refused.first, refused.first + ".refused");
@@ -145,6 +167,9 @@ namespace greville
                                ">: " + message_of(error)));
       }
     is_resumed      = true;
+    checkpoint_file = checkpoint.file;
+    checkpoint_step = common().n_steps;
+    notes.go_on(common().n_steps);
     const double t  = rounded_up_time();
     next_statistics = next_time(parameters.output.statistics_every, t);
     next_fields     = next_time_of_fields(t);
@@ -155,31 +180,97 @@ namespace greville
 
 
   template <int dim>
-  void
-  SimulationRun<dim>::write_checkpoint()
+  typename SimulationRun<dim>::Mark
+  SimulationRun<dim>::make_mark() const
+  {
+    return {common().n_steps,
+            statistics_file.n_bytes(),
+            probes.n_bytes(),
+            largest_front,
+            fields.record(),
+            measured.added()};
+  }
+
+
+
+  template <int dim>
+  TablesFile
+  SimulationRun<dim>::write_checkpoint(const Mark &at)
   {
     TablesFile content;
-    content.texts  = {{"parameters", parameters.used()},
-                      {"written", fields.record()}};
+    content.texts = {{"parameters", parameters.used()}, {"written", at.fields}};
     content.tables = ensemble.tables();
 
     DistributedTable run{run_name, run_columns, {}};
     DistributedTable series{series_name, {"time", "value"}, {}};
-    const double     bytes_of_statistics = double(statistics_file.sync());
-    const double     bytes_of_probes     = double(probes.sync());
+    statistics_file.sync();
+    probes.sync();
     if (is_first)
       {
-        run.values = {bytes_of_statistics, bytes_of_probes, largest_front};
-        const auto added = measured.added();
-        for (unsigned int k = 0; k < added.first.size(); ++k)
+        run.values = {double(at.bytes_of_statistics),
+                      double(at.bytes_of_probes),
+                      at.largest_front};
+        for (unsigned int k = 0; k < at.series.first.size(); ++k)
           series.values.insert(series.values.end(),
-                               {added.first[k], added.second[k]});
+                               {at.series.first[k], at.series.second[k]});
       }
     content.tables.push_back(run);
     content.tables.push_back(series);
-    greville::write_checkpoint(directory, common().n_steps, content, comm);
-    ensemble.set_from_tables(content);
+    checkpoint_file =
+      greville::write_checkpoint(directory, common().n_steps, content, comm);
+    checkpoint_step = common().n_steps;
+    return content;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_checkpoint()
+  {
+    mark = make_mark();
+    ensemble.set_from_tables(write_checkpoint(mark));
     last_checkpoint = std::chrono::steady_clock::now();
+  }
+
+
+
+  template <int dim>
+  std::string
+  SimulationRun<dim>::write_last_good_state()
+  {
+    const unsigned int step = common().n_steps;
+    std::string        text, row;
+    // A disk that is full may be the smaller trouble.
+    try
+      {
+        // The fields of the grid are those of the step that failed.
+        std::string file = fields.points_file(common().time);
+        if (file.empty())
+          {
+            fields.write_points(common().time, ensemble.bodies(), comm);
+            file = fields.points_file(common().time);
+          }
+        text = "It is in <" + file + ">";
+        // Rows of later steps may be there.
+        if (last_written_statistics < step)
+          write_statistics();
+        if (last_written_statistics == step)
+          row = "the last row of <" + statistics_file_in(directory) + ">";
+        // The simulation keeps the state of each checkpoint.
+        if (step > 0 && checkpoint_step != step && mark.n_steps == step)
+          write_checkpoint(mark);
+      }
+    catch (const ErrorOnAll &error)
+      {
+        return text + (text.empty() ? "" : ". ") +
+               "Not all of it has been written: " + message_of(error);
+      }
+    if (step == 0 || checkpoint_step != step)
+      return text + (row.empty() ? "" : " and " + row) + ".";
+    return text + (row.empty() ? "" : ", " + row) + " and <" + checkpoint_file +
+           ">: --resume goes on from there, and --from begins a new run with "
+           "other parameters there.";
   }
 
 
@@ -211,8 +302,8 @@ namespace greville
         }
       catch (const ErrorOnAll &error)
         {
-          out << "\nWarning: no checkpoint has been written. "
-              << message_of(error) << std::endl;
+          out << '\n';
+          notes.warn("no checkpoint has been written. " + message_of(error));
           last_checkpoint = std::chrono::steady_clock::now();
         }
     if (is_last || signal == 0 || signal == SIGUSR1)
@@ -244,10 +335,18 @@ namespace greville
   SimulationRun<2>::go_on(const Checkpoint &);
   template void
   SimulationRun<3>::go_on(const Checkpoint &);
+  template SimulationRun<2>::Mark
+  SimulationRun<2>::make_mark() const;
+  template SimulationRun<3>::Mark
+  SimulationRun<3>::make_mark() const;
   template void
   SimulationRun<2>::write_checkpoint();
   template void
   SimulationRun<3>::write_checkpoint();
+  template std::string
+  SimulationRun<2>::write_last_good_state();
+  template std::string
+  SimulationRun<3>::write_last_good_state();
   template void
   SimulationRun<2>::look_for_checkpoint(const bool);
   template void

@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/simulation/initial_state.h>
+#include <greville/simulation/load_balance.h>
 #include <greville/simulation/move_points.h>
 #include <greville/simulation/simulation.h>
 #include <greville/simulation/state_tables.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 namespace greville
@@ -19,6 +21,10 @@ namespace greville
   {
     // Steps between two snapshots.
     constexpr unsigned int remember_every = 50;
+
+    // The imbalance that cells are shared anew for, over the one that the last
+    // time has left.
+    constexpr double worth_it = 1.05;
 
     // Times that a step is rejected.
     constexpr unsigned int most_rejections = 20;
@@ -58,11 +64,11 @@ namespace greville
     , loads(parameters)
     , discretization(parameters, loads, log, comm)
     , damping(parameters.loads, discretization)
-    , energy_guard(parameters.scheme, discretization, log)
+    , guard(parameters, discretization, log)
     , current(make_initial_state(parameters, loads, discretization))
     , integrator(make_time_integrator<dim>(
         parameters.scheme.stress_update,
-        {parameters, discretization, loads, current, log}))
+        {parameters, discretization, loads, current, log, guard}))
   {
     // All stages, the first one last: what is wrong with one is found now.
     for (unsigned int k = parameters.n_stages(); k-- > 0;)
@@ -73,7 +79,8 @@ namespace greville
       }
     if (!parameters.stages.empty())
       start_stage();
-    energy_guard.start(current);
+    guard.start(current);
+    current.imbalance = imbalance(work(), comm);
     good.take(current);
   }
 
@@ -108,6 +115,7 @@ namespace greville
   Simulation<dim>::enter_stage(const unsigned int stage)
   {
     parameters.enter_stage(stage);
+    entered_stage = stage;
     integrator.reset();
     try
       {
@@ -119,12 +127,12 @@ namespace greville
           surface.points.set_space(discretization.space());
         integrator = make_time_integrator<dim>(
           parameters.scheme.stress_update,
-          {parameters, discretization, loads, current, log});
+          {parameters, discretization, loads, current, log, guard});
       }
     catch (const std::exception &exception)
       {
         AssertThrow(false,
-                    ExcMessage(parameters.stage_text(stage) +
+                    ErrorOnAll(parameters.stage_text(stage) +
                                message_of(exception)));
       }
     current.stage = stage;
@@ -151,7 +159,6 @@ namespace greville
     current.reactions = {};
     enter_stage(current.stage + 1);
     start_stage();
-    good.take(current);
   }
 
 
@@ -206,21 +213,34 @@ namespace greville
   Simulation<dim>::set_state(const State<dim> &state)
   {
     AssertDimension(state.bodies.size(), current.bodies.size());
-    if (state.stage != current.stage)
-      enter_stage(state.stage);
-    current = state;
-    discretization.mass().forget();
-    integrator->forget();
+    const bool is_here =
+      !state.partition || state.partition->is_same(*current.partition);
+    const bool goes_on = is_here && integrator && state.stage == entered_stage;
+    if (!is_here)
+      {
+        integrator.reset();
+        discretization.repartition(state.partition);
+      }
+    current           = state;
+    current.partition = discretization.partition();
     // It may be that of another simulation, which is gone before this one.
     for (Body<dim> &body : current.bodies)
       {
         body.parameters = &parameters.bodies.at(body.name);
         body.material =
           parameters.materials.at(body.parameters->material).get();
-        body.points.set_space(discretization.space());
+        if (goes_on)
+          body.points.set_space(discretization.space());
       }
-    for (Surface<dim> &surface : current.surfaces)
-      surface.points.set_space(discretization.space());
+    // A stage that is entered makes the spaces anew, and gives them to points.
+    if (goes_on)
+      for (Surface<dim> &surface : current.surfaces)
+        surface.points.set_space(discretization.space());
+    if (!goes_on)
+      enter_stage(state.stage);
+    discretization.mass().forget();
+    integrator->forget();
+    guard.weigh(current);
     good.take(current);
   }
 
@@ -231,11 +251,67 @@ namespace greville
   Simulation<dim>::begin_with(const TablesFile &content)
   {
     set_points_from_tables(current, content, discretization);
+    share_cells();
     enter_stage(0);
     loads.find_points(current.bodies, comm);
     start_stage();
-    energy_guard.start(current);
+    guard.start(current);
     good.take(current);
+  }
+
+
+
+  template <int dim>
+  double
+  Simulation<dim>::work() const
+  {
+    return work_of_process(current, space(), parameters.load_balance);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::share_cells()
+  {
+    const auto partition = std::make_shared<const Partition>(
+      balanced_partition(current, space(), parameters.load_balance));
+    if (Utilities::MPI::n_mpi_processes(comm) == 1 ||
+        partition->is_same(*current.partition))
+      return;
+    // What refers to the spaces of before, and the memory of a copy.
+    integrator.reset();
+    good = Snapshot<dim>();
+    redistribute(current, discretization, partition);
+    ++current.n_partitions;
+    current.imbalance = imbalance(work(), comm);
+    integrator        = make_time_integrator<dim>(
+      parameters.scheme.stress_update,
+      {parameters, discretization, loads, current, log, guard});
+    good.take(current);
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::balance_load()
+  {
+    const LoadBalanceParameters &when = parameters.load_balance;
+    const unsigned int           n    = current.n_steps;
+    if (Utilities::MPI::n_mpi_processes(comm) == 1 || n == 0)
+      return false;
+    const bool is_due   = when.every_steps > 0 && n % when.every_steps == 0;
+    const bool compares = when.threshold > 0. && n % when.check_every == 0;
+    if (!is_due && !compares)
+      return false;
+    const PartTimer timer(log, "load balance");
+    // Where cells are few, no partition is below the threshold.
+    if (!is_due && imbalance(work(), comm) <=
+                     std::max(when.threshold, worth_it * current.imbalance))
+      return false;
+    share_cells();
+    return true;
   }
 
 
@@ -266,13 +342,21 @@ namespace greville
 
 
   template <int dim>
+  bool
+  Simulation<dim>::keeps_state() const
+  {
+    // Implicit steps are few, and go until there is no solution.
+    return current.n_steps == 0 || current.n_steps % remember_every == 0 ||
+           is_stage_finished() || !integrator->solver_levels().empty();
+  }
+
+
+
+  template <int dim>
   void
   Simulation<dim>::remember()
   {
-    // Implicit steps are few, and go until there is no solution.
-    const bool is_implicit = !integrator->solver_levels().empty();
-    if (current.n_steps > 0 &&
-        (is_implicit || current.n_steps % remember_every == 0))
+    if (current.n_steps > 0 && keeps_state())
       good.take(current);
     // Programs may have changed them.
     current.points_have_changed();
@@ -288,8 +372,26 @@ namespace greville
     is_first_step_of_stage = current.n_steps == 0 || is_stage_finished();
     if (is_stage_finished())
       next_stage();
+    log.newton.clear();
     current.n_rejections = 0;
-    proposed             = integrator->propose_step(current);
+    propose();
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::propose()
+  {
+    // It depends on what all processes know.
+    try
+      {
+        proposed = integrator->propose_step(current);
+      }
+    catch (const ExcMessage &error)
+      {
+        AssertThrow(false, ErrorOnAll(message_of(error)));
+      }
   }
 
 
@@ -304,7 +406,7 @@ namespace greville
                        std::to_string(most_rejections) + " times, and still " +
                        rejection.what());
     ++current.n_rejections;
-    proposed = integrator->propose_step(current);
+    propose();
   }
 
 
@@ -322,7 +424,7 @@ namespace greville
     }
     if (is_first_step_of_stage)
       check_fragments();
-    energy_guard.check(current, is_finished());
+    guard.check(current, is_finished());
   }
 
 
@@ -353,8 +455,16 @@ namespace greville
   void
   Simulation<dim>::step_together(const std::vector<Simulation *> &simulations)
   {
+    bool is_shared = false;
     for (Simulation *simulation : simulations)
-      simulation->remember();
+      is_shared = simulation->balance_load() || is_shared;
+    for (Simulation *simulation : simulations)
+      {
+        simulation->remember();
+        // All of them keep the state of the same step.
+        if (is_shared)
+          simulation->good.take(simulation->current);
+      }
     // Whose turn it is, and the step that is being tried.
     Simulation *at_hand  = simulations.front();
     double      dt       = at_hand->proposed;
@@ -368,11 +478,17 @@ namespace greville
     const auto restore_others = [&](const Simulation *failed) {
       for (Simulation *simulation : simulations)
         if (simulation != failed)
-          simulation->good.restore(simulation->current);
+          simulation->restore();
     };
     try
       {
+        const bool enters_stage = simulations.front()->is_stage_finished();
         for_each([](Simulation &simulation) { simulation.begin_step(); });
+        // All of them, or none.
+        if (enters_stage)
+          for_each([](Simulation &simulation) {
+            simulation.good.take(simulation.current);
+          });
         for (bool is_rejected = true; is_rejected;)
           {
             dt = simulations.front()->proposed;
@@ -395,14 +511,9 @@ namespace greville
     catch (const StepFailed &failure)
       {
         restore_others(at_hand);
-        at_hand->go_back(failure,
-                         dt,
-                         simulations.size() == 1
-                           ? ""
-                           : " of 'Body " + at_hand->current.bodies[0].name +
-                               "'");
+        at_hand->go_back(failure, dt);
       }
-    catch (...)
+    catch (const ExcMessage &)
       {
         restore_others(nullptr);
         throw;
@@ -414,12 +525,21 @@ namespace greville
 
   template <int dim>
   void
-  Simulation<dim>::go_back(const StepFailed  &failure,
-                           const double       dt,
-                           const std::string &of)
+  Simulation<dim>::restore()
+  {
+    if (entered_stage != good.stage() || !integrator)
+      enter_stage(good.stage());
+    good.restore(current);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::go_back(const StepFailed &failure, const double dt)
   {
     std::ostringstream message;
-    message << "Step " << current.n_steps + 1 << of
+    message << "Step " << current.n_steps + 1 << log.of
             << " at t = " << current.time << " s, dt = " << dt
             << " s: " << without_stop(failure.what()) << ". ";
     if (failure.by_materials)
@@ -428,11 +548,11 @@ namespace greville
                                      dt,
                                      discretization.cell_size(),
                                      comm);
-    good.restore(current);
+    restore();
     message << "The state of step " << current.n_steps
             << ", t = " << current.time
             << " s, is the last good one that was kept.";
-    AssertThrow(false, ExcMessage(message.str()));
+    AssertThrow(false, StepGivenUp(message.str()));
     // Not reached.
     throw failure;
   }
@@ -473,17 +593,40 @@ namespace greville
     result.active     = mass().n_active();
     result.fragments  = mass().n_fragments();
     result.redone     = current.n_all_rejections;
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      result.reactions[w] = Utilities::MPI::sum(current.reactions[w], comm);
-    result.work.gravity   = current.energy.work(EnergyBalance::gravity, comm);
-    result.work.loads     = current.energy.work(EnergyBalance::loads, comm);
-    result.work.walls     = current.energy.work(EnergyBalance::walls, comm);
-    result.work.obstacles = current.energy.work(EnergyBalance::obstacles, comm);
-    result.work.friction  = current.energy.friction(comm);
-    result.work.damping   = current.energy.damping(comm);
+    // All sums over processes are one message.
+    std::vector<std::pair<std::string, double>> sums;
+    const auto add = [&](const std::string &name, const double own) {
+      sums.emplace_back(name, own);
+    };
+    current.energy.visit_numbers(
+      EnergyBalance::surfaces + current.surfaces.size(),
+      [](const std::string &, const double) {},
+      add);
+    for (const Tensor<1, dim> &reaction : current.reactions)
+      for (unsigned int d = 0; d < dim; ++d)
+        add("reaction", reaction[d]);
+    std::vector<double> values;
+    for (const auto &sum : sums)
+      values.push_back(sum.second);
+    Utilities::MPI::sum(values, comm, values);
+    std::map<std::string, double> energy;
+    for (unsigned int k = 0; k < sums.size(); ++k)
+      energy[sums[k].first] = values[k];
+    const auto work = [&](const unsigned int source) {
+      return energy.at("work_" + std::to_string(source));
+    };
+    result.work.gravity   = work(EnergyBalance::gravity);
+    result.work.loads     = work(EnergyBalance::loads);
+    result.work.walls     = work(EnergyBalance::walls);
+    result.work.obstacles = work(EnergyBalance::obstacles);
+    result.work.friction  = energy.at("friction");
+    result.work.damping   = energy.at("damping");
     for (unsigned int k = 0; k < current.surfaces.size(); ++k)
-      result.work.surfaces.push_back(
-        current.energy.work(EnergyBalance::surfaces + k, comm));
+      result.work.surfaces.push_back(work(EnergyBalance::surfaces + k));
+    auto value = values.end() - 2 * dim * dim;
+    for (Tensor<1, dim> &reaction : result.reactions)
+      for (unsigned int d = 0; d < dim; ++d)
+        reaction[d] = *value++;
     result.loads =
       loads.surfaces().resultants(current.surfaces, current.time, comm);
     return result;
@@ -522,6 +665,17 @@ namespace greville
   {
     std::vector<std::string> result;
     result.swap(log.warnings);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<NewtonRecord>
+  Simulation<dim>::take_newton()
+  {
+    std::vector<NewtonRecord> result;
+    result.swap(log.newton);
     return result;
   }
 

@@ -383,6 +383,7 @@ namespace greville
     declare_section(prm, "Reference", reference);
     declare_section(prm, "Output", output);
     declare_section(prm, "Checkpoints", checkpoints);
+    declare_section(prm, "Load balance", load_balance);
     declare_section(prm, "Solver", solver);
     declare_section(prm, "p-multigrid", multigrid);
     declare_section(prm, "Smoother", smoother);
@@ -520,6 +521,7 @@ namespace greville
     check_different(sweep.masses, "Sweep/Masses");
     check_different(sweep.quadratures, "Sweep/Quadratures");
     smoother.check();
+    load_balance.check();
     for (const auto &traction : tractions)
       AssertThrow(traction.second.area > 0.,
                   ExcMessage("The parameter 'Traction " + traction.first +

@@ -54,6 +54,8 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           sum("reaction_" + std::to_string(w) + "_" + std::to_string(d),
               state.reactions[w][d]);
+      all("n_partitions", state.n_partitions);
+      all("imbalance", state.imbalance);
       all("warned_gain", state.warned_gain);
       all("last_kinetic", state.last_kinetic);
       all("time_to_share", state.time_to_share);
@@ -100,27 +102,12 @@ namespace greville
     {
       DistributedTable table{name, columns_of(points.layout()), {}};
       table.values.reserve(points.n_points() * table.columns.size());
-      std::vector<unsigned int> groups;
       for (const unsigned int cell : points.cells())
-        {
-          groups.clear();
-          for (unsigned int g = points.first_group(cell);
-               g != MaterialPoints<dim>::none;
-               g = points.next_group(g))
-            groups.push_back(g);
-          for (unsigned int k = groups.size(); k-- > 0;)
-            for (unsigned int lane = 0;
-                 lane < (k == 0 ? points.n_in_first_group(cell)
-                                : MaterialPoints<dim>::width);
-                 ++lane)
-              {
-                const ConstPointRef<dim> p = points.point(groups[k], lane);
-                table.values.push_back(
-                  double(points.space().owned_cells()[cell]));
-                for (unsigned int i = 0; i < points.layout().size; ++i)
-                  table.values.push_back(p[i]);
-              }
-        }
+        for_each_as_inserted(points, cell, [&](const ConstPointRef<dim> p) {
+          table.values.push_back(double(points.space().owned_cells()[cell]));
+          for (unsigned int i = 0; i < points.layout().size; ++i)
+            table.values.push_back(p[i]);
+        });
       return table;
     }
 
@@ -151,15 +138,15 @@ namespace greville
     void
     set_points(Owner               &owner,
                const TablesFile    &content,
-               PointTransport<dim> &transport)
+               Discretization<dim> &discretization)
     {
       const DistributedTable &table  = content.table(name_of(owner));
       const PointLayout<dim>  layout = owner.points.layout();
       AssertThrow(table.columns == columns_of(layout),
                   ExcMessage("the " + name_of(owner) +
                              " has other numbers at its points there"));
-      owner.points.reinit(owner.points.space(), layout);
-      transport.insert(owner.points, table.values);
+      owner.points.reinit(discretization.space(), layout);
+      discretization.transport().insert(owner.points, table.values);
     }
 
 
@@ -245,6 +232,33 @@ namespace greville
 
   template <int dim>
   std::vector<DistributedTable>
+  make_field_tables(const State<dim>       &state,
+                    const SplineSpace<dim> &space,
+                    const std::string      &prefix)
+  {
+    std::vector<DistributedTable> tables;
+    for (const auto &[name, field] : fields_of(state))
+      tables.push_back(field_table<dim>(prefix + name, *field, space));
+    return tables;
+  }
+
+
+
+  template <int dim>
+  void
+  set_fields_from_tables(State<dim>          &state,
+                         const TablesFile    &content,
+                         Discretization<dim> &discretization,
+                         const std::string   &prefix)
+  {
+    for (const auto &[name, field] : fields_of(state))
+      set_field<dim>(*field, content.table(prefix + name), discretization);
+  }
+
+
+
+  template <int dim>
+  std::vector<DistributedTable>
   make_tables(const State<dim>       &state,
               const SplineSpace<dim> &space,
               const std::string      &prefix)
@@ -272,8 +286,11 @@ namespace greville
 
     std::vector<DistributedTable> tables = {std::move(numbers),
                                             std::move(estimates)};
-    for (const auto &[name, field] : fields_of(state))
-      tables.push_back(field_table<dim>(prefix + name, *field, space));
+    tables.push_back({prefix + "partition", {"cell", "weight"}, {}});
+    if (state.partition)
+      tables.back().values = state.partition->rows;
+    for (DistributedTable &table : make_field_tables(state, space, prefix))
+      tables.push_back(std::move(table));
     for (const Body<dim> &body : state.bodies)
       tables.push_back(table_of(name_of(body), body.points));
     for (const Surface<dim> &surface : state.surfaces)
@@ -316,12 +333,15 @@ namespace greville
       content.table(prefix + "step_estimates").gather(comm);
     state.slid.clear();
 
-    for (const auto &[name, field] : fields_of(state))
-      set_field<dim>(*field, content.table(prefix + name), discretization);
+    if (discretization.repartition(std::make_shared<const Partition>(
+          content.table(prefix + "partition").values, comm)))
+      discretization.reinit();
+    state.partition = discretization.partition();
+    set_fields_from_tables(state, content, discretization, prefix);
     for (Body<dim> &body : state.bodies)
-      set_points(body, content, discretization.transport());
+      set_points(body, content, discretization);
     for (Surface<dim> &surface : state.surfaces)
-      set_points(surface, content, discretization.transport());
+      set_points(surface, content, discretization);
     state.points_have_changed();
   }
 
@@ -430,10 +450,14 @@ namespace greville
 
 
 
-  template decltype(make_tables<2>)     make_tables<2>;
-  template decltype(make_tables<3>)     make_tables<3>;
-  template decltype(set_from_tables<2>) set_from_tables<2>;
-  template decltype(set_from_tables<3>) set_from_tables<3>;
+  template decltype(make_tables<2>)            make_tables<2>;
+  template decltype(make_tables<3>)            make_tables<3>;
+  template decltype(make_field_tables<2>)      make_field_tables<2>;
+  template decltype(make_field_tables<3>)      make_field_tables<3>;
+  template decltype(set_fields_from_tables<2>) set_fields_from_tables<2>;
+  template decltype(set_fields_from_tables<3>) set_fields_from_tables<3>;
+  template decltype(set_from_tables<2>)        set_from_tables<2>;
+  template decltype(set_from_tables<3>)        set_from_tables<3>;
 
   template decltype(set_points_from_tables<2>) set_points_from_tables<2>;
   template decltype(set_points_from_tables<3>) set_points_from_tables<3>;

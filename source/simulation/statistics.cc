@@ -170,9 +170,9 @@ namespace greville
                      const Tensor<1, dim>         &gravity,
                      const MPI_Comm                comm)
   {
-    Statistics<dim>       result;
-    std::array<double, 2> largest = {{-1e300, -1e300}};
-    Tensor<1, dim>        first_moment;
+    Statistics<dim>     result;
+    std::vector<double> largest = {-1e300, -1e300, 0.};
+    Tensor<1, dim>      first_moment;
     for (const Body<dim> &body : bodies)
       {
         const PointLayout<dim> &layout = body.points.layout();
@@ -237,12 +237,6 @@ namespace greville
         });
         result.bodies.push_back(own);
       }
-    for (BodyStatistics<dim> &body : result.bodies)
-      {
-        for (double *sum : {&body.kinetic, &body.strain, &body.dissipation})
-          *sum = Utilities::MPI::sum(*sum, comm);
-        body.momentum = Utilities::MPI::sum(body.momentum, comm);
-      }
     // In 2D the spin has one component.
     if (dim == 2)
       {
@@ -250,23 +244,42 @@ namespace greville
         result.angular_momentum[1] = result.angular_momentum[2] = 0.;
       }
 
-    for (double *sum : {&result.mass,
-                        &result.kinetic,
-                        &result.strain,
-                        &result.dissipation,
-                        &result.gravitational})
-      *sum = Utilities::MPI::sum(*sum, comm);
-    result.momentum = Utilities::MPI::sum(result.momentum, comm);
-    result.angular_momentum =
-      Utilities::MPI::sum(result.angular_momentum, comm);
-    result.largest_speed = Utilities::MPI::max(result.largest_speed, comm);
-    result.front         = Utilities::MPI::max(largest[0], comm);
-    result.height        = Utilities::MPI::max(largest[1], comm);
-    result.n_points      = Utilities::MPI::sum(result.n_points, comm);
+    // All sums are one message. Numbers of points are exact as doubles.
+    double                n_points = result.n_points;
+    std::vector<double *> sums     = {&result.mass,
+                                      &result.kinetic,
+                                      &result.strain,
+                                      &result.dissipation,
+                                      &result.gravitational,
+                                      &n_points};
+    for (unsigned int d = 0; d < dim; ++d)
+      sums.insert(sums.end(), {&result.momentum[d], &first_moment[d]});
+    for (unsigned int d = 0; d < 3; ++d)
+      sums.push_back(&result.angular_momentum[d]);
+    for (BodyStatistics<dim> &body : result.bodies)
+      {
+        sums.insert(sums.end(),
+                    {&body.kinetic, &body.strain, &body.dissipation});
+        for (unsigned int d = 0; d < dim; ++d)
+          sums.push_back(&body.momentum[d]);
+      }
+    std::vector<double> values;
+    for (const double *sum : sums)
+      values.push_back(*sum);
+    Utilities::MPI::sum(values, comm, values);
+    for (unsigned int k = 0; k < sums.size(); ++k)
+      *sums[k] = values[k];
+
+    largest[2] = result.largest_speed;
+    Utilities::MPI::max(largest, comm, largest);
+    result.front         = largest[0];
+    result.height        = largest[1];
+    result.largest_speed = largest[2];
+    result.n_points      = std::llround(n_points);
     if (result.n_points == 0)
       result.front = result.height = 0.;
     if (result.mass > 0.)
-      result.center = Utilities::MPI::sum(first_moment, comm) / result.mass;
+      result.center = first_moment / result.mass;
     return result;
   }
 

@@ -232,14 +232,19 @@ namespace greville
           const std::string folder =
             directory + "/" + row.folder(parameters.sweep);
           check_other_folder(options, folder, comm);
-          const RunFolder own(folder,
-                              "Output/Directory",
-                              what_of_earlier(parameters, options),
-                              comm);
+          RunFolder own(folder,
+                        "Output/Directory",
+                        what_of_earlier(parameters, options),
+                        comm);
           // Those that had not begun begin now.
           RunOptions own_options = options;
           own_options.resumes =
             options.resumes && has_checkpoints(folder, comm);
+          own_options.prepare_folder = [&]() {
+            if (k == 0)
+              options.prepare_folder();
+            own.make_room();
+          };
           SimulationRun<dim> run(
             row.parameters, folder, out, comm, own_options);
           try
@@ -279,19 +284,21 @@ namespace greville
       AssertThrow(failures.empty(),
                   ExcMessage("Runs of 'Sweep' failed:" + failures));
     }
+
+
+
     template <int dim>
     void
-    run_one(const SimulationParameters  &parameters,
-            const std::string           &directory,
-            std::ostream                &out,
-            const MPI_Comm               comm,
-            const RunOptions            &options,
-            const std::function<void()> &write_parameters)
+    run_all(const SimulationParameters &parameters,
+            const std::string          &directory,
+            std::ostream               &out,
+            const MPI_Comm              comm,
+            const RunOptions           &options)
     {
-      SimulationRun<dim> run(parameters, directory, out, comm, options);
-      if (options.resumes)
-        write_parameters();
-      run.run();
+      if (parameters.sweep.is_empty())
+        SimulationRun<dim>(parameters, directory, out, comm, options).run();
+      else
+        run_sweep<dim>(parameters, directory, out, comm, options);
     }
   } // namespace
 
@@ -310,31 +317,23 @@ namespace greville
     const std::string directory = folder_of_run(parameters, file, options);
     check_other_folder(options, directory, comm);
     const SignalCatcher signals;
-    const RunFolder     folder(directory,
-                           parameters.output.directory.empty()
-                                 ? "Simulation/Name"
-                                 : "Output/Directory",
-                           what_of_earlier(parameters, options),
-                           comm);
-    const auto          write_parameters = [&]() {
+    RunFolder           folder(directory,
+                     parameters.output.directory.empty() ? "Simulation/Name"
+                                                                   : "Output/Directory",
+                     what_of_earlier(parameters, options),
+                     comm);
+    RunOptions          options_of_run = options;
+    options_of_run.prepare_folder      = [&]() {
+      folder.make_room();
       run_on_first(
         [&]() {
           write_atomically(directory + "/parameters.prm", parameters.used());
         },
         comm);
     };
-    // A run that goes on replaces them when it has accepted them.
-    if (!options.resumes)
-      write_parameters();
-
-    const bool is_sweep = !parameters.sweep.is_empty();
-    if (is_sweep && parameters.general.dimension == 2)
-      run_sweep<2>(parameters, directory, out, comm, options);
-    else if (is_sweep)
-      run_sweep<3>(parameters, directory, out, comm, options);
-    else if (parameters.general.dimension == 2)
-      run_one<2>(parameters, directory, out, comm, options, write_parameters);
+    if (parameters.general.dimension == 2)
+      run_all<2>(parameters, directory, out, comm, options_of_run);
     else
-      run_one<3>(parameters, directory, out, comm, options, write_parameters);
+      run_all<3>(parameters, directory, out, comm, options_of_run);
   }
 } // namespace greville

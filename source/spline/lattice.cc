@@ -3,6 +3,7 @@
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_tools.h>
 
+#include <greville/spline/coarse_cells.h>
 #include <greville/spline/lattice.h>
 
 #include <cmath>
@@ -103,17 +104,13 @@ namespace greville
                                "upper corner in each direction."));
       }
 
-    std::vector<unsigned int> trees(n_cells.begin(), n_cells.end());
-    unsigned int              n_refinements = 0;
-    const auto is_even = [](const unsigned int n) { return n % 2 == 0; };
-    while (std::all_of(trees.begin(), trees.end(), is_even))
-      {
-        for (unsigned int &n : trees)
-          n /= 2;
-        ++n_refinements;
-      }
+    const CoarseCells<dim> trees(n_cells);
     GridGenerator::subdivided_hyper_rectangle(
-      triangulation, trees, lower, upper, true);
+      triangulation,
+      std::vector<unsigned int>(trees.n.begin(), trees.n.end()),
+      lower,
+      upper,
+      true);
     std::vector<GridTools::PeriodicFacePair<
       typename DistributedTriangulation<dim>::cell_iterator>>
       pairs;
@@ -123,7 +120,7 @@ namespace greville
           triangulation, 2 * d, 2 * d + 1, d, pairs);
     if (!pairs.empty())
       triangulation.add_periodicity(pairs);
-    triangulation.refine_global(n_refinements);
+    triangulation.refine_global(trees.n_refinements);
   }
 
 

@@ -26,7 +26,10 @@ namespace greville
   TangentLevel<dim>::TangentLevel(const SplineSpace<dim>           &space,
                                   const std::vector<unsigned char> &held)
     : spline_space(space)
-    , held(held)
+    , held(held.empty()
+             ? std::vector<unsigned char>(space.owned_functions().size() +
+                                          space.ghost_functions().size())
+             : held)
     , mass_weights(space, 2 * space.degree() + 1)
   {
     extended_mass.reinit(space);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// The language of formulas, row by row of doc/formulas.md, and what is refused
-// with a message that names the parameter.
+// The language of formulas, row by row of doc/user/formulas.md, and what is
+// refused with a message that names the parameter.
 #include <greville/base/expression.h>
 
 #include <cmath>

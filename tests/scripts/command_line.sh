@@ -24,18 +24,20 @@ answers() {
 }
 
 scripts="run test fresh_machine stiffness_tables"
-[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume"
+[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume faults gallery benchmark check_docs \
+   long_runs performance \
+   cooks_membrane implicit_tables limit_loads paraview report slope_stability stiffness_growth"
 for script in $scripts; do
   for option in -h --help; do
     answers 0 40 "sage: scripts/$script" "scripts/$script" $option
   done
-  answers 2 3 -- "scripts/$script" --no-such-option
+  answers 2 5 "scripts/$script" "scripts/$script" --no-such-option
 done
-answers 2 16 "Usage: scripts/run" scripts/run
+answers 2 20 "Usage: scripts/run" scripts/run
 answers 2 1 "-np takes a number of processes." scripts/run -np
 answers 2 1 "not <a.prm>" scripts/run -np a.prm
 answers 2 1 "not <0>" scripts/run -np 0 a.prm
-answers 2 16 "Usage: scripts/run" scripts/run -np 2
+answers 2 20 "Usage: scripts/run" scripts/run -np 2
 answers 2 1 "there is no parameter file <a.prm>" scripts/run a.prm
 answers 2 1 "<prm> is a folder" scripts/run prm
 answers 2 1 "has no section of a program" scripts/run README.md

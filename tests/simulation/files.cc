@@ -19,13 +19,24 @@ namespace
   }
 
   void
-  run_quietly(const std::string &file)
+  run_quietly(const std::string &file, const RunOptions &options = RunOptions())
   {
-    std::streambuf *const buffer = std::cout.rdbuf(nullptr);
-    run_simulations(file, MPI_COMM_WORLD);
-    std::cout.rdbuf(buffer);
-    std::cout.clear();
-    std::cout.width(0);
+    std::streambuf *const buffer  = std::cout.rdbuf(nullptr);
+    const auto            restore = [&]() {
+      std::cout.rdbuf(buffer);
+      std::cout.clear();
+      std::cout.width(0);
+    };
+    try
+      {
+        run_simulations(file, MPI_COMM_WORLD, options);
+      }
+    catch (const std::exception &)
+      {
+        restore();
+        throw;
+      }
+    restore();
     MPI_Barrier(MPI_COMM_WORLD);
   }
 
@@ -44,6 +55,100 @@ namespace
       }
     MPI_Barrier(MPI_COMM_WORLD);
     run_quietly("run.prm");
+  }
+
+
+
+  /**
+   * Iterations of Newton's method, of a run and of one that goes on with it
+   * after a step that the checkpoint does not have; units of all columns.
+   */
+  void
+  check_newton(const Text &text)
+  {
+    run(text.with("Scheme", {"Mass = consistent", "Stress update = newmark"})
+          .with("Time", {"End = 0.02", "Step = 0.01"})
+          .with("Output",
+                {"Probes = 0.3, 0.3",
+                 "Fields = velocity, displacement, stress, pressure, "
+                 "von_mises, J, density, body, id, reference, F, strain, mass, "
+                 "volume, size, process, history"}),
+        "newton");
+    const auto rows = lines_of("newton/newton.csv");
+    print() << rows[0] << std::endl;
+    check("rows of newton.csv", rows.size() >= 5);
+    check("its first step", rows[1].rfind("1,1,0,0.01,0,", 0) == 0);
+    check("its last step has converged",
+          rows.back().rfind("2,1,0.01,0.01,", 0) == 0 &&
+            rows.back().back() == '1');
+    const auto units = lines_of("newton/units.csv");
+    check("each column has a unit",
+          std::none_of(units.begin(), units.end(), [](const std::string &line) {
+            return line.back() == ',';
+          }));
+    check("units of fields",
+          std::count(units.begin(), units.end(), "points.pvd,F_xy,1") == 1 &&
+            std::count(units.begin(), units.end(), "points.pvd,size,m") == 1 &&
+            std::count(units.begin(),
+                       units.end(),
+                       "statistics.csv,momentum_y,kg / s") == 1);
+
+    // All have read the files.
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      {
+        std::ofstream("newton/newton.csv", std::ios::app)
+          << "3,1,0.02,0.01,0,1,1,0,0,0\n";
+        const auto    lines = lines_of("newton/parameters.prm");
+        std::ofstream changed("newton/parameters.prm");
+        for (const std::string &line : lines)
+          changed << line << '\n';
+        changed << "subsection Time\n  set End = 0.03\nend\n";
+      }
+    MPI_Barrier(MPI_COMM_WORLD);
+    RunOptions options;
+    options.resumes = true;
+    run_quietly("newton/parameters.prm", options);
+    const auto more = lines_of("newton/newton.csv");
+    check("a note",
+          lines_of("newton/messages.log").back() ==
+            "Note: The run goes on after step 2.");
+    check("newton.csv goes on",
+          more.size() > rows.size() &&
+            std::equal(rows.begin(), rows.end(), more.begin()) &&
+            more.back().rfind("3,1,0.02,0.01,", 0) == 0 &&
+            more.back().back() == '1');
+  }
+
+
+
+  /**
+   * messages.log: a warning, and the error that ends a run.
+   */
+  void
+  check_messages(const Text &text)
+  {
+    run(text.with("Time", {"End = 0.2", "Step = 0.1", "Too large step = warn"}),
+        "warned");
+    const auto warnings = lines_of("warned/messages.log");
+    check("warnings",
+          warnings.size() >= 1 &&
+            warnings[0].rfind("Warning: The parameter 'Time/Step' is <0.1>",
+                              0) == 0);
+    bool has_failed = false;
+    try
+      {
+        run(text.with("Time", {"End = 1", "Step = 0.1"}), "failed");
+      }
+    catch (const std::exception &)
+      {
+        has_failed = true;
+      }
+    MPI_Barrier(MPI_COMM_WORLD);
+    const auto errors = lines_of("failed/messages.log");
+    check("an error",
+          has_failed && errors.size() == 1 &&
+            errors[0].rfind("Error: ", 0) == 0);
   }
 } // namespace
 
@@ -129,6 +234,9 @@ main(int argc, char **argv)
   run_quietly("copy.prm");
   check("a copy gives the same statistics",
         lines_of("results/statistics.csv") == statistics);
+
+  check_newton(text);
+  check_messages(text);
 
   // Without grid fields; each step in the statistics.
   run(text.with("Output", {"Grid fields = false"}), "no_grid");

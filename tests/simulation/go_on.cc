@@ -3,6 +3,8 @@
 // A program that catches the error of a step and goes on gets what it had got
 // without the error: all that a step hands to the next one goes back to the
 // last good state.
+#include <greville/simulation/ensemble.h>
+
 #include "simulation.h"
 
 namespace
@@ -126,6 +128,99 @@ namespace
               std::abs(sums[error][k] / sums[Error::none][k] - 1.),
               error == Error::caught ? 1e-5 : 1e-7);
   }
+
+
+
+  // Integrators that cannot be made: so many can, and then one cannot.
+  int n_makes = 1000;
+
+  /**
+   * Two bodies with a grid each enter a stage, which fails for the second one:
+   * both are in the stage before, and go on as if nothing had happened.
+   */
+  void
+  test_stages()
+  {
+    add_time_integrator<2>("sometimes", [](const IntegratorParts<2> &parts) {
+      AssertThrow(n_makes-- != 0, ExcMessage("no integrator now"));
+      return make_time_integrator<2>("USL", parts);
+    });
+    Text text =
+      block_2d("box(0.1, 0.1, 0.4, 0.4)", 10)
+        .with("Simulation", {"Bodies = body, other", "Stages = one, two"})
+        .with("Body body", {"Velocity = y; -0.5 * x"})
+        .with("Body other",
+              {"Material = solid",
+               "Shape = box(0.5, 0.5, 0.8, 0.8)",
+               "Velocity = x; y"})
+        .with("Grid", {"Per body = true"})
+        .with("Scheme", {"Formulation = total Lagrangian"})
+        .with("Time", {"Step = 0.001"});
+    for (const std::string stage : {"one", "two"})
+      text.content +=
+        "subsection Stage " + stage +
+        "\nsubsection Time\nset End = " + (stage == "one" ? "0.01" : "0.02") +
+        "\nend\nsubsection Scheme\nset Stress update = " +
+        (stage == "one" ? "USL" : "sometimes") + "\nend\nend\n";
+    const SimulationParameters parameters = text.parse();
+    std::vector<Statistics<2>> ends;
+    for (const bool fails : {false, true})
+      {
+        Ensemble<2>                 ensemble(parameters, MPI_COMM_WORLD);
+        const std::vector<State<2>> begin  = ensemble.state();
+        const auto                  are_at = [&](const unsigned int n_steps,
+                                const unsigned int stage) {
+          bool result = true;
+          for (unsigned int k = 0; k < 2; ++k)
+            result = result && ensemble.part(k).state().n_steps == n_steps &&
+                     ensemble.part(k).state().stage == stage;
+          return result;
+        };
+        const auto message_of_action = [&](const auto &action) {
+          std::string message;
+          n_makes = 1;
+          try
+            {
+              action();
+            }
+          catch (const std::exception &error)
+            {
+              message = message_of(error);
+            }
+          n_makes = 1000;
+          return message;
+        };
+        while (!ensemble.first().is_stage_finished())
+          ensemble.step();
+        if (fails)
+          check("a stage that cannot be entered",
+                message_of_action([&]() {
+                  ensemble.step();
+                }).find("no integrator now") != std::string::npos &&
+                  are_at(10, 0));
+        while (!ensemble.is_finished())
+          ensemble.step();
+        ends.push_back(ensemble.statistics());
+        if (!fails)
+          continue;
+        const std::vector<State<2>> end = ensemble.state();
+        ensemble.set_state(begin);
+        check("a state of another stage", are_at(0, 0));
+        check("a state whose stage cannot be entered",
+              message_of_action([&]() {
+                ensemble.set_state(end);
+              }).find("no integrator now") != std::string::npos &&
+                are_at(0, 0));
+        ensemble.set_state(end);
+        check("another stage again", are_at(20, 1));
+      }
+    const auto a = ends[0].values(), b = ends[1].values();
+    double     difference = 0.;
+    for (unsigned int k = 0; k < a.size(); ++k)
+      difference =
+        std::max(difference, std::abs(a[k] - b[k]) / (1. + std::abs(a[k])));
+    check("goes on as if the stage had not failed", difference, 1e-6);
+  }
 } // namespace
 
 
@@ -145,4 +240,5 @@ main(int argc, char **argv)
   test("FMPM", text.with("Scheme", {"Mass = fmpm-3"}), false);
   test("APIC", text.with("Scheme", {"Transfer = APIC"}), false);
   test("consistent", text.with("Scheme", {"Mass = consistent"}), true);
+  test_stages();
 }

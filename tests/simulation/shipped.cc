@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Every shipped parameter file parses, its files are there, its points can be
-// made on a coarse grid, and doc/simulation_parameters.md is what the program
-// says.
+// Every shipped parameter file, and those of the user guide, parses, its files
+// are there, its points can be made on a coarse grid, and
+// doc/simulation_parameters.md is what the program says.
 #include "simulation.h"
 
 int
@@ -12,10 +12,10 @@ main(int argc, char **argv)
   const std::filesystem::path      root =
     std::filesystem::path(SOURCE_DIR).parent_path().parent_path();
   std::vector<std::filesystem::path> files;
-  for (const auto &entry :
-       std::filesystem::directory_iterator(root / "prm" / "simulation"))
-    if (entry.path().extension() == ".prm")
-      files.push_back(entry.path());
+  for (const char *folder : {"prm/simulation", "doc/user/examples"})
+    for (const auto &entry : std::filesystem::directory_iterator(root / folder))
+      if (entry.path().extension() == ".prm")
+        files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   for (const auto &file : files)
     try

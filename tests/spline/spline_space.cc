@@ -4,6 +4,8 @@
 // owned once, all processes agree on its number, and the coefficients of the
 // Greville points reproduce x on each cell.
 
+#include <greville/spline/coarse_cells.h>
+
 #include <map>
 #include <tests.h>
 
@@ -156,6 +158,18 @@ main(int argc, char **argv)
       {
         print() << message_of(error) << std::endl;
       }
+  // Coarse cells, which all processes keep.
+  const std::string many =
+    describe_many_coarse_cells<3>({{500, 500, 250}}, 10000);
+  check("many coarse cells",
+        many.find("<500, 500, 250>, which makes 7.8125e+06 coarse") !=
+            std::string::npos &&
+          many.find("<512, 512, 256> makes 4.") != std::string::npos);
+  check("coarse cells fewer than those of a process",
+        describe_many_coarse_cells<3>({{500, 500, 250}}, 1).empty());
+  check("few coarse cells",
+        describe_many_coarse_cells<3>({{512, 512, 256}}, 10000).empty());
+
   bool refused = sizeof(types::global_dof_index) > 4;
   try
     {

@@ -78,6 +78,7 @@ namespace greville
 
     /**
      * Write a line. It is in the file when the process ends, however it does.
+     * A file that has been removed or replaced is an error.
      */
     void
     write(const std::vector<double> &values);
@@ -89,6 +90,15 @@ namespace greville
     std::uint64_t
     sync();
 
+    /**
+     * The number of bytes, on the first process; 0 on others.
+     */
+    std::uint64_t
+    n_bytes() const
+    {
+      return size;
+    }
+
   private:
     template <typename T>
     void
@@ -96,7 +106,9 @@ namespace greville
 
     std::string   file;
     std::ofstream out;
-    MPI_Comm      comm = MPI_COMM_NULL;
+    std::uint64_t size  = 0;
+    std::uint64_t inode = 0; // 0: not yet known
+    MPI_Comm      comm  = MPI_COMM_NULL;
   };
 } // namespace greville
 

@@ -13,8 +13,8 @@
 namespace greville
 {
   /**
-   * A formula of a parameter file, read by muParser: doc/formulas.md has the
-   * whole language. Assignments and commas outside of the arguments of a
+   * A formula of a parameter file, read by muParser: doc/user/formulas.md has
+   * the whole language. Assignments and commas outside of the arguments of a
    * function, which muParser allows, are refused.
    */
   class Expression

@@ -42,6 +42,7 @@ namespace greville
      * Collective. Make the folder and take it. Throws dealii::ExcMessage, which
      * names the @p parameter that gives the folder, where it cannot be written
      * to, another run holds it, or it has results and @p earlier is to refuse.
+     * Earlier results stay until make_room().
      */
     RunFolder(const std::string   &path,
               const std::string   &parameter,
@@ -54,6 +55,15 @@ namespace greville
 
     ~RunFolder();
 
+    /**
+     * Collective. Treat earlier results as it was asked for: to be called when
+     * nothing can be wrong with the new run any more, before it writes its
+     * first file. Throws dealii::ExcMessage where they cannot be moved or
+     * removed.
+     */
+    void
+    make_room();
+
     const std::string &
     path() const
     {
@@ -62,13 +72,15 @@ namespace greville
 
   private:
     void
-    lock(const std::string &parameter);
+    lock();
 
     void
     release();
 
-    const std::string folder;
-    int               lock_descriptor = -1;
+    const std::string    folder, parameter;
+    const EarlierResults earlier;
+    const MPI_Comm       comm;
+    int                  lock_descriptor = -1;
   };
 } // namespace greville
 

@@ -15,9 +15,10 @@ namespace greville
    * factor and n_i the number of entries of the row in that triangle, but at
    * least half of the row.
    *
-   * PETSc 3.18 has no such factorization of its own. doc/results.md compares
-   * SuperLU's and hypre's, which PETSc offers: with the paper's fill factor the
-   * one diverges on small meshes, with its defaults the other for p >= 4.
+   * PETSc 3.18 has no such factorization of its own.
+   * doc/results/mass_solvers.md compares SuperLU's and hypre's, which PETSc
+   * offers: with the paper's fill factor the one diverges on small meshes, with
+   * its defaults the other for p >= 4.
    */
   class ILUT
   {

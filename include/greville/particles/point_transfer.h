@@ -9,7 +9,10 @@
 #include <greville/materials/material.h>
 #include <greville/particles/material_points.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <limits>
 
 namespace greville
 {
@@ -95,6 +98,38 @@ namespace greville
 
 
   /**
+   * Sums and extremes over points after they have been updated, which show
+   * whether a step was sound.
+   */
+  struct PointSums
+  {
+    /// Of points that have moved: their mass (kg; 2D: kg / m) and momentum, and
+    /// the largest part of a cell that one of them has crossed in a direction.
+    double                mass     = 0.;
+    std::array<double, 3> momentum = {};
+    double                crossed  = 0.;
+    /// Of points that have been deformed: the extremes of J.
+    double smallest_J = std::numeric_limits<double>::max();
+    double largest_J  = 0.;
+
+    /**
+     * Add those of other points, or of another pass over the same ones.
+     */
+    void
+    add(const PointSums &other)
+    {
+      mass += other.mass;
+      for (unsigned int d = 0; d < momentum.size(); ++d)
+        momentum[d] += other.momentum[d];
+      crossed    = std::max(crossed, other.crossed);
+      smallest_J = std::min(smallest_J, other.smallest_J);
+      largest_J  = std::max(largest_J, other.largest_J);
+    }
+  };
+
+
+
+  /**
    * What grid_to_points() found on this process.
    */
   struct PointReport
@@ -102,7 +137,8 @@ namespace greville
     /// The largest c + |v| (m / s) with the speed c of pressure waves.
     double fastest_signal = 0.;
     /// The largest c.
-    double fastest_wave = 0.;
+    double    fastest_wave = 0.;
+    PointSums sums;
     /// Cells that at least one point has left.
     std::vector<unsigned int> left_cells;
     /// The id of the first point with J <= 0 or a stress or position that is
@@ -110,6 +146,18 @@ namespace greville
     std::int64_t bad_point = -1;
     std::string  bad_reason;
   };
+
+
+
+  /**
+   * Where a point is, for messages: "at (0.1, 0.2) m, in the cell (3, 4)", with
+   * the lexicographic index of the owned cell number @p cell.
+   */
+  template <int dim>
+  std::string
+  describe_place(const SplineSpace<dim>   &space,
+                 const unsigned int        cell,
+                 const dealii::Point<dim> &x);
 
 
 

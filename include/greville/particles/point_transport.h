@@ -36,6 +36,8 @@ namespace greville
       std::size_t n_moved   = 0;
       std::size_t n_sent    = 0;
       std::size_t n_removed = 0;
+      /// Mass of those that were removed.
+      double removed_mass = 0.;
       /// The id of a point outside of the grid, and its position.
       std::int64_t       outside = -1;
       dealii::Point<dim> outside_position;

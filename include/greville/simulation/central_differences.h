@@ -103,6 +103,12 @@ namespace greville
     find_acceleration(State<dim> &state);
 
     /**
+     * Tell the guard what came of the points.
+     */
+    void
+    tell_guard(const State<dim> &state);
+
+    /**
      * Find what touches obstacles, and hold it: guesses of velocity and
      * acceleration get the values there. Without @p with_force, the forces of
      * the points are not known yet.
@@ -234,6 +240,7 @@ namespace greville
     const Walls<dim>           &walls;
     Loads<dim>                 &loads;
     StepLog                    &log;
+    StepGuard<dim>             &guard;
     const bool                  apic, half_steps;
 
     std::unique_ptr<FrictionContact<dim>> contact; // consistent mass
@@ -247,11 +254,12 @@ namespace greville
      */
     struct Trial
     {
-      double           step = 0., velocity_step = 0., deformation_step = 0.;
-      VectorField<dim> force, velocity, acceleration, new_velocity;
-      WallSums<dim>    momentum_of_walls;
-      PointMotion      motion;
-      unsigned int     n_iterations = 0, n_all_iterations = 0;
+      double               step = 0., velocity_step = 0., deformation_step = 0.;
+      VectorField<dim>     force, velocity, acceleration, new_velocity;
+      WallSums<dim>        momentum_of_walls;
+      PointMotion          motion;
+      MomentumBalance<dim> momentum;
+      unsigned int         n_iterations = 0, n_all_iterations = 0;
     };
     Trial            trial;
     VectorField<dim> work_field, surface_velocity;

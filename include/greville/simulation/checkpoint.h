@@ -31,8 +31,8 @@ namespace greville
   /**
    * The differences between two sets of parameters, as
    * SimulationParameters::used() writes them, that a run cannot go on with: all
-   * but those of the sections 'Output' and 'Checkpoints', and the parameters
-   * 'End' and 'Maximum steps' of 'Time'. Returns one line for
+   * but those of the sections 'Output', 'Checkpoints' and 'Load balance', and
+   * the parameters 'End' and 'Maximum steps' of 'Time'. Returns one line for
    * each, with the parameter, and its value there and here; empty if there is
    * none.
    */

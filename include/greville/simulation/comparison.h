@@ -110,7 +110,9 @@ namespace greville
     add(const Statistics<dim> &statistics);
 
     /**
-     * What has been added: times, and values of the quantity.
+     * What has been added and is needed: times, and values of the quantity.
+     * Of those between two neighbouring measured times there are the first and
+     * the last at most.
      */
     std::pair<std::vector<double>, std::vector<double>>
     added() const

@@ -35,6 +35,24 @@ namespace greville
                    const MPI_Comm              comm);
 
     /**
+     * Collective. Share the cells among the processes as @p partition wants it.
+     * Returns whether the mesh has changed, not where cells are shared so,
+     * where it has no rows and on one process: then all has to be made anew by
+     * reinit().
+     */
+    bool
+    repartition(const std::shared_ptr<const Partition> &partition);
+
+    /**
+     * How the cells are shared.
+     */
+    const std::shared_ptr<const Partition> &
+    partition() const
+    {
+      return cell_partition;
+    }
+
+    /**
      * Collective. Make walls, mass and quadrature anew from the parameters,
      * which may have become those of another stage. Fields that have been
      * initialized before, and the space of points, are those of the old space.
@@ -216,6 +234,7 @@ namespace greville
     StepLog                               &log;
     MPI_Comm                               comm;
     DistributedTriangulation<dim>          mesh;
+    std::shared_ptr<const Partition>       cell_partition;
     Walls<dim>                             grid_walls;
     std::unique_ptr<GridMass<dim>>         grid_mass;
     ConsistentMass<dim>                   *consistent = nullptr; // if it is one

@@ -118,6 +118,12 @@ namespace greville
     take_warnings();
 
     /**
+     * What Newton's method has done in the last step, once.
+     */
+    std::vector<NewtonRecord>
+    take_newton();
+
+    /**
      * Sums over the parts, see Simulation.
      */
     std::map<std::string, double>

@@ -148,6 +148,7 @@ namespace greville
     Discretization<dim>        &discretization;
     Loads<dim>                 &loads;
     StepLog                    &log;
+    StepGuard<dim>             &guard;
     const ImplicitScheme        scheme;
     std::optional<Expression>   step_formula;
     TangentSystem<dim>          system;

@@ -8,14 +8,15 @@
 namespace greville
 {
   /**
-   * Collective. Give each process the same share of the points, which the
-   * parameters describe, and of the cells of @p mesh.
+   * Collective. The partition that gives each process the same share of the
+   * points, which the parameters describe, and of the cells of @p mesh. Without
+   * rows on one process.
    */
   template <int dim>
-  void
-  balance_load(DistributedTriangulation<dim> &mesh,
-               const SimulationParameters    &parameters,
-               const Loads<dim>              &loads);
+  Partition
+  initial_partition(DistributedTriangulation<dim> &mesh,
+                    const SimulationParameters    &parameters,
+                    const Loads<dim>              &loads);
 
   /**
    * Collective. The largest speeds, with waves as fast as those of bodies

@@ -17,6 +17,8 @@ namespace greville
   {
     /// Signals::fastest and Signals::wave, m / s.
     double fastest_signal = 0., fastest_wave = 0.;
+    /// Of all bodies.
+    PointSums sums;
     /// By body: cells that at least one point has left.
     std::vector<std::vector<unsigned int>> left_cells;
     /// Likewise by surface.

@@ -103,6 +103,13 @@ namespace greville
     record() const;
 
     /**
+     * The file with the points at a time, with its folder; empty where they
+     * have not been written.
+     */
+    std::string
+    points_file(const double time) const;
+
+    /**
      * Collective. Go on with what an earlier run has written, its record():
      * numbered files that it wrote later are removed.
      */
@@ -168,11 +175,23 @@ namespace greville
       return file.sync();
     }
 
+    std::uint64_t
+    n_bytes() const
+    {
+      return file.n_bytes();
+    }
+
     /**
      * Collective.
      */
     void
     write(const double time, const BodyList<dim> &bodies);
+
+    /**
+     * Those of the file.
+     */
+    std::vector<std::string>
+    columns() const;
 
   private:
     struct Probe
@@ -180,9 +199,6 @@ namespace greville
       unsigned int body;
       double       id;
     };
-
-    std::vector<std::string>
-    columns() const;
 
     MPI_Comm           comm;
     std::vector<Probe> probes;

@@ -11,6 +11,7 @@
 #include <greville/particles/body.h>
 #include <greville/simulation/checkpoint.h>
 #include <greville/simulation/comparison_parameters.h>
+#include <greville/simulation/partition.h>
 #include <greville/simulation/stage_parameters.h>
 #include <greville/stiffness/tangent_system.h>
 
@@ -182,8 +183,10 @@ namespace greville
                                                  "density",
                                                  "body",
                                                  "id",
+                                                 "size",
                                                  "history"};
     std::string              probes;
+    bool                     load        = false;
     bool                     print_times = true;
   };
 
@@ -231,7 +234,8 @@ namespace greville
     ReferenceParameters reference;
     OutputParameters    output;
 
-    CheckpointParameters checkpoints;
+    CheckpointParameters  checkpoints;
+    LoadBalanceParameters load_balance;
 
     ConsistentSolverParameters solver;
     PMultigridParameters       multigrid;

@@ -7,8 +7,10 @@
 #include <greville/simulation/comparison.h>
 #include <greville/simulation/ensemble.h>
 #include <greville/simulation/output.h>
+#include <greville/simulation/run_notes.h>
 
 #include <chrono>
+#include <functional>
 
 namespace greville
 {
@@ -38,6 +40,9 @@ namespace greville
     /// Parameters that take the place of those of the file, see
     /// read_parameter_lines().
     std::vector<std::string> settings;
+    /// What is to be done in the folder before the first file is written, when
+    /// parameters and checkpoints have been accepted; all processes call it.
+    std::function<void()> prepare_folder;
   };
 
 
@@ -57,7 +62,8 @@ namespace greville
    * Runs an Ensemble to its end, and shows and writes what a parameter file
    * asks for:
    * - statistics.csv, probes.csv, points.pvd and grid.pvd (grid_BODY.pvd where
-   *   bodies have grids of their own) with their files, summary.json;
+   *   bodies have grids of their own) with their files, summary.json, and
+   *   RunNotes;
    * - checkpoints, from which another run goes on as if nothing had happened;
    * - header, progress and summary on the first process's @p out.
    */
@@ -76,14 +82,20 @@ namespace greville
                   const RunOptions           &options = RunOptions());
 
     /**
-     * Collective. Throws what Simulation::step() throws, after the last good
-     * state has been written, and RunStopped after a signal, with a checkpoint
-     * and all results.
+     * Collective. Throws what Simulation::step() throws, where it has gone back
+     * after the last good state has been written, and RunStopped after a
+     * signal, with a checkpoint and all results.
      */
     RunSummary
     run();
 
   private:
+    /**
+     * What run() does, which notes errors besides.
+     */
+    RunSummary
+    run_to_end();
+
     /**
      * Begin as the options want it.
      */
@@ -97,10 +109,39 @@ namespace greville
     go_on(const Checkpoint &checkpoint);
 
     /**
+     * What the files of the run have when the simulation keeps a state.
+     */
+    struct Mark
+    {
+      unsigned int  n_steps             = 0;
+      std::uint64_t bytes_of_statistics = 0, bytes_of_probes = 0;
+      double        largest_front = 0.;
+      std::string   fields;
+      std::pair<std::vector<double>, std::vector<double>> series;
+    };
+
+    Mark
+    make_mark() const;
+
+    /**
+     * Write a checkpoint of the state at hand, with which the files go on from
+     * a mark. Returns its content.
+     */
+    TablesFile
+    write_checkpoint(const Mark &mark);
+
+    /**
      * Write a checkpoint, and go on as a run that begins from it.
      */
     void
     write_checkpoint();
+
+    /**
+     * Collective. After a step that has failed: write the state that the
+     * simulation has gone back to. Returns what the message is to say of it.
+     */
+    std::string
+    write_last_good_state();
 
     /**
      * Write a checkpoint if it is time, or a signal wants it. Throws RunStopped
@@ -190,6 +231,7 @@ namespace greville
     FieldOutput<dim>           fields;
     Probes<dim>                probes;
     CsvWriter                  statistics_file;
+    RunNotes                   notes;
     // Walls and components of the forces that are written.
     std::vector<std::pair<unsigned int, unsigned int>> reactions;
     double        next_fields = 0., next_statistics = 0.;
@@ -201,9 +243,13 @@ namespace greville
     unsigned int                          last_stage      = 0;
     // Steps that the last rows and fields belong to.
     unsigned int last_written_statistics = -1, last_written_fields = -1;
-    bool         is_resumed = false;
-    unsigned int first_step = 0;
-    double       first_time = 0.;
+    // What the files had when a state was kept, and the last checkpoint.
+    Mark         mark;
+    std::string  checkpoint_file;
+    unsigned int checkpoint_step = -1;
+    bool         is_resumed      = false;
+    unsigned int first_step      = 0;
+    double       first_time      = 0.;
     bool         is_terminal;
   };
 

@@ -5,9 +5,9 @@
 
 #include <greville/base/tables.h>
 #include <greville/simulation/damping.h>
-#include <greville/simulation/energy_guard.h>
 #include <greville/simulation/statistics.h>
 #include <greville/simulation/step_errors.h>
+#include <greville/simulation/step_guard.h>
 #include <greville/simulation/time_integrator.h>
 
 namespace greville
@@ -40,10 +40,10 @@ namespace greville
     fill_grid();
 
     /**
-     * Collective. One step; not beyond the end. Throws dealii::ExcMessage with
-     * step, time and point where a point is lost or breaks; the state is then
-     * the last good one that was kept, to single precision. For an exact one
-     * keep a copy of state().
+     * Collective. One step; not beyond the end. Throws StepGivenUp with step,
+     * time and point where a point is lost or breaks, or a StepGuard finds
+     * something wrong; the state is then the last good one that was kept, to
+     * single precision. For an exact one keep a copy of state().
      */
     void
     step();
@@ -66,6 +66,12 @@ namespace greville
      */
     bool
     is_stage_finished() const;
+
+    /**
+     * Whether the next step begins with a copy of the state to go back to.
+     */
+    bool
+    keeps_state() const;
 
     /**
      * The parameters with the sections of the stage.
@@ -136,7 +142,8 @@ namespace greville
     }
 
     /**
-     * For programs that change points between steps.
+     * For programs that change points between steps: not their number and
+     * mass.
      */
     std::vector<Body<dim>> &
     bodies()
@@ -175,10 +182,26 @@ namespace greville
     }
 
     /**
+     * Words for messages and Newton's log, such as " of 'Body disk'", which
+     * tell it from other simulations.
+     */
+    void
+    set_label(const std::string &of)
+    {
+      log.of = of;
+    }
+
+    /**
      * Warnings since the last call.
      */
     std::vector<std::string>
     take_warnings();
+
+    /**
+     * What Newton's method has done in the last step, once.
+     */
+    std::vector<NewtonRecord>
+    take_newton();
 
     /**
      * Seconds on this process that each task of a step has taken.
@@ -188,6 +211,21 @@ namespace greville
     {
       return log.seconds;
     }
+
+    /**
+     * The work of this process in a step, see work_of_process().
+     */
+    double
+    work() const;
+
+    /**
+     * Collective. Share the cells among the processes so that each has the same
+     * share of the work as it is now, between two steps. Spaces and masses are
+     * others after that. The results do not depend on it but by round-off and
+     * the tolerances of solvers.
+     */
+    void
+    share_cells();
 
     /**
      * Bytes of the points on this process, with those of the state to go back
@@ -216,6 +254,13 @@ namespace greville
     start_stage();
 
     /**
+     * share_cells() where the parameters want it before this step. Returns
+     * whether they do.
+     */
+    bool
+    balance_load();
+
+    /**
      * What is due before a step: a copy to go back to, and the next stage.
      */
     void
@@ -223,6 +268,9 @@ namespace greville
 
     void
     begin_step();
+
+    void
+    propose();
 
     /**
      * Propose another step after one that has been rejected.
@@ -243,13 +291,18 @@ namespace greville
     end_step();
 
     /**
-     * Go back and throw the message of a step of the length @p dt; @p of tells
-     * which of several simulations it is.
+     * Collective. Go back to the last good state, and to the sections of its
+     * stage.
+     */
+    void
+    restore();
+
+    /**
+     * Go back and throw, as StepGivenUp, the message of a step of the length @p
+     * dt.
      */
     [[noreturn]] void
-    go_back(const StepFailed  &failure,
-            const double       dt,
-            const std::string &of = "");
+    go_back(const StepFailed &failure, const double dt);
 
     /**
      * Warn where much of the bodies is too thin for the exact mass.
@@ -263,14 +316,15 @@ namespace greville
     Loads<dim>                           loads;
     Discretization<dim>                  discretization;
     Damping<dim>                         damping;
-    EnergyGuard<dim>                     energy_guard;
+    StepGuard<dim>                       guard;
     State<dim>                           current;
     Snapshot<dim>                        good;
     std::unique_ptr<TimeIntegrator<dim>> integrator;
 
     // The step at hand.
-    double proposed               = 0.; // s
-    bool   is_first_step_of_stage = false;
+    double       proposed               = 0.; // s
+    bool         is_first_step_of_stage = false;
+    unsigned int entered_stage          = 0; // that of the parameters
   };
 } // namespace greville
 

@@ -8,10 +8,12 @@
 #include <greville/particles/points_copy.h>
 #include <greville/particles/surface.h>
 #include <greville/simulation/energy_balance.h>
+#include <greville/simulation/partition.h>
 
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace greville
@@ -95,6 +97,12 @@ namespace greville
     std::uint64_t n_removed = 0; // points outside of the grid
     std::uint64_t n_free    = 0; // points of bodies that feel forces
     std::uint64_t n_sent    = 0; // points that left this process
+    std::uint64_t n_points  = 0; // those of all bodies after the last step
+
+    /// Mass that the points had at first, of those that have been removed
+    /// before the last step, and in it, kg (2D: kg / m).
+    double mass = 0., removed_mass = 0., mass_removed_last = 0.;
+
 
     /// Most iterations of a solve of the last step, and those of all solves.
     unsigned int  n_iterations     = 0;
@@ -122,6 +130,12 @@ namespace greville
     /// process, N (2D: N / m): the momentum that they gave in the step of the
     /// velocities, over its length.
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
+
+    /// How the cells are shared among processes, how often they were shared
+    /// anew, and the imbalance() that the last time has left.
+    std::shared_ptr<const Partition> partition;
+    unsigned int                     n_partitions = 0;
+    double                           imbalance    = 1.;
 
     double warned_gain   = 0.; // of energy
     double last_kinetic  = 0.; // see KineticDamping
@@ -195,6 +209,12 @@ namespace greville
       for (unsigned int s = 0; s < surfaces.size(); ++s)
         surfaces[s].restore(state.surfaces[s].points);
       state.points_have_changed();
+    }
+
+    unsigned int
+    stage() const
+    {
+      return rest.stage;
     }
 
     /**

@@ -41,6 +41,16 @@ namespace greville
   };
 
   /**
+   * What Simulation::step() throws on all processes where a step fails: the
+   * state is the last good one.
+   */
+  class StepGivenUp : public ErrorOnAll
+  {
+  public:
+    using ErrorOnAll::ErrorOnAll;
+  };
+
+  /**
    * Collective. Call an action, which throws on all processes or on none, and
    * throw StepFailed with its message.
    */

@@ -3,6 +3,8 @@
 #ifndef greville_simulation_step_log_h
 #define greville_simulation_step_log_h
 
+#include <greville/simulation/newton.h>
+
 #include <chrono>
 #include <map>
 #include <string>
@@ -11,13 +13,31 @@
 namespace greville
 {
   /**
+   * What Newton's method has done in a step from @p time over @p dt, which is
+   * done again with a shorter length where it has not converged. @p step and
+   * @p part count from 1, parts are bodies with grids of their own.
+   */
+  struct NewtonRecord
+  {
+    unsigned int step = 0, part = 1;
+    double       time = 0., dt = 0.;
+    NewtonResult result;
+  };
+
+
+
+  /**
    * What the parts of a simulation report besides their results: the seconds
-   * that they take on this process, and warnings.
+   * that they take on this process, warnings, and Newton's method; and the
+   * words that tell it from others that go in common steps, such as " of 'Body
+   * disk'".
    */
   struct StepLog
   {
     std::map<std::string, double> seconds;
     std::vector<std::string>      warnings;
+    std::string                   of;
+    std::vector<NewtonRecord>     newton;
   };
 
 

@@ -3,7 +3,7 @@
 #ifndef greville_simulation_time_integrator_h
 #define greville_simulation_time_integrator_h
 
-#include <greville/simulation/discretization.h>
+#include <greville/simulation/step_guard.h>
 
 #include <functional>
 
@@ -95,7 +95,8 @@ namespace greville
 
 
   /**
-   * What integrators are made with. All are kept by reference.
+   * What integrators are made with. All are kept by reference. The guard looks
+   * at what they tell it of a step.
    */
   template <int dim>
   struct IntegratorParts
@@ -105,6 +106,7 @@ namespace greville
     Loads<dim>                 &loads;
     const State<dim>           &initial;
     StepLog                    &log;
+    StepGuard<dim>             &guard;
   };
 
   template <int dim>

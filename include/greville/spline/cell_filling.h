@@ -25,10 +25,10 @@ namespace greville
    * corner out of its space, and joins the polynomials of the two outermost
    * layers of cells, as the not-a-knot condition of spline interpolation does.
    * The order of approximation stays; the highest frequencies, which are
-   * outliers of surface and walls, go (doc/mass_of_points.md). In directions of
-   * one or two cells walls are not looked at, and nor are *contact walls*,
-   * where functions come and go in a step: those that do not vanish there have
-   * to be unknowns, as far as possible.
+   * outliers of surface and walls, go (doc/results/mass_of_points.md). In
+   * directions of one or two cells walls are not looked at, and nor are
+   * *contact walls*, where functions come and go in a step: those that do not
+   * vanish there have to be unknowns, as far as possible.
    *
    * The classes depend on the mesh only, not on the order of the splines.
    */

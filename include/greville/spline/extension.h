@@ -22,7 +22,8 @@ namespace greville
    *   at the walls of the grid, too. Of several hosts of its cells a mean is
    *   taken, as a function over a hole in the body belongs to all of its sides,
    *   with weights d^-12 of the distance d of host and function in 2D, and of
-   *   the nearest ones in 3D (what that is good for: doc/mass_of_points.md),
+   *   the nearest ones in 3D (what that is good for:
+   * doc/results/mass_of_points.md),
    * - *lumped*: it sees fragments only. Such functions stay, but not their
    *   products with others: see ExtendedMass.
    *

@@ -25,10 +25,10 @@ namespace greville
   public:
     /**
      * Collective. The space is kept by reference. Bit c of @p held[f] holds
-     * component c of local function f.
+     * component c of local function f; an empty one holds nothing.
      */
     TangentLevel(const SplineSpace<dim>           &space,
-                 const std::vector<unsigned char> &held);
+                 const std::vector<unsigned char> &held = {});
 
     /**
      * Collective. The filling, which is kept by reference, is that of points at

@@ -1,0 +1,478 @@
+"""Reads what a run of Greville has left in its folder.
+
+    import greville_results
+    run = greville_results.Run("output/dam_break")
+    print(run.statistics["kinetic"].max(), run.points(-1)["velocity"].shape)
+
+Tables need the Python standard library only; their columns are arrays of numpy
+where it is installed, lists otherwise. Points, grids and surfaces need numpy, and
+Debian's python3-vtk9 (or vtk, or pyvista, which brings it) or python3-meshio.
+All errors are ResultsError with one message.
+"""
+import csv
+import json
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+try:
+    import numpy as np
+except ImportError:
+    np = None
+
+# Parameters name measured data relative to their file, whose copy lies with the results.
+PARAMETER_FOLDER = Path(__file__).resolve().parent.parent / "prm" / "simulation"
+AXES = "xyz"
+
+
+class ResultsError(Exception):
+    """What cannot be read, and why: one message for the user."""
+
+
+def read_text(path):
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise ResultsError(f"There is no file {path}.") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise ResultsError(f"{path} cannot be read: {getattr(error, 'strerror', None) or error}.") from None
+
+
+class Table(dict):
+    """Columns by name, all of one length; those of words are lists."""
+
+    def __init__(self, columns, path, units=None):
+        super().__init__(columns)
+        self.path, self.units = Path(path), units or {}
+
+    def __missing__(self, name):
+        raise ResultsError(f"{self.path} has no column {name}. There are: {', '.join(self)}.")
+
+    @property
+    def n_rows(self):
+        return len(next(iter(self.values()), ()))
+
+    def rows(self):
+        """One dict after the other, as csv.DictReader has them."""
+        return [dict(zip(self, values)) for values in zip(*self.values())]
+
+
+def column_of(words):
+    """Numbers where all words are numbers or, some of them, empty, which is NaN."""
+    if words and not any(words):
+        return list(words)
+    try:
+        numbers = [float(word) if word else float("nan") for word in words]
+    except ValueError:
+        return list(words)
+    return numbers if np is None else np.array(numbers)
+
+
+def read_table(path, units=None, may_be_empty=False):
+    """The columns of a CSV file with a header; lines with # are comments."""
+    lines = [line for line in read_text(path).splitlines() if line.strip() and line[0] != "#"]
+    if len(lines) < (1 if may_be_empty else 2):
+        raise ResultsError(f"{path} has no rows.")
+    rows = list(csv.reader(lines))
+    names = [name.strip() for name in rows[0]]
+    for number, row in enumerate(rows[1:], 1):
+        if len(row) != len(names):
+            # The last line of a run that goes on, or was killed.
+            if number == len(rows) - 1 and number > 1:
+                rows.pop()
+                break
+            raise ResultsError(f"Row {number} of {path} has {len(row)} columns, its header {len(names)}.")
+    columns = list(zip(*rows[1:])) or [()] * len(names)
+    return Table({name: column_of(column) for name, column in zip(names, columns)}, path, units)
+
+
+class Parameter:
+    """A line of parameters.prm. default is None where the value is the default."""
+
+    def __init__(self, value, default, unit):
+        self.value, self.default, self.unit = value, default, unit
+
+
+def read_parameter_lines(path):
+    """{"Section/Name": Parameter}, in the order of the file."""
+    result, section, comment = {}, [], []
+    for line in read_text(path).splitlines():
+        line = line.strip()
+        if line.startswith("#"):
+            comment.append(line.lstrip("# "))
+            continue
+        content, _, remark = line.partition("#")
+        content = content.strip()
+        if content.startswith("subsection "):
+            section.append(content[len("subsection "):].strip())
+        elif content == "end" and section:
+            section.pop()
+        elif content.startswith("set "):
+            name, _, value = content[len("set "):].partition("=")
+            default = re.match(r"\s*default:(.*)", remark)
+            unit = re.search(r"Unit: ([^.]*)\.", " ".join(comment))
+            result["/".join(section + [name.strip()])] = Parameter(
+                value.strip(), default.group(1).strip() if default else None,
+                unit.group(1) if unit and unit.group(1) != "none" else "")
+        comment = []
+    return result
+
+
+def read_parameters(path):
+    """{"Section/Name": value} of a parameter file."""
+    return {name: line.value for name, line in read_parameter_lines(path).items()}
+
+
+def names_in(text):
+    return [name.strip() for name in (text or "").split(",") if name.strip()]
+
+
+def numbers_in(text):
+    return [float(word) for word in names_in(text)]
+
+
+class Fields(dict):
+    """Points with their fields, by name; x are the positions, one row each, with three columns."""
+
+    def __init__(self, x, fields, time, path, dataset):
+        super().__init__(fields)
+        self.x, self.time, self.path, self.dataset = x, time, path, dataset
+
+    def __missing__(self, name):
+        raise ResultsError(f"{self.path} has no field {name}. There are: {', '.join(self)}.")
+
+    def component(self, name):
+        """A field of one number per point: of a vector its length, or a component as velocity_x."""
+        if name == "speed" and name not in self:
+            name = "velocity"
+        if name not in self and name[-2:-1] == "_" and name[-1] in AXES and name[:-2] in self:
+            return self[name[:-2]][:, AXES.index(name[-1])].astype(float)
+        values = self[name].astype(float)
+        return np.linalg.norm(values, axis=1) if values.ndim == 2 else values
+
+    def as_pyvista(self):
+        """The data set of VTK for pyvista, which has to be installed."""
+        import pyvista
+        return pyvista.wrap(self.dataset)
+
+
+def pieces_of(path):
+    """The files of a .pvtu and the names of its fields."""
+    try:
+        root = ElementTree.fromstring(read_text(path))
+    except ElementTree.ParseError as error:
+        raise ResultsError(f"{path} is no file of VTK: {error}.") from None
+    files = [Path(path).parent / piece.get("Source") for piece in root.iter("Piece")]
+    for file in files:
+        if not file.exists():
+            raise ResultsError(f"{file} is missing, which {path} names.")
+    return files, [array.get("Name") for data in root.iter("PPointData") for array in data]
+
+
+def read_with_vtk(path, names):
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkObject
+    from vtkmodules.vtkIOXML import vtkXMLPUnstructuredGridReader
+    shown = vtkObject.GetGlobalWarningDisplay()
+    vtkObject.GlobalWarningDisplayOff()   # Of processes without points.
+    reader = vtkXMLPUnstructuredGridReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    selection = reader.GetPointDataArraySelection()
+    selection.DisableAllArrays()
+    for name in names:
+        selection.EnableArray(name)
+    reader.Update()
+    vtkObject.SetGlobalWarningDisplay(shown)
+    grid = reader.GetOutput()
+    if not grid.GetNumberOfPoints():
+        return np.zeros((0, 3)), {name: np.zeros(0) for name in names}, grid
+    return (vtk_to_numpy(grid.GetPoints().GetData()),
+            {name: vtk_to_numpy(grid.GetPointData().GetArray(name)) for name in names}, grid)
+
+
+def read_with_meshio(path, names):
+    import meshio
+    files, _ = pieces_of(path)
+    meshes = []
+    for file in files:
+        # meshio reads no file without points, as processes without any write them.
+        if not re.search(r'<Piece\s+NumberOfPoints="0"', read_text(file)):
+            meshes.append(meshio.read(file))
+    if not meshes:
+        return np.zeros((0, 3)), {name: np.zeros(0) for name in names}, None
+    return (np.concatenate([mesh.points for mesh in meshes]),
+            {name: np.concatenate([mesh.point_data[name] for mesh in meshes]) for name in names},
+            meshes[0] if len(meshes) == 1 else meshes)
+
+
+def read_fields(path, names=None, time=None):
+    """The Fields of a .pvtu file: all, or those of these names."""
+    if np is None:
+        raise ResultsError("Fields need numpy: install Debian's python3-numpy (sudo apt install python3-numpy).")
+    _, available = pieces_of(path)
+    for name in names or ():
+        if name not in available:
+            raise ResultsError(f"{path} has no field {name}. There are: {', '.join(available)}.")
+    names = available if names is None else list(dict.fromkeys(names))
+    try:
+        x, fields, dataset = read_with_vtk(path, names)
+    except ImportError:
+        try:
+            x, fields, dataset = read_with_meshio(path, names)
+        except ImportError:
+            raise ResultsError("Fields need VTK or meshio: install Debian's python3-vtk9 (sudo apt install "
+                               "python3-vtk9) or python3-meshio.") from None
+    return Fields(x.astype(float), fields, time, Path(path), dataset)
+
+
+class Series:
+    """The times and files of a .pvd file; series(k) are the Fields of the kth time."""
+
+    def __init__(self, path):
+        self.path = Path(path)
+        try:
+            sets = list(ElementTree.fromstring(read_text(path)).iter("DataSet"))
+        except ElementTree.ParseError as error:
+            raise ResultsError(f"{path} is no file of ParaView: {error}.") from None
+        if not sets:
+            raise ResultsError(f"{path} has no times.")
+        self.files = [self.path.parent / entry.get("file") for entry in sets]
+        times = [float(entry.get("timestep")) for entry in sets]
+        self.times = times if np is None else np.array(times)
+
+    def __len__(self):
+        return len(self.files)
+
+    @property
+    def names(self):
+        """The names of the fields, which are those of the first file."""
+        return pieces_of(self.files[0])[1]
+
+    def __call__(self, k, names=None):
+        try:
+            file, time = self.files[k], self.times[k]
+        except IndexError:
+            raise ResultsError(f"{self.path} has {len(self)} times, and no number {k}.") from None
+        return read_fields(file, names, time)
+
+
+class Run:
+    """The results of a run. What it has left is read when it is asked for.
+
+    parameters              {"Section/Name": value}
+    changed_parameters      [(name, value, default, unit)]: those that are not defaults
+    bodies                  the names of bodies, in the order of the field 'body'
+    statistics, probes      Tables
+    newton                  a Table: iterations of Newton's method; None with explicit steps
+    summary                 summary.json as a dict; empty while the run goes on, or has failed
+    messages                [(kind, text)], where kind is Warning, Error or Note
+    unit(file, column)      of units.csv, such as unit("points.pvd", "velocity")
+    times                   those of the points
+    points(k), grid(k), surface(k)   Fields at the kth time; names=[...] reads those only
+    """
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        if not self.folder.is_dir():
+            raise ResultsError(f"{folder} is not a folder." if self.folder.exists() else f"There is no folder {folder}.")
+        if not any((self.folder / name).exists() for name in ("statistics.csv", "points.pvd")):
+            raise ResultsError(f"{folder} has no results of a simulation: no statistics.csv and no points.pvd.")
+        self.name = self.folder.resolve().name
+        self._known = {}
+
+    def _once(self, name, read):
+        if name not in self._known:
+            self._known[name] = read()
+        return self._known[name]
+
+    def _table(self, name, may_be_missing=False, may_be_empty=False):
+        path = self.folder / name
+        if may_be_missing and not path.exists():
+            return None
+        units = {column: unit for (file, column), unit in self.units.items() if file == name}
+        return self._once(name, lambda: read_table(path, units, may_be_empty))
+
+    @property
+    def title(self):
+        return self.name.replace("_", " ")
+
+    @property
+    def parameter_lines(self):
+        def read():
+            # Those of the run, or of the sweep that it belongs to.
+            paths = (self.folder / "parameters.prm", self.folder.resolve().parent / "parameters.prm")
+            path = next((path for path in paths if path.exists()), None)
+            return read_parameter_lines(path) if path else {}
+        return self._once("parameters", read)
+
+    @property
+    def parameters(self):
+        return {name: line.value for name, line in self.parameter_lines.items()}
+
+    @property
+    def changed_parameters(self):
+        return [(name, line.value, line.default, line.unit) for name, line in self.parameter_lines.items()
+                if line.default is not None]
+
+    @property
+    def units(self):
+        path = self.folder / "units.csv"
+
+        def read():
+            if not path.exists():
+                return {}
+            table = read_table(path)
+            return {(file, column): unit for file, column, unit in zip(table["file"], table["column"], table["unit"])}
+        return self._once("units", read)
+
+    def unit(self, file, column):
+        """The unit as it is printed beside a number; empty for numbers without one."""
+        unit = self.units.get((file, column), "")
+        return "" if unit == "1" else unit
+
+    @property
+    def dim(self):
+        if "Simulation/Dimension" in self.parameters:
+            return int(self.parameters["Simulation/Dimension"])
+        return 3 if "center_z" in self.statistics else 2
+
+    @property
+    def bodies(self):
+        return names_in(self.parameters.get("Simulation/Bodies"))
+
+    @property
+    def grid_box(self):
+        """Two corners of the grid, or None where parameters are missing."""
+        corners = [self.parameters.get(f"Grid/{name} corner") for name in ("Lower", "Upper")]
+        return [numbers_in(corner) for corner in corners] if all(corners) else None
+
+    @property
+    def grid_cells(self):
+        return [int(n) for n in numbers_in(self.parameters.get("Grid/Cells"))]
+
+    @property
+    def walls(self):
+        """What each wall is: {"Left": "free", ...}."""
+        names = ("Left", "Right", "Bottom", "Top", "Back", "Front")[:2 * self.dim]
+        return {name: self.parameters.get(f"Walls/{name}", "free") for name in names}
+
+    @property
+    def statistics(self):
+        return self._table("statistics.csv")
+
+    @property
+    def probes(self):
+        return self._table("probes.csv", may_be_missing=True, may_be_empty=True)
+
+    @property
+    def newton(self):
+        return self._table("newton.csv", may_be_missing=True, may_be_empty=True)
+
+    @property
+    def summary(self):
+        path = self.folder / "summary.json"
+
+        def read():
+            try:
+                return json.loads(read_text(path)) if path.exists() else {}
+            except json.JSONDecodeError as error:
+                raise ResultsError(f"{path} is no JSON: {error}.") from None
+        return self._once("summary", read)
+
+    @property
+    def messages(self):
+        path = self.folder / "messages.log"
+        lines = read_text(path).splitlines() if path.exists() else []
+        return [tuple(line.split(": ", 1)) for line in lines if ": " in line]
+
+    def series(self, name):
+        """The Series of points, grid, surface, or grid_BODY, surface_BODY where bodies have grids of their own."""
+        return self._once(name + ".pvd", lambda: Series(self.folder / (name + ".pvd")))
+
+    @property
+    def has_points(self):
+        return (self.folder / "points.pvd").exists()
+
+    @property
+    def times(self):
+        return self.series("points").times
+
+    @property
+    def point_fields(self):
+        return self.series("points").names
+
+    def points(self, k, names=None):
+        return self.series("points")(k, names)
+
+    def grid(self, k, names=None, body=None):
+        return self.series("grid" + (f"_{body}" if body else ""))(k, names)
+
+    def surface(self, k, names=None, body=None):
+        return self.series("surface" + (f"_{body}" if body else ""))(k, names)
+
+    def sizes(self, k=None, points=None):
+        """Edges of cubes (2D: squares) of the volumes of points, m, at the kth time or of these points."""
+        if "size" in self.point_fields:
+            return (points if points is not None and "size" in points else self.points(k, ["size"]))["size"].astype(float)
+        first = self._once("volumes", self._estimate_volumes)
+        if points is None or "J" not in points or "body" not in points:
+            points = self.points(k, ["J", "body"])
+        volumes = first[points["body"].astype(int)] * np.clip(points["J"], 0.3, 3.)
+        return volumes**(1. / self.dim)
+
+    def _estimate_volumes(self):
+        """For results without the field size: the distance of points and their mass give the volumes of bodies."""
+        points = self.points(0, ["J", "body", "density"])
+        body = points["body"].astype(int)
+        volumes = np.ones(body.max() + 1)
+        for b in np.unique(body):
+            mine = points.x[body == b]
+            sample = mine[np.linspace(0, len(mine) - 1, 200).astype(int)] if len(mine) > 1 else []
+            squares = [np.partition(((mine - s)**2).sum(axis=1), 1)[1] for s in sample] or [1e-4]
+            volumes[b] = np.median(squares)**(self.dim / 2)
+        if (self.folder / "statistics.csv").exists():
+            volumes *= self.statistics["mass"][0] / np.sum(points["density"] * volumes[body] * points["J"])
+        return volumes
+
+    def reference(self, name):
+        """Measured data that the parameter Reference/NAME names: (x, y, whose), or None.
+
+        name is 'Surface file' or 'Series file'; x and y are the first two columns.
+        """
+        text = self.parameters.get("Reference/" + name)
+        if not text:
+            return None
+        folders = (self.folder, PARAMETER_FOLDER, Path.cwd())
+        path = next((folder / text for folder in folders if (folder / text).exists()), None)
+        if path is None:
+            return None
+        table = read_table(path)
+        x, y = list(table.values())[:2]
+        author = re.search(r"^#\s*(.{1,60}?\(\d{4}\))", read_text(path), re.MULTILINE)
+        return x, y, author.group(1) if author else path.stem.replace("_", " ")
+
+    @property
+    def work(self):
+        """Columns of statistics.csv that are the work of something, without those that are zero."""
+        return [name for name in self.statistics if name.startswith("work_") and any(w != 0 for w in self.statistics[name])]
+
+    def energy_balance(self):
+        """(change of the energy, work, what is left) over time.
+
+        The energy is kinetic + strain + dissipation; gravity counts as work. What is left is negative where
+        transfers, the filter or friction have taken energy without counting it.
+        """
+        if np is None:
+            raise ResultsError("The balance of energy needs numpy: install Debian's python3-numpy.")
+        table = self.statistics
+        energy = table["kinetic"] + table["strain"] + table["dissipation"]
+        work = sum((table[name] for name in self.work), np.zeros(len(energy)))
+        change = energy - energy[0]
+        return change, work, change - work
+
+
+def runs_in(folder):
+    """The folders of runs below the folder of a sweep, in the order of their numbers."""
+    return sorted((path.parent for path in Path(folder).glob("*/statistics.csv")),
+                  key=lambda run: [int(t) if t.isdigit() else t for t in re.split(r"(\d+)", run.name)])

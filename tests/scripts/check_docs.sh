@@ -1,0 +1,51 @@
+#!/bin/sh
+# check_docs.sh PROJECT: the documents are in order (scripts/check_docs), and
+# each kind of fault in a copy of them is found.
+cd "$1" || exit 1
+[ -x /usr/bin/python3 ] || exit 0
+scripts/check_docs || exit 1
+
+status=0
+copy=$(mktemp -d)
+trap 'rm -rf "$copy"' EXIT
+for entry in *; do
+  case $entry in
+    doc | *.md) cp -r "$entry" "$copy" ;;
+    build* | output) ;;
+    *) ln -s "$PWD/$entry" "$copy" ;;
+  esac
+done
+
+# finds TEXT FILE SED: after this change of the file, which is undone then, the
+# script says so.
+finds() {
+  cp "$copy/$2" "$copy/saved"
+  sed -i "$3" "$copy/$2"
+  if cmp -s "$copy/$2" "$copy/saved"; then
+    echo "FAILED: $3 changes nothing in $2"
+    status=1
+  elif scripts/check_docs --root "$copy" >"$copy/log" || ! grep -qF -- "$1" "$copy/log"; then
+    echo "FAILED: not found in $2: $1"
+    cat "$copy/log"
+    status=1
+  fi
+  mv "$copy/saved" "$copy/$2"
+}
+
+scripts/check_docs --root "$copy" >"$copy/log" || {
+  cat "$copy/log"
+  exit 1
+}
+user=doc/user
+finds "leads nowhere" $user/index.md 's/(first_run.md)/(first_walk.md)/'
+finds "has no heading" $user/index.md 's/#contact-between-bodies/#contact/'
+finds "no option --fields" $user/output.md 's/picture --field /picture --fields /'
+finds "there is no file" $user/first_run.md 's/dam_break.prm/dam_broke.prm/'
+finds "there is no script" $user/output.md 's|^scripts/picture|scripts/draw|'
+finds "no parameter Stage collapse/Time/CFL numbers" $user/first_file.md 's/set CFL number /set CFL numbers/'
+finds "no section Bodies soil" $user/examples/vertical_cut.prm 's/subsection Body soil/subsection Bodies soil/'
+finds "no parameter Scheme/Masses" $user/choosing.md 's|`Scheme/Mass`|`Scheme/Masses`|'
+finds "no message" $user/troubleshooting.md 's/is a folder, not a/is a folder and no/'
+finds "no row for kinetic" $user/output.md '/^| `kinetic`/d'
+finds "in no file that the page links to" doc/developer/adding_a_law.md 's/2\. + e\.norm()/3. + e.norm()/'
+exit $status

@@ -1,0 +1,173 @@
+"""results.py PROJECT PROGRAM: what scripts read from a small implicit run.
+
+Exit status 77 where numpy is missing; points are compared where VTK or meshio is.
+"""
+import base64
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import zlib
+from pathlib import Path
+
+PROJECT, PROGRAM = Path(sys.argv[1]), sys.argv[2]
+sys.path.insert(0, str(PROJECT / "scripts"))
+sys.dont_write_bytecode = True
+import greville_results
+from greville_results import ResultsError, Run
+
+try:
+    import numpy as np
+except ImportError:
+    print("numpy is missing")
+    sys.exit(77)
+
+CASE = """
+subsection Simulation
+  set Bodies    = block, other
+  set Materials = solid
+end
+subsection Grid
+  set Upper corner = 2, 1
+  set Cells        = 16, 8
+end
+subsection Time
+  set End  = 0.04
+  set Step = 0.01
+end
+subsection Scheme
+  set Stress update = newmark
+end
+subsection Material solid
+  set Model          = neo-hookean
+  set Density        = 2
+  set Youngs modulus = 100
+end
+subsection Body block
+  set Material = solid
+  set Shape    = box(0.25, 0.25, 0.75, 0.75)
+  set Velocity = 0.5; 0
+end
+subsection Body other
+  set Material = solid
+  set Shape    = box(1.25, 0.25, 1.75, 0.75)
+end
+subsection Loads
+  set Gravity = 0; -1
+end
+subsection Walls
+  set Bottom = sliding
+end
+subsection Output
+  set Fields every = 0.02
+  set Probes       = 0.5, 0.5
+end
+"""
+failed = 0
+
+
+def check(what, holds):
+    global failed
+    if not holds:
+        failed += 1
+        print(f"FAILED: {what}")
+
+
+def message_of(action):
+    try:
+        action()
+    except ResultsError as error:
+        return str(error)
+    return ""
+
+
+def can_read_points():
+    for module in ("vtkmodules.vtkIOXML", "meshio"):
+        try:
+            __import__(module)
+            return True
+        except ImportError:
+            pass
+    return False
+
+
+def check_tables(run):
+    check("bodies", run.bodies == ["block", "other"] and run.dim == 2)
+    check("columns", abs(run.statistics["mass"] - 1.).max() < 1e-12 and run.statistics.n_rows == 5)
+    check("units", run.unit("statistics.csv", "kinetic") == "J / m" and run.unit("points.pvd", "J") == ""
+          and run.unit("points.pvd", "velocity") == "m / s")
+    check("probes", run.probes["x0"][-1] > run.probes["x0"][0])
+    check("Newton's method", run.newton["converged"].min() == 1 and run.newton["step"].max() == 4)
+    check("summary", run.summary["points"] == 128 and run.summary["steps"] == 4)
+    check("parameters", ("Grid/Cells", "16, 8", "16, 16", "") in run.changed_parameters and run.walls["Bottom"] == "sliding")
+    change, work, left = run.energy_balance()
+    check("balance of energy", work[-1] > 0 and abs(left[-1]) < 1e-3 * work[-1] and abs(change[-1] - work[-1] - left[-1]) < 1e-14)
+    check("message about a column", "has no column foo. There are: time, dt," in message_of(lambda: run.statistics["foo"]))
+    check("message about a folder", message_of(lambda: Run("nowhere")) == "There is no folder nowhere.")
+    check("message about results", "has no results of a simulation" in message_of(lambda: Run(PROJECT)))
+    # A run that is killed leaves a line that is not whole.
+    (run.folder / "cut.csv").write_text("a,b\n1,2\n3")
+    check("a cut line", list(greville_results.read_table(run.folder / "cut.csv")["b"]) == [2.])
+    (run.folder / "cut.csv").write_text("a,b\n1\n3,4\n")
+    check("a wrong line", "has 1 columns, its header 2" in message_of(lambda: greville_results.read_table(run.folder / "cut.csv")))
+
+
+def check_points(run):
+    points = run.points(-1)
+    check("times", len(run.times) == 3 and abs(points.time - 0.04) < 1e-12)
+    check("positions and displacements", abs((points.x - points["displacement"])[:, 1] - points.x[:, 1]).max() > 0
+          and points.x.shape == (128, 3))
+    check("mass of points", abs((points["density"] * run.sizes(-1, points)**2).sum() - 1.) < 1e-5)
+    check("components", abs(points.component("velocity_y")).max() <= points.component("speed").max() + 1e-9)
+    check("message about a field", "has no field foo. There are: velocity" in message_of(lambda: run.points(0, ["foo"])))
+    check("grid", "mass" in run.grid(-1, ["mass"]))
+
+
+def check_report(run, has_points):
+    command = [sys.executable, "-B", PROJECT / "scripts" / "report", run.folder]
+    result = subprocess.run(command, capture_output=True, text=True)
+    check(f"report: {result.stderr}", result.returncode == 0)
+    page = (run.folder / "report.html").read_text()
+    check("no network", not re.search(r"(src|href)\s*=\s*[\"']?(https?:)?//", page))
+    data = json.loads(re.search(r"^const DATA = (.*);$", page, re.MULTILINE).group(1))["runs"][0]
+    check("state and bodies", data["state"] == "finished" and [body["name"] for body in data["bodies"]] == run.bodies)
+    check("Newton's method in the report", len(data["newton"]["steps"]) == 4)
+    check("parameters in the report", ["Time/Step", "0.01", "", "s"] in data["parameters"])
+    if not has_points:
+        check("no points without a reader", data["frames"] is None)
+        return
+    frames = data["frames"]
+    check("fields of the report", [field["name"] for field in frames["fields"]][:2] == ["speed", "pressure"]
+          and frames["fields"][-1]["name"] == "body")
+    raw = np.frombuffer(zlib.decompress(base64.b64decode(frames["data"])), np.uint8)
+    shape = (len(frames["times"]), frames["n"])
+    n = shape[0] * shape[1]
+    for d in range(2):
+        low, high = raw[2 * d * n:(2 * d + 1) * n].astype(np.uint16), raw[(2 * d + 1) * n:(2 * d + 2) * n].astype(np.uint16)
+        x = np.cumsum((low | high << 8).reshape(shape), axis=0, dtype=np.uint16)
+        x = frames["lower"][d] + (frames["upper"][d] - frames["lower"][d]) * x / 65534
+        for k in range(shape[0]):
+            points = run.points(k, [])
+            check("positions in the report", abs(np.sort(x[k]) - np.sort(points.x[:, d])).max() < 1e-4)
+
+
+def main():
+    with tempfile.TemporaryDirectory() as name:
+        (Path(name) / "case.prm").write_text(CASE)
+        result = subprocess.run([PROGRAM, "case.prm"], cwd=name, capture_output=True, text=True)
+        check(f"the run: {result.stderr}", result.returncode == 0)
+        run = Run(Path(name) / "output" / "case")
+        has_points = can_read_points()
+        check_tables(run)
+        if has_points:
+            check_points(run)
+        check_report(run, has_points)
+        result = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / "paraview", run.folder], capture_output=True, text=True)
+        check(f"paraview: {result.stderr}", result.returncode == 0)
+        compile((run.folder / "view.py").read_text(), "view.py", "exec")
+    print("with points" if has_points else "without points: neither VTK nor meshio is there")
+    sys.exit(failed > 0)
+
+
+main()
