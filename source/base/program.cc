@@ -475,9 +475,16 @@ namespace greville
   std::string
   ProgramTemplate::title() const
   {
-    const std::string line  = content.substr(0, content.find('\n'));
-    const auto        begin = line.find_first_not_of("# ");
-    return begin == std::string::npos ? "" : line.substr(begin);
+    std::istringstream lines(content);
+    std::string        title;
+    for (std::string line; std::getline(lines, line) && line[0] == '#';)
+      {
+        title += (title.empty() ? "" : " ") + Utilities::trim(line.substr(1));
+        const auto end = (title + " ").find(". ");
+        if (end != std::string::npos)
+          return title.substr(0, end);
+      }
+    return title;
   }
 
 

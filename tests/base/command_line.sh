@@ -73,7 +73,7 @@ done
 refuse 'it is no section, and no parameter' "$greville" --list nothing
 
 # Templates: each is a file that runs, and no file is written over.
-accept 'slope ' 'cantilever ' 'A slope of soil' -- "$greville" --new
+accept 'slope ' 'cantilever_3d ' 'A slope of soil' 'under an end load that grows to 100 N' -- "$greville" --new
 templates=$("$greville" --new | sed 's/ .*//')
 for template in $templates; do
   accept "Written: $template.prm" -- "$greville" --new "$template"
@@ -127,7 +127,7 @@ completes() {
 }
 completes --print-parameters --pr
 completes materials --list mat
-completes cantilever --new can
+completes cantilever_3d --new can
 completes slope.prm slope.prm --check slo
 completes --resume slope.prm --re
 completes bash --completion ''

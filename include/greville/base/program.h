@@ -59,7 +59,7 @@ namespace greville
     std::string name, content;
 
     /**
-     * The first line, which is a comment.
+     * The first sentence of the comment at the top.
      */
     std::string
     title() const;

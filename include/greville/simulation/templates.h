@@ -10,7 +10,8 @@
 namespace greville
 {
   /**
-   * The parameter files of prm/templates, which are compiled in.
+   * The parameter files of prm/templates and of the guide (doc/user/examples),
+   * which are compiled in.
    */
   std::vector<ProgramTemplate>
   simulation_templates();
