@@ -83,41 +83,55 @@ namespace greville
 
 
 
+    /**
+     * The words of @p text in lines of at most 79 letters, of which all but the
+     * first are indented. The first one begins at @p column.
+     */
+    std::string
+    wrapped(const std::string &text,
+            const std::size_t  indent,
+            std::size_t        column)
+    {
+      constexpr std::size_t width = 79;
+      std::string           result;
+      bool                  is_first = true;
+      std::istringstream    words(text);
+      for (std::string word; words >> word; is_first = false)
+        {
+          const bool breaks = !is_first && column + 1 + word.size() > width;
+          if (breaks)
+            column = indent;
+          result += breaks     ? "\n" + std::string(indent, ' ')
+                    : is_first ? ""
+                               : " ";
+          column += word.size() + (is_first || breaks ? 0 : 1);
+          result += word;
+        }
+      return result + "\n";
+    }
+
+
+
     std::string
     usage_of(const Program &program)
     {
-      constexpr unsigned int indent = 22, width = 79;
-      std::string            result =
-        "Usage: " + program.name + " FILE.prm [OPTION...]    run a parameter " +
-        "file\n       " + program.name + " OPTION                   " +
-        "something else\n\nOptions of runs:\n";
+      constexpr std::size_t indent = 22;
+      std::string           result =
+        wrapped(program.name + ": " + program.purpose + ".", 0, 0) +
+        "\nUsage: " + program.name +
+        " FILE.prm [OPTION...]    run a parameter file\n       " +
+        program.name + " OPTION                   something else\n\n" +
+        "Options of runs:\n";
       const auto add = [&](const ProgramOption &option) {
         std::string words = "  --" + option.name;
         if (!option.value.empty())
           words += option.value_is_needed ? " " + option.value
                                           : " [" + option.value + "]";
-        result += words;
         // The meaning stands beside the option, or below a long one.
-        std::size_t column = words.size();
-        if (column + 2 > indent)
-          {
-            result += "\n";
-            column = 0;
-          }
-        result += std::string(indent - column, ' ');
-        column = indent;
-        std::istringstream meaning(option.meaning);
-        for (std::string word; meaning >> word;)
-          {
-            if (column > indent && column + 1 + word.size() > width)
-              {
-                result += "\n" + std::string(indent, ' ');
-                column = indent;
-              }
-            result += (column > indent ? " " : "") + word;
-            column += (column > indent ? 1 : 0) + word.size();
-          }
-        result += '\n';
+        words += words.size() + 2 > indent
+                   ? "\n" + std::string(indent, ' ')
+                   : std::string(indent - words.size(), ' ');
+        result += words + wrapped(option.meaning, indent, indent);
       };
       add(set_option);
       for (const ProgramOption &option : program.options)
@@ -440,8 +454,7 @@ namespace greville
                                     ? "printed or run."
                                     : "run, and --" + action + " runs none."));
       if (action == "help")
-        out << program.name << ": " << program.purpose << "\n\n"
-            << usage_of(program);
+        out << usage_of(program);
       else if (action == "version")
         out << version_of(program);
       else if (action == "parameters")

@@ -126,8 +126,9 @@ namespace greville
         const Probes<dim> probes(parameters.output.probes,
                                  ensemble.bodies(),
                                  comm);
+        set_up = seconds_since(begin, comm);
         print_header(out, ensemble, parameters, comm);
-        print_warnings();
+        print_warnings(ensemble);
       }
 
       void
@@ -151,76 +152,31 @@ namespace greville
       }
 
       /**
-       * Take steps, and write what they tell. Returns the time that all would
-       * take, s.
+       * Take steps of all stages, and write what they tell. Returns the time
+       * that all would take, s.
        */
       double
       report()
       {
-        const double       time  = common().time;
-        const unsigned int first = common().n_steps;
-        const unsigned int stage = common().stage;
-        const bool   is_explicit = ensemble.first().solver_levels().empty();
-        const double set_up      = seconds_since(begin, comm);
-        double       first_step = 0., steps = 0.;
-        unsigned int n     = 0;
-        const auto   start = Clock::now();
-        while (!ensemble.is_finished() && n < most_steps &&
-               (n < least_steps || seconds_since(start, comm) < longest) &&
-               !(n > 0 && ensemble.first().is_stage_finished()))
-          {
-            const auto before = Clock::now();
-            ensemble.step();
-            const double step = seconds_since(before, comm);
-            (n == 0 ? first_step : steps) += step;
-            ++n;
-          }
-        print_warnings();
         std::uint64_t cells = 0, functions = 0, points = 0;
         for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
           {
-            cells +=
-              ensemble.part(k).space().triangulation().n_global_active_cells();
-            functions += ensemble.part(k).space().n_dofs();
+            const SplineSpace<dim> &space = ensemble.part(k).space();
+            cells += space.triangulation().n_global_active_cells();
+            functions += space.n_dofs();
           }
         for (const Body<dim> &body : ensemble.bodies())
           points += body.n_points;
         out << "  cells: " << cells << ", B-splines: " << functions
             << " for each component, points: " << points << '\n';
-        double total = set_up;
-        if (n == 0)
-          out << "  The run is at its end: there is no step to take.\n";
-        else
-          {
-            if (is_explicit)
-              print_critical_step();
-            const double dt        = (common().time - time) / n;
-            const double last_time = parameters.end_of_run();
-            double       n_steps   = std::ceil((last_time - time) / dt - 1e-6);
-            const unsigned int limit  = parameters.time.max_steps;
-            const bool         is_cut = limit > 0 && n_steps > limit - first;
-            if (is_cut)
-              n_steps = limit - first;
-            const double each = n > 1 ? steps / (n - 1) : first_step;
-            total += first_step + each * (n_steps - 1.);
-            out << "  step: " << rounded(dt, 4) << " s, the mean of " << n
-                << " trial step(s) from t = " << rounded(time) << " s\n"
-                << "  number of steps: " << (is_cut ? "" : "about ")
-                << std::uint64_t(n_steps)
-                << (is_cut ? ", as 'Time/Maximum steps' says"
-                           : " to t = " + rounded(last_time) + " s")
-                << '\n';
-            if (stage + 1 < parameters.n_stages())
-              out << "    (as if all stages had steps like those of stage "
-                  << stage + 1 << ")\n";
-            out << "  estimated time: " << duration(total) << ": "
-                << rounded(set_up, 2) << " s to set up, then "
-                << rounded(each, 2) << " s for each step, the mean of "
-                << (n > 1 ? std::to_string(n - 1) + " trial step(s) after the "
-                                                    "first"
-                          : "the first trial step")
-                << ", without output files\n";
-          }
+
+        const unsigned int stage    = common().stage;
+        const unsigned int n_stages = parameters.n_stages();
+        double             total    = report_stage(ensemble, stage, set_up);
+        for (unsigned int k = stage + 1; k < n_stages; ++k)
+          total += report_later_stage(k);
+        if (n_stages > stage + 1)
+          out << "  estimated time of all stages: " << duration(total) << '\n';
         print_memory();
         return total;
       }
@@ -233,19 +189,108 @@ namespace greville
       }
 
       void
-      print_warnings()
+      print_warnings(Ensemble<dim> &trial)
       {
-        for (const std::string &warning : ensemble.take_warnings())
+        for (const std::string &warning : trial.take_warnings())
           out << "Warning: " << warning << std::endl;
       }
 
+      /**
+       * Try the steps of the stage that @p trial is in, and write what they
+       * tell. Returns the estimated time of the stage, s, of which @p set_up is
+       * a part.
+       */
+      double
+      report_stage(Ensemble<dim>     &trial,
+                   const unsigned int stage,
+                   const double       set_up)
+      {
+        const auto state = [&]() -> const State<dim> & {
+          return trial.first().state();
+        };
+        const TimeParameters &times = trial.first().stage_parameters().time;
+        const double          begin_of_trial = state().time, end = times.end;
+        const unsigned int    first = state().n_steps;
+        const bool   is_explicit    = trial.first().solver_levels().empty();
+        double       first_step = 0., steps = 0.;
+        unsigned int n     = 0;
+        const auto   start = Clock::now();
+        while (!trial.is_finished() && n < most_steps &&
+               (n < least_steps || seconds_since(start, comm) < longest) &&
+               !(n > 0 && trial.first().is_stage_finished()))
+          {
+            const auto before = Clock::now();
+            trial.step();
+            (n == 0 ? first_step : steps) += seconds_since(before, comm);
+            ++n;
+          }
+        print_warnings(trial);
+        if (n == 0)
+          {
+            out << "  The run is at its end: there is no step to take.\n";
+            return set_up;
+          }
+        if (parameters.n_stages() > 1)
+          out << "  " << Utilities::trim(parameters.stage_text(stage)) << '\n';
+        if (is_explicit)
+          print_critical_step(trial);
+        const double dt      = (state().time - begin_of_trial) / n;
+        double       n_steps = std::ceil((end - begin_of_trial) / dt - 1e-6);
+        const unsigned int limit  = parameters.time.max_steps;
+        const bool         is_cut = limit > 0 && n_steps > limit - first;
+        if (is_cut)
+          n_steps = limit - first;
+        const double each  = n > 1 ? steps / (n - 1) : first_step;
+        const double total = set_up + first_step + each * (n_steps - 1.);
+        out << "  step: " << rounded(dt, 4) << " s, the mean of " << n
+            << " trial step(s) from t = " << rounded(begin_of_trial) << " s\n"
+            << "  number of steps: " << (is_cut ? "" : "about ")
+            << std::uint64_t(n_steps)
+            << (is_cut ? ", as 'Time/Maximum steps' says"
+                       : " to t = " + rounded(end) + " s")
+            << '\n'
+            << "  estimated time: " << duration(total) << ": "
+            << rounded(set_up, 2) << " s to set up, then " << rounded(each, 2)
+            << " s for each step, the mean of "
+            << (n > 1 ? std::to_string(n - 1) + " trial step(s) after the first"
+                      : "the first trial step")
+            << ", without output files\n";
+        return total;
+      }
+
+      /**
+       * The same of a later stage, as if it began with the initial bodies.
+       */
+      double
+      report_later_stage(const unsigned int stage)
+      {
+        SimulationParameters later = parameters;
+        later.stages.erase(later.stages.begin(), later.stages.begin() + stage);
+        later.stages[0].time.start = parameters.stages[stage - 1].time.end;
+        later.time.start           = later.stages[0].time.start;
+        try
+          {
+            const auto    start = Clock::now();
+            Ensemble<dim> trial(later, comm);
+            return report_stage(trial, stage, seconds_since(start, comm));
+          }
+        catch (const std::exception &error)
+          {
+            // It may need what the stages before it leave.
+            out << "  " << Utilities::trim(parameters.stage_text(stage))
+                << "\n  its steps cannot be tried from the initial state: "
+                << message_of(error) << '\n';
+            return 0.;
+          }
+      }
+
       void
-      print_critical_step()
+      print_critical_step(const Ensemble<dim> &trial)
       {
         double critical = 0.;
-        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+        for (unsigned int k = 0; k < trial.n_parts(); ++k)
           {
-            const double own = ensemble.part(k).state().estimates.critical;
+            const double own = trial.part(k).state().estimates.critical;
             critical         = k == 0 ? own : std::min(critical, own);
           }
         if (critical > 0. && std::isfinite(critical))
@@ -292,6 +337,7 @@ namespace greville
       const std::optional<unsigned long> memory_before;
       const Clock::time_point            begin;
       Ensemble<dim>                      ensemble;
+      double                             set_up = 0.; // s
     };
 
 

@@ -118,8 +118,11 @@ main(int argc, char **argv)
           .add("Stage one\n  subsection Time\n    set End = 0.5\n  end", {})
           .add("Stage two\n  subsection Time\n    set End = 1\n  end", {})),
       {"Stage 1 (one): t = 0 to 0.5 s",
-       "number of steps: about 1000 to t = 1 s",
-       "(as if all stages had steps like those of stage 1)"});
+       "number of steps: about 500 to t = 0.5 s",
+       "  Stage 2 (two):\n",
+       "trial step(s) from t = 0.5 s",
+       "number of steps: about 500 to t = 1 s",
+       "estimated time of all stages: "});
   has("a sweep",
       check_of(good.with("Sweep", {"Cells = 4, 8"})),
       {"Run 1 of 2 of the sweep: lumped_points_p2_4",
