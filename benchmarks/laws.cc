@@ -159,7 +159,7 @@ main(int argc, char **argv)
     "| law | | plane strain, ns | tangent, ns | 3D, ns | tangent, ns | "
     "reference, ns |\n"
     "| --- | --- | --- | --- | --- | --- | --- |\n");
-  const std::string stiff = "Youngs modulus = 1e6";
+  const std::string stiff = "Young modulus = 1e6";
   measure("linear-elastic", {stiff}, 1e-2, "");
   measure("linear-elastic", {stiff}, 0.3, "large strains");
   measure("neo-hookean", {stiff}, 1e-2, "");

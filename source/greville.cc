@@ -1,30 +1,83 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/program.h>
+#include <greville/particles/shape.h>
+#include <greville/simulation/grid_mass.h>
 #include <greville/simulation/run.h>
+#include <greville/simulation/templates.h>
+
+#include <boost/algorithm/string/join.hpp>
+
+namespace
+{
+  using namespace greville;
+
+  void
+  run(const std::string &file, const GivenOptions &given)
+  {
+    const auto value = [&](const std::string &name) {
+      return given.count(name) > 0 ? given.at(name)[0] : "";
+    };
+    RunOptions options;
+    options.resumes = given.count("resume") > 0;
+    options.from    = value("from");
+    if (given.count("set") > 0)
+      options.settings = given.at("set");
+    AssertThrow(!options.resumes || options.from.empty(),
+                dealii::ExcMessage("--resume and --from exclude each other: a "
+                                   "run goes on, or begins with another one."));
+    AssertThrow(given.count("check") > 0 || given.count("draw") == 0,
+                dealii::ExcMessage("--draw is for the initial state that "
+                                   "--check makes: give both."));
+    if (given.count("check") > 0)
+      check_simulations(file, MPI_COMM_WORLD, options, value("draw"));
+    else
+      run_simulations(file, MPI_COMM_WORLD, options);
+  }
+} // namespace
 
 int
 main(int argc, char **argv)
 {
-  greville::Program program;
+  Program program;
   program.name = "greville";
   program.purpose =
     "the material point method on B-splines: runs the simulation, or the "
     "sweep of simulations, of a parameter file";
   program.options = {
+    {"check",
+     "",
+     "run nothing and write no results: show sizes, step, time and memory"},
+    {"draw",
+     "FOLDER",
+     "with --check: write the initial points to a new folder"},
     {"resume", "", "go on from the last checkpoint of its folder"},
     {"from", "FOLDER", "begin with the last checkpoint of another run"}};
-  program.run = [](const std::string            &file,
-                   const greville::GivenOptions &given) {
-    greville::RunOptions options;
-    options.resumes = given.count("resume") > 0;
-    if (given.count("from") > 0)
-      options.from = given.at("from");
-    AssertThrow(!options.resumes || options.from.empty(),
-                dealii::ExcMessage("--resume and --from exclude each other: a "
-                                   "run goes on, or begins with another one."));
-    greville::run_simulations(file, MPI_COMM_WORLD, options);
+  program.run            = run;
+  program.all_parameters = [](const std::string              &file,
+                              const std::vector<std::string> &settings) {
+    return file.empty() ? SimulationParameters::defaults()
+                        : SimulationParameters(file, settings).used();
   };
-  program.print_parameters = greville::SimulationParameters::print_reference;
-  return greville::run_program(program, argc, argv);
+  program.reference = SimulationParameters::use_reference;
+  program.lists     = {{"materials", "Material NAME/Model", {}},
+                       {"shapes", "", shape_names},
+                       {"placements", "Body NAME/Placement", {}},
+                       {"integrators", "Scheme/Stress update", {}},
+                       {"formulations", "Scheme/Formulation", {}},
+                       {"masses", "", mass_names},
+                       {"solvers", "Solver/Method", {}},
+                       {"implicit-solvers", "Implicit solver/Method", {}},
+                       {"smoothers", "", smoother_names},
+                       {"transfers", "Scheme/Transfer", {}},
+                       {"quadratures", "Scheme/Quadrature", {}},
+                       {"walls", "Walls/Left", {}},
+                       {"surface-loads", "Surface load NAME/Kind", {}},
+                       {"fields", "Output/Fields", {}},
+                       {"columns", "", []() {
+                      return boost::algorithm::join(Statistics<2>::names(),
+                                                    "|");
+                    }}};
+  program.templates = simulation_templates();
+  return run_program(program, argc, argv);
 }

@@ -3,8 +3,9 @@
 #ifndef greville_tests_shipped_files_h
 #define greville_tests_shipped_files_h
 
-// The shipped parameter files, made small enough to run in a fraction of a
-// second: coarse grids, three steps, no sweeps.
+// The shipped parameter files and the templates of 'greville --new', made small
+// enough to run in a fraction of a second: coarse grids, three steps, no
+// sweeps.
 
 #include <algorithm>
 #include <filesystem>
@@ -49,8 +50,10 @@ shipped_files(const std::string &source,
   const std::map<std::string, std::string> cells = {
     {"axis_aligned_mms_2d", "4, 4"},
     {"axis_aligned_mms_3d", "3, 3, 3"},
+    {"block_into_water", "24, 20"},
     {"bouncing_ball_3d", "8, 8, 8"},
     {"breaking_bar", "20, 5"},
+    {"cantilever_3d", "5, 2, 1"},
     {"channel_flow", "5, 5"},
     {"colliding_disks", "10, 10"},
     {"cooks_membrane", "17, 28"},
@@ -62,34 +65,39 @@ shipped_files(const std::string &source,
     {"hydrostatic_column", "1, 6"},
     {"mms_1d", "10, 1"},
     {"pressurized_ring", "12, 12"},
+    {"quasi_static_cut", "8, 4"},
     {"rubber_gear_3d", "10, 10, 2"},
+    {"slope", "45, 12"},
     {"soil_column", "1, 8"},
     {"step_traction", "16, 1"},
     {"twisting_beam_3d", "15, 12, 12"},
     {"twisting_cylinder_3d", "8, 8, 1"},
     {"twisting_disk", "8, 8"},
+    {"vertical_cut", "14, 5"},
     {"vibrating_bar", "8, 1"},
     {"vibrating_bar_free", "8, 8"},
     {"vibrating_bar_large", "8, 1"}};
-  const std::filesystem::path prm =
-    std::filesystem::path(source).parent_path().parent_path() / "prm";
+  const std::filesystem::path root =
+    std::filesystem::path(source).parent_path().parent_path();
   std::vector<ShippedFile> result;
   std::filesystem::create_directories(folder);
-  for (const std::string part : {"simulation", "mass"})
+  for (const std::string part :
+       {"prm/simulation", "prm/templates", "doc/user/examples", "prm/mass"})
     {
       const auto link = std::filesystem::path(folder) / "reference";
       std::filesystem::create_directories(link);
-      for (const auto &entry :
-           std::filesystem::directory_iterator(prm / part / "reference"))
-        std::filesystem::copy(entry.path(),
-                              link / entry.path().filename(),
-                              std::filesystem::copy_options::update_existing);
-      for (const auto &entry : std::filesystem::directory_iterator(prm / part))
+      if (std::filesystem::exists(root / part / "reference"))
+        for (const auto &entry :
+             std::filesystem::directory_iterator(root / part / "reference"))
+          std::filesystem::copy(entry.path(),
+                                link / entry.path().filename(),
+                                std::filesystem::copy_options::update_existing);
+      for (const auto &entry : std::filesystem::directory_iterator(root / part))
         if (entry.path().extension() == ".prm")
           {
             ShippedFile file;
             file.name         = entry.path().stem().string();
-            file.is_benchmark = part == "mass";
+            file.is_benchmark = part == "prm/mass";
             std::ostringstream content;
             content << std::ifstream(entry.path()).rdbuf();
             file.content = content.str();

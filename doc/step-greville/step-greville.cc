@@ -50,8 +50,8 @@ namespace StepGreville
     constexpr double well_filled  = 0.5;
     constexpr char   shape[]      = "ball(0.5, 0.625, 0.2)";
     constexpr char   properties[] = "set Density        = 1000\n"
-                                    "set Youngs modulus = 5e5\n"
-                                    "set Poissons ratio = 0.3\n";
+                                    "set Young modulus  = 5e5\n"
+                                    "set Poisson ratio  = 0.3\n";
 
     inline double
     depth(const double y)

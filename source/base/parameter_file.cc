@@ -7,13 +7,9 @@
 
 #include <algorithm>
 #include <boost/property_tree/json_parser.hpp>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <limits>
-#include <set>
+#include <map>
 #include <sstream>
 
 namespace greville
@@ -36,158 +32,29 @@ namespace greville
 
 
 
-    std::ifstream
-    open(const std::string &file)
+    /**
+     * What ParameterHandler knows of a parameter.
+     */
+    struct Entry
     {
-      AssertThrow(!file.empty(),
-                  ExcMessage("The name of the parameter file is empty."));
-      AssertThrow(!std::filesystem::is_directory(file),
-                  ExcMessage("<" + file +
-                             "> is a folder, not a parameter file."));
-      AssertThrow(std::filesystem::exists(file),
-                  ExcMessage("There is no parameter file <" + file + ">."));
-      errno = 0;
-      std::ifstream stream(file);
-      AssertThrow(stream,
-                  ExcMessage("The parameter file <" + file +
-                             "> cannot be read: " + std::strerror(errno) +
-                             "."));
-      return stream;
-    }
-
-
+      std::string default_value, pattern, documentation;
+      /// Not empty: it is another name of this one.
+      std::string alias;
+    };
 
     /**
-     * Whether @p line begins with the word @p key in small or capital letters,
-     * which is cut off then.
+     * Entries of a section by name.
      */
+    using Entries = std::map<std::string, Entry>;
+
+
+
     bool
-    take_word(std::string &line, const std::string &key)
+    is_alias(const boost::property_tree::ptree &tree)
     {
-      const std::string begin = line.substr(0, line.find(' '));
-      std::string       capitals(key);
-      std::transform(key.begin(), key.end(), capitals.begin(), ::toupper);
-      if (begin != key && begin != capitals)
-        return false;
-      line = Utilities::trim(line.substr(key.size()));
-      return true;
+      const auto found = tree.find("alias");
+      return found != tree.not_found() && found->second.empty();
     }
-
-
-
-    void
-    read_lines(const std::string          &file,
-               std::vector<std::string>   &sections,
-               std::vector<ParameterLine> &result,
-               std::set<std::string>      &all_sections,
-               const unsigned int          n_includes)
-    {
-      std::ifstream stream = open(file);
-      std::string   text, line;
-      unsigned int  number = 0, first = 0;
-      const auto    depth = sections.size();
-      std::string   place;
-      while (std::getline(stream, text))
-        {
-          ++number;
-          text = text.substr(0, text.find('#'));
-          std::replace(text.begin(), text.end(), '\t', ' ');
-          text = Utilities::trim(text);
-          if (line.empty())
-            first = number;
-          const bool goes_on = !text.empty() && text.back() == '\\';
-          if (goes_on)
-            text.pop_back();
-          line += text;
-          if (goes_on)
-            continue;
-          std::string words;
-          words.swap(line);
-          if (words.empty())
-            continue;
-          const std::string whole = words;
-          place = "Line " + std::to_string(first) + " of <" + file + ">";
-          const auto path = [&]() {
-            std::string name;
-            for (const std::string &section : sections)
-              name += (name.empty() ? "" : "/") + section;
-            return name;
-          };
-          if (take_word(words, "subsection"))
-            {
-              AssertThrow(!words.empty(),
-                          ExcMessage(place +
-                                     ": 'subsection' is without a name."));
-              sections.push_back(words);
-              all_sections.insert(path());
-              // A section is known by its lines: one without any, too.
-              result.push_back({path(), "", "", place});
-            }
-          else if (words == "end" || words == "END")
-            {
-              AssertThrow(sections.size() > depth,
-                          ExcMessage(place + ": this 'end' ends no section."));
-              sections.pop_back();
-            }
-          else if (take_word(words, "include"))
-            {
-              AssertThrow(n_includes < 20,
-                          ExcMessage(place + ": files include each other."));
-              read_lines(words, sections, result, all_sections, n_includes + 1);
-            }
-          else
-            {
-              const bool is_set = take_word(words, "set");
-              const auto equal  = words.find('=');
-              AssertThrow(is_set && equal != std::string::npos,
-                          ExcMessage(
-                            place + ": <" + whole +
-                            "> is none of 'subsection NAME', 'set NAME = "
-                            "VALUE' and 'end'."));
-              result.push_back({path(),
-                                Utilities::trim(words.substr(0, equal)),
-                                Utilities::trim(words.substr(equal + 1)),
-                                place});
-            }
-        }
-      AssertThrow(line.empty(),
-                  ExcMessage("The last line of <" + file +
-                             "> ends with a backslash."));
-      AssertThrow(sections.size() == depth,
-                  ExcMessage("The section '" + sections.back() + "' of <" +
-                             file + "> has no 'end'."));
-    }
-  } // namespace
-
-
-
-  std::vector<ParameterLine>
-  read_parameter_lines(const std::string              &file,
-                       const std::string              &own_section,
-                       const std::vector<std::string> &other_sections,
-                       const std::string              &other)
-  {
-    std::vector<ParameterLine> result;
-    std::vector<std::string>   sections;
-    std::set<std::string>      all_sections;
-    read_lines(file, sections, result, all_sections, 0);
-    for (const std::string &section : other_sections)
-      AssertThrow(all_sections.count(section) == 0 ||
-                    all_sections.count(own_section) > 0,
-                  ExcMessage("<" + file + "> is a file for the program " +
-                             other + ": it has the section '" + section +
-                             "', and no section '" + own_section + "'."));
-    return result;
-  }
-
-
-
-  namespace
-  {
-    /**
-     * Entries of a section by name, with the description of their pattern.
-     */
-    using Entries = std::map<std::string, std::string>;
 
 
 
@@ -198,14 +65,45 @@ namespace greville
     {
       Entries &entries = result[section];
       for (const auto &child : tree)
-        if (child.second.find("value") != child.second.not_found())
-          entries[demangle(child.first)] =
-            child.second.get<std::string>("pattern_description", "");
-        else
-          collect(child.second,
-                  (section.empty() ? "" : section + "/") +
-                    demangle(child.first),
-                  result);
+        {
+          const auto &entry    = child.second;
+          const auto  value_of = [&](const char *key) {
+            return entry.get<std::string>(key, "");
+          };
+          if (entry.find("value") != entry.not_found())
+            entries[demangle(child.first)] = {value_of("default_value"),
+                                              value_of("pattern_description"),
+                                              value_of("documentation"),
+                                              ""};
+          else if (is_alias(entry))
+            entries[demangle(child.first)].alias = demangle(value_of("alias"));
+          else
+            collect(entry,
+                    (section.empty() ? "" : section + "/") +
+                      demangle(child.first),
+                    result);
+        }
+      for (auto &entry : entries)
+        if (!entry.second.alias.empty())
+          {
+            const std::string name = entry.second.alias;
+            entry.second           = entries.at(name);
+            entry.second.alias     = name;
+          }
+    }
+
+
+
+    std::map<std::string, Entries>
+    sections_of(const ParameterHandler &prm)
+    {
+      std::stringstream json;
+      prm.print_parameters(json, ParameterHandler::JSON);
+      boost::property_tree::ptree tree;
+      boost::property_tree::read_json(json, tree);
+      std::map<std::string, Entries> sections;
+      collect(tree, "", sections);
+      return sections;
     }
 
 
@@ -297,6 +195,17 @@ namespace greville
 
 
 
+    std::vector<std::string>
+    names_of(const std::map<std::string, Entries> &sections)
+    {
+      std::vector<std::string> names;
+      for (const auto &section : sections)
+        names.push_back(section.first);
+      return names;
+    }
+
+
+
     void
     check_line(const ParameterLine                  &line,
                const std::map<std::string, Entries> &sections)
@@ -304,9 +213,7 @@ namespace greville
       const auto section = sections.find(line.section);
       if (section == sections.end())
         {
-          std::vector<std::string> known;
-          for (const auto &other : sections)
-            known.push_back(other.first);
+          const std::vector<std::string> known = names_of(sections);
           AssertThrow(false,
                       ExcMessage(line.place + ": there is no section '" +
                                  line.section + "'." +
@@ -332,7 +239,7 @@ namespace greville
                            : ": in the section '" + line.section + "'") +
                         " there is no parameter '" + line.name + "'." + hint));
         }
-      const std::string &description = entry->second;
+      const std::string &description = entry->second.pattern;
       const std::string what = line.place + ": the parameter '" + line.section +
                                "/" + line.name + "' is <" + line.value + ">; ";
       // Blanks in a word are no letters: ParameterHandler takes them off.
@@ -356,6 +263,38 @@ namespace greville
                       ExcMessage(what + "numbers are zero, or between 1e-100 "
                                         "and 1e100 in size."));
     }
+
+
+
+    /**
+     * Throw where two lines give two values under two names of a parameter. One
+     * on the command line takes the place of those in the file.
+     */
+    void
+    check_names(const std::vector<ParameterLine>     &lines,
+                const std::map<std::string, Entries> &sections)
+    {
+      // The last line under each name.
+      std::map<std::vector<std::string>, const ParameterLine *> last;
+      for (const ParameterLine &line : lines)
+        if (!line.name.empty())
+          {
+            const Entry      &entry = sections.at(line.section).at(line.name);
+            const std::string main =
+              entry.alias.empty() ? line.name : entry.alias;
+            const ParameterLine *&other =
+              last[{line.section, main, line.is_setting ? "set" : ""}];
+            AssertThrow(
+              other == nullptr || other->name == line.name ||
+                other->value == line.value,
+              ExcMessage(
+                line.place + ": the parameter '" + line.section + "/" +
+                line.name + "' is <" + line.value + ">, but '" + other->name +
+                "', another name of the same parameter, is <" + other->value +
+                "> (" + other->place + "). Give one of them."));
+            other = &line;
+          }
+    }
   } // namespace
 
 
@@ -364,14 +303,10 @@ namespace greville
   check_parameter_lines(const ParameterHandler           &prm,
                         const std::vector<ParameterLine> &lines)
   {
-    std::stringstream json;
-    prm.print_parameters(json, ParameterHandler::JSON);
-    boost::property_tree::ptree tree;
-    boost::property_tree::read_json(json, tree);
-    std::map<std::string, Entries> sections;
-    collect(tree, "", sections);
+    const auto sections = sections_of(prm);
     for (const ParameterLine &line : lines)
       check_line(line, sections);
+    check_names(lines, sections);
   }
 
 
@@ -391,11 +326,78 @@ namespace greville
 
 
   void
-  parse_parameter_file(ParameterHandler                 &prm,
-                       const std::string                &file,
-                       const std::vector<ParameterLine> &lines)
+  parse_parameter_lines(ParameterHandler                 &prm,
+                        const std::vector<ParameterLine> &lines)
   {
     check_parameter_lines(prm, lines);
-    prm.parse_input(file);
+    for (const ParameterLine &line : lines)
+      if (!line.name.empty())
+        {
+          for (const std::string &section : line.path)
+            prm.enter_subsection(section);
+          prm.set(line.name, line.value);
+          for (unsigned int k = 0; k < line.path.size(); ++k)
+            prm.leave_subsection();
+        }
+  }
+
+
+
+  std::vector<std::string>
+  words_of_parameter(const ParameterHandler &prm, const std::string &parameter)
+  {
+    const auto        slash   = parameter.rfind('/');
+    const std::string pattern = sections_of(prm)
+                                  .at(parameter.substr(0, slash))
+                                  .at(parameter.substr(slash + 1))
+                                  .pattern;
+    std::vector<std::string> words;
+    for (const std::string &word : words_of(pattern))
+      if (!word.empty())
+        words.push_back(word);
+    return words;
+  }
+
+
+
+  void
+  describe_parameter(std::ostream           &out,
+                     const ParameterHandler &prm,
+                     const std::string      &what)
+  {
+    auto sections = sections_of(prm);
+    sections.erase("");
+    const auto section = sections.find(what);
+    if (section != sections.end())
+      {
+        for (const auto &entry : section->second)
+          if (entry.second.alias.empty())
+            out << entry.first << '\n';
+        return;
+      }
+    const auto slash = what.rfind('/');
+    const auto place =
+      sections.find(what.substr(0, slash == std::string::npos ? 0 : slash));
+    AssertThrow(place != sections.end(),
+                ExcMessage(
+                  "There is nothing to list of the name <" + what +
+                  ">: it is no section, and no parameter, which "
+                  "has the form SECTION/PARAMETER." +
+                  did_you_mean(what.substr(0, slash), names_of(sections))));
+    const std::string name  = what.substr(slash + 1);
+    const auto        entry = place->second.find(name);
+    AssertThrow(entry != place->second.end(),
+                ExcMessage("In the section '" + place->first +
+                           "' there is no parameter '" + name + "'." +
+                           did_you_mean(name, names_of(place->second))));
+    const std::string main =
+      entry->second.alias.empty() ? name : entry->second.alias;
+    out << place->first << '/' << main << '\n';
+    for (const auto &other : place->second)
+      if (other.second.alias == main)
+        out << "  also called: " << other.first << '\n';
+    out << "  default: " << entry->second.default_value << '\n'
+        << "  allowed: " << in_words(entry->second.pattern) << '\n'
+        << "  " << entry->second.documentation << '\n';
   }
 } // namespace greville

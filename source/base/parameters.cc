@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <sstream>
 #include <unistd.h>
 
@@ -38,6 +39,44 @@ namespace greville
 
   namespace
   {
+    /**
+     * Parameters that go by several names: the one of the reference first.
+     */
+    const std::vector<std::vector<std::string>> names_of_parameters = {
+      {"Order", "Degree"},
+      {"Orders", "Degrees"},
+      {"Young modulus", "Young's modulus", "Youngs modulus"},
+      {"Poisson ratio", "Poisson's ratio", "Poissons ratio"},
+      {"Poisson ratios", "Poisson's ratios", "Poissons ratios"}};
+  } // namespace
+
+
+
+  void
+  declare_other_names(ParameterHandler &prm, const std::string &name)
+  {
+    for (const auto &names : names_of_parameters)
+      if (names[0] == name)
+        for (unsigned int k = 1; k < names.size(); ++k)
+          prm.declare_alias(name, names[k]);
+  }
+
+
+
+  std::string
+  main_name(const std::string &name)
+  {
+    for (const auto &names : names_of_parameters)
+      for (const std::string &other : names)
+        if (other == name)
+          return names[0];
+    return name;
+  }
+
+
+
+  namespace
+  {
     std::string
     escape_for_table(const std::string &text)
     {
@@ -58,6 +97,18 @@ namespace greville
                                const char                        *key) {
         return entry.get<std::string>(key, "");
       };
+      const auto alias_of = [&](const boost::property_tree::ptree &entry) {
+        const auto found = entry.find("alias");
+        return found != entry.not_found() && found->second.empty()
+                 ? demangle(found->second.data())
+                 : "";
+      };
+      std::map<std::string, std::string> other_names;
+      for (const auto &child : tree)
+        {
+          std::string &names = other_names[alias_of(child.second)];
+          names += (names.empty() ? "" : ", ") + demangle(child.first);
+        }
       bool has_entries = false;
       for (const auto &child : tree)
         if (child.second.find("value") != child.second.not_found())
@@ -73,13 +124,17 @@ namespace greville
                 << escape_for_table(
                      value_of(child.second, "pattern_description"))
                 << " | "
-                << escape_for_table(value_of(child.second, "documentation"))
-                << " |\n";
+                << escape_for_table(value_of(child.second, "documentation"));
+            const auto others = other_names.find(demangle(child.first));
+            if (others != other_names.end())
+              out << " Also called: " << others->second << '.';
+            out << " |\n";
           }
       if (has_entries)
         out << '\n';
       for (const auto &child : tree)
-        if (child.second.find("value") == child.second.not_found())
+        if (child.second.find("value") == child.second.not_found() &&
+            alias_of(child.second).empty())
           print_section(out,
                         child.second,
                         (section.empty() ? "" : section + "/") +

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
 #include <greville/base/program.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <iostream>
 #include <new>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -20,26 +24,123 @@ namespace greville
 
   namespace
   {
+    // What a command line asks for instead of a run.
+    const std::vector<ProgramOption> actions = {
+      {"new",
+       "TEMPLATE",
+       "write TEMPLATE.prm, a parameter file to begin with, or FILE.prm; alone "
+       "it lists the templates",
+       false},
+      {"list",
+       "WHAT",
+       "list the words for WHAT, for instance materials, the parameters of a "
+       "section, or what is known of SECTION/PARAMETER; alone it lists the "
+       "lists",
+       false},
+      {"print-parameters",
+       "",
+       "print a parameter file with all parameters: those that FILE.prm leads "
+       "to, or the defaults"},
+      {"parameters", "", "print the reference of all parameters as a page"},
+      {"completion",
+       "SHELL",
+       "print what lets the shell (bash) complete these options"},
+      {"help", "", "print this (also -h)"},
+      {"version", "", "print the version"}};
+
+    const ProgramOption set_option = {
+      "set",
+      "\"SECTION/PARAMETER=VALUE\"",
+      "set a parameter, whatever the file says; as often as needed",
+      true,
+      true};
+
+
+
+    bool
+    has_action(const Program &program, const ProgramOption &action)
+    {
+      return action.name != "new" || !program.templates.empty();
+    }
+
+
+
+    /**
+     * All options, first those of runs.
+     */
+    std::vector<ProgramOption>
+    options_of(const Program &program)
+    {
+      std::vector<ProgramOption> options = {set_option};
+      options.insert(options.end(),
+                     program.options.begin(),
+                     program.options.end());
+      for (const ProgramOption &action : actions)
+        if (has_action(program, action))
+          options.push_back(action);
+      return options;
+    }
+
+
+
+    /**
+     * The words of @p text in lines of at most 79 letters, of which all but the
+     * first are indented. The first one begins at @p column.
+     */
+    std::string
+    wrapped(const std::string &text,
+            const std::size_t  indent,
+            std::size_t        column)
+    {
+      constexpr std::size_t width = 79;
+      std::string           result;
+      bool                  is_first = true;
+      std::istringstream    words(text);
+      for (std::string word; words >> word; is_first = false)
+        {
+          const bool breaks = !is_first && column + 1 + word.size() > width;
+          if (breaks)
+            column = indent;
+          result += breaks     ? "\n" + std::string(indent, ' ')
+                    : is_first ? ""
+                               : " ";
+          column += word.size() + (is_first || breaks ? 0 : 1);
+          result += word;
+        }
+      return result + "\n";
+    }
+
+
+
     std::string
     usage_of(const Program &program)
     {
-      const std::string &name = program.name;
-      std::string        options;
+      constexpr std::size_t indent = 22;
+      std::string           result =
+        wrapped(program.name + ": " + program.purpose + ".", 0, 0) +
+        "\nUsage: " + program.name +
+        " FILE.prm [OPTION...]    run a parameter file\n       " +
+        program.name + " OPTION                   something else\n\n" +
+        "Options of runs:\n";
+      const auto add = [&](const ProgramOption &option) {
+        std::string words = "  --" + option.name;
+        if (!option.value.empty())
+          words += option.value_is_needed ? " " + option.value
+                                          : " [" + option.value + "]";
+        // The meaning stands beside the option, or below a long one.
+        words += words.size() + 2 > indent
+                   ? "\n" + std::string(indent, ' ')
+                   : std::string(indent - words.size(), ' ');
+        result += words + wrapped(option.meaning, indent, indent);
+      };
+      add(set_option);
       for (const ProgramOption &option : program.options)
-        {
-          const std::string words = "--" + option.name +
-                                    (option.value.empty() ? "" : " ") +
-                                    option.value;
-          options +=
-            "\n       " + name + " FILE.prm " + words +
-            std::string(words.size() < 16 ? 16 - words.size() : 1, ' ') +
-            option.meaning;
-        }
-      return "Usage: " + name + " FILE.prm        run a parameter file" +
-             options + "\n       " + name +
-             " --parameters    print all parameters as a page\n       " + name +
-             " --help          print this (also -h)\n       " + name +
-             " --version       print the version\n";
+        add(option);
+      result += "Others:\n";
+      for (const ProgramOption &action : actions)
+        if (has_action(program, action))
+          add(action);
+      return result;
     }
 
 
@@ -54,7 +155,7 @@ namespace greville
 
 
     /**
-     * How to call the program follows its message.
+     * How to learn more follows its message.
      */
     class CommandLineError : public std::runtime_error
     {
@@ -95,70 +196,309 @@ namespace greville
 
 
     /**
-     * The options, or a file to run. Throws where the command line is wrong.
+     * Files, and options with their values. Throws where the command line is
+     * wrong.
+     */
+    struct CommandLine
+    {
+      CommandLine(const Program                  &program,
+                  const std::vector<std::string> &arguments)
+      {
+        const auto               options = options_of(program);
+        std::vector<std::string> known;
+        for (const ProgramOption &option : options)
+          known.push_back("--" + option.name);
+        const auto is_option = [](const std::string &argument) {
+          return argument.size() > 1 && argument[0] == '-';
+        };
+        for (std::size_t k = 0; k < arguments.size(); ++k)
+          {
+            std::string argument =
+              arguments[k] == "-h" ? "--help" : arguments[k];
+            if (!is_option(argument))
+              {
+                files.push_back(argument);
+                continue;
+              }
+            std::vector<std::string> values;
+            const auto               equal = argument.find('=');
+            if (equal != std::string::npos)
+              {
+                values.push_back(argument.substr(equal + 1));
+                argument = argument.substr(0, equal);
+              }
+            const auto found =
+              std::find(known.begin(), known.end(), argument) - known.begin();
+            if (found == std::ptrdiff_t(known.size()))
+              throw CommandLineError("there is no option <" + argument + ">." +
+                                     did_you_mean(argument, known));
+            const ProgramOption &option = options[found];
+            if (option.value.empty() && !values.empty())
+              throw CommandLineError("the option <" + argument +
+                                     "> takes no value.");
+            if (!option.value.empty() && values.empty() &&
+                k + 1 < arguments.size() &&
+                (option.value_is_needed || !is_option(arguments[k + 1])))
+              values.push_back(arguments[++k]);
+            if (option.value_is_needed && !option.value.empty() &&
+                values.empty())
+              throw CommandLineError("the option <" + argument +
+                                     "> needs a value: " + option.value + ".");
+            if (given.count(option.name) > 0 && !option.may_be_repeated)
+              throw CommandLineError("the option <" + argument +
+                                     "> is given twice.");
+            auto &all = given[option.name];
+            all.insert(all.end(), values.begin(), values.end());
+          }
+        for (const ProgramOption &action : actions)
+          if (given.count(action.name) > 0)
+            {
+              if (!act.empty() && act != "help" && action.name != "help")
+                throw CommandLineError("--" + act + " and --" + action.name +
+                                       " exclude each other.");
+              act = action.name;
+              if (act == "help")
+                break;
+            }
+      }
+
+      /**
+       * "print the first of --new's values", or nothing.
+       */
+      std::string
+      value_of_action() const
+      {
+        const auto &values = given.at(act);
+        return values.empty() ? "" : values[0];
+      }
+
+      std::vector<std::string> files;
+      GivenOptions             given;
+      /// The name of the action, or empty for a run.
+      std::string act;
+    };
+
+
+
+    std::vector<std::string>
+    words_of(const Program &program, const ProgramList &list)
+    {
+      std::vector<std::string> words;
+      if (list.words)
+        return Utilities::split_string_list(list.words(), '|');
+      program.reference([&](const ParameterHandler &prm) {
+        words = words_of_parameter(prm, list.parameter);
+      });
+      return words;
+    }
+
+
+
+    void
+    print_list(std::ostream      &out,
+               const Program     &program,
+               const std::string &what)
+    {
+      if (what.empty())
+        {
+          for (const ProgramList &list : program.lists)
+            out << list.name << '\n';
+          return;
+        }
+      std::vector<std::string> names;
+      for (const ProgramList &list : program.lists)
+        {
+          names.push_back(list.name);
+          if (list.name == what)
+            {
+              for (const std::string &word : words_of(program, list))
+                out << word << '\n';
+              return;
+            }
+        }
+      const std::string hint = did_you_mean(what, names);
+      if (!hint.empty() && what.find('/') == std::string::npos)
+        throw CommandLineError("there is no list <" + what + ">." + hint);
+      program.reference([&](const ParameterHandler &prm) {
+        describe_parameter(out, prm, what);
+      });
+    }
+
+
+
+    /**
+     * Let bash complete options, their values where they are known, and files.
+     */
+    void
+    print_completion(std::ostream      &out,
+                     const Program     &program,
+                     const std::string &shell)
+    {
+      if (shell != "bash")
+        throw CommandLineError("--completion knows the shell bash, not <" +
+                               shell + ">.");
+      std::string options, lists, templates;
+      for (const ProgramOption &option : options_of(program))
+        options += " --" + option.name;
+      for (const ProgramList &list : program.lists)
+        lists += " " + list.name;
+      for (const ProgramTemplate &one : program.templates)
+        templates += " " + one.name;
+      const std::string function = "_" + program.name;
+      out << "# Completion of " << program.name
+          << " for bash, made by: " << program.name << " --completion bash\n"
+          << function << "()\n{\n"
+          << "  local word=${COMP_WORDS[COMP_CWORD]}"
+          << " before=${COMP_WORDS[COMP_CWORD-1]}\n"
+          << "  case $before in\n"
+          << "    --list) COMPREPLY=($(compgen -W '" << lists
+          << "' -- \"$word\"));;\n"
+          << "    --new) COMPREPLY=($(compgen -W '" << templates
+          << "' -- \"$word\"));;\n"
+          << "    --completion) COMPREPLY=(bash);;\n"
+          << "    --set) COMPREPLY=();;\n";
+      for (const ProgramOption &option : program.options)
+        if (option.value == "FOLDER")
+          out << "    --" << option.name
+              << ") COMPREPLY=($(compgen -d -- \"$word\"));;\n";
+      out << "    *)\n      case $word in\n"
+          << "        -*) COMPREPLY=($(compgen -W '" << options
+          << "' -- \"$word\"));;\n"
+          << "        *) COMPREPLY=($(compgen -f -X '!*.prm' -- \"$word\";"
+          << " compgen -d -- \"$word\"));;\n"
+          << "      esac;;\n  esac\n}\n"
+          << "complete -o filenames -F " << function << ' ' << program.name
+          << '\n';
+    }
+
+
+
+    /**
+     * Write a template, but never over a file.
+     */
+    void
+    write_template(std::ostream                   &out,
+                   const Program                  &program,
+                   const std::string              &name,
+                   const std::vector<std::string> &files)
+    {
+      std::vector<std::string> names;
+      for (const ProgramTemplate &one : program.templates)
+        names.push_back(one.name);
+      if (name.empty())
+        {
+          for (const ProgramTemplate &one : program.templates)
+            out << one.name << std::string(22 - one.name.size(), ' ')
+                << one.title() << '\n';
+          return;
+        }
+      const auto found = std::find(names.begin(), names.end(), name);
+      if (found == names.end())
+        throw CommandLineError("there is no template <" + name +
+                               ">; --new alone lists them." +
+                               did_you_mean(name, names));
+      const std::string file = files.empty() ? name + ".prm" : files[0];
+      run_on_first(
+        [&]() {
+          errno                = 0;
+          std::FILE *const own = std::fopen(file.c_str(), "wx");
+          AssertThrow(own != nullptr || errno != EEXIST,
+                      ExcMessage("There is a file <" + file +
+                                 "> already: name another one, as in --new " +
+                                 name + " FILE.prm."));
+          AssertThrow(own != nullptr, ExcMessage(write_error(file)));
+          const std::string &content =
+            program.templates[found - names.begin()].content;
+          const bool is_written =
+            std::fwrite(content.data(), 1, content.size(), own) ==
+            content.size();
+          AssertThrow((std::fclose(own) == 0) && is_written,
+                      ExcMessage(write_error(file)));
+        },
+        MPI_COMM_WORLD);
+      out << "Written: " << file << "\nRun it: " << program.name << ' ' << file
+          << '\n';
+    }
+
+
+
+    /**
+     * Do what the command line says. Throws where it is wrong.
      */
     void
     act(const Program                  &program,
         const std::vector<std::string> &arguments,
         const bool                      is_first)
     {
-      std::ostream  nowhere(nullptr);
-      std::ostream &out = is_first ? std::cout : nowhere;
-      if (arguments.empty())
-        throw CommandLineError("there is no parameter file to run.");
-      std::vector<std::string> files;
-      GivenOptions             given;
-      for (std::size_t k = 0; k < arguments.size(); ++k)
-        {
-          const auto option =
-            std::find_if(program.options.begin(),
-                         program.options.end(),
-                         [&](const ProgramOption &o) {
-                           return arguments[k] == "--" + o.name;
-                         });
-          if (option == program.options.end())
-            {
-              files.push_back(arguments[k]);
-              continue;
-            }
-          std::string &value = given[option->name];
-          if (option->value.empty())
-            continue;
-          if (k + 1 == arguments.size())
-            throw CommandLineError("the option <" + arguments[k] +
-                                   "> needs a value: " + option->value + ".");
-          value = arguments[++k];
-        }
-      if (files.empty())
-        throw CommandLineError("there is no parameter file to run.");
-      if (files.size() > 1)
-        {
-          for (const std::string &file : files)
-            if (file[0] == '-')
-              throw CommandLineError("there is no option <" + file + ">.");
-          throw CommandLineError("takes one parameter file, not " +
-                                 std::to_string(files.size()) + ".");
-        }
-      const std::string &argument = files[0];
-      if (argument == "--help" || argument == "-h")
-        out << program.name << ": " << program.purpose << "\n\n"
-            << usage_of(program);
-      else if (argument == "--version")
+      std::ostream       nowhere(nullptr);
+      std::ostream      &out = is_first ? std::cout : nowhere;
+      const CommandLine  line(program, arguments);
+      const auto        &files    = line.files;
+      const std::string &action   = line.act;
+      const auto         settings = line.given.find(set_option.name);
+      const bool         takes_file =
+        action.empty() || action == "print-parameters" || action == "new";
+      if (files.size() > 1 && action != "help")
+        throw CommandLineError("takes one parameter file, not " +
+                               std::to_string(files.size()) + ".");
+      if (!takes_file && !files.empty() && action != "help")
+        throw CommandLineError("--" + action + " takes no file; what is <" +
+                               files[0] + ">?");
+      for (const auto &option : line.given)
+        if (option.first != action && action != "help" && !action.empty() &&
+            (option.first != set_option.name || action != "print-parameters" ||
+             files.empty()))
+          throw CommandLineError("--" + option.first +
+                                 " is for a parameter file that is " +
+                                 (action == "print-parameters"
+                                    ? "printed or run."
+                                    : "run, and --" + action + " runs none."));
+      if (action == "help")
+        out << usage_of(program);
+      else if (action == "version")
         out << version_of(program);
-      else if (argument == "--parameters")
+      else if (action == "parameters")
         {
           if (is_first)
-            program.print_parameters(out);
+            program.reference([&](const ParameterHandler &prm) {
+              print_parameter_reference(out, program.name, prm);
+            });
         }
+      else if (action == "list")
+        print_list(out, program, line.value_of_action());
+      else if (action == "completion")
+        print_completion(out, program, line.value_of_action());
+      else if (action == "new")
+        write_template(out, program, line.value_of_action(), files);
+      else if (action == "print-parameters")
+        out << program.all_parameters(files.empty() ? "" : files[0],
+                                      settings == line.given.end()
+                                        ? std::vector<std::string>()
+                                        : settings->second);
+      else if (files.empty())
+        throw CommandLineError("there is no parameter file to run.");
       else
-        {
-          if (!argument.empty() && argument[0] == '-')
-            throw CommandLineError("there is no option <" + argument + ">.");
-          program.run(argument, given);
-        }
+        program.run(files[0], line.given);
       out.flush();
     }
   } // namespace
+
+
+
+  std::string
+  ProgramTemplate::title() const
+  {
+    std::istringstream lines(content);
+    std::string        title;
+    for (std::string line; std::getline(lines, line) && line[0] == '#';)
+      {
+        title += (title.empty() ? "" : " ") + Utilities::trim(line.substr(1));
+        const auto end = (title + " ").find(". ");
+        if (end != std::string::npos)
+          return title.substr(0, end);
+      }
+    return title;
+  }
 
 
 
@@ -179,7 +519,8 @@ namespace greville
       }
     catch (const CommandLineError &error)
       {
-        message = std::string(error.what()) + "\n" + usage_of(program);
+        message =
+          std::string(error.what()) + " See " + program.name + " --help.";
       }
     catch (const std::bad_alloc &)
       {

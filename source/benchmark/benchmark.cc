@@ -73,15 +73,24 @@ namespace greville
 
 
 
-  void
-  Benchmark::run(const std::string &file)
+  std::string
+  Benchmark::read(const std::string              &file,
+                  const std::vector<std::string> &settings)
   {
     ParameterHandler prm;
     declare(prm);
-    parse_parameter_file(
-      prm,
-      file,
-      read_parameter_lines(file, "Benchmark", {"Simulation"}, "greville"));
+    std::ostringstream used;
+    if (file.empty())
+      {
+        prm.print_parameters(used, ParameterHandler::PRM);
+        return used.str();
+      }
+    parse_parameter_lines(prm,
+                          read_parameter_lines(file,
+                                               "Benchmark",
+                                               {"Simulation"},
+                                               "greville",
+                                               settings));
     const std::filesystem::path path(file);
     check_parameters(path.parent_path().string());
 
@@ -89,27 +98,34 @@ namespace greville
                          ? "output/" + path.stem().string()
                          : parameters.output_directory;
     // The copy lies elsewhere: its files have absolute names.
-    std::ostringstream used;
-    {
-      std::string absolute;
-      for (const std::string &entry : parameters.published)
-        {
-          const std::size_t colon = entry.find(':');
-          absolute +=
-            (absolute.empty() ? "" : ", ") + entry.substr(0, colon + 1) +
-            std::filesystem::absolute(path.parent_path() /
-                                      Utilities::trim(entry.substr(colon + 1)))
-              .string();
-        }
-      prm.enter_subsection("Benchmark");
-      prm.set("Published iterations", absolute);
-      prm.set("Output directory", output_directory);
-      prm.leave_subsection();
-      prm.print_parameters(used, ParameterHandler::PRM);
-    }
+    std::string absolute;
+    for (const std::string &entry : parameters.published)
+      {
+        const std::size_t colon = entry.find(':');
+        absolute +=
+          (absolute.empty() ? "" : ", ") + entry.substr(0, colon + 1) +
+          std::filesystem::absolute(path.parent_path() /
+                                    Utilities::trim(entry.substr(colon + 1)))
+            .string();
+      }
+    prm.enter_subsection("Benchmark");
+    prm.set("Published iterations", absolute);
+    prm.set("Output directory", output_directory);
+    prm.leave_subsection();
+    prm.print_parameters(used, ParameterHandler::PRM);
+    return used.str();
+  }
+
+
+
+  void
+  Benchmark::run(const std::string              &file,
+                 const std::vector<std::string> &settings)
+  {
+    const std::string used = read(file, settings);
     write_on_first([&]() {
       create_folder(output_directory, "Benchmark/Output directory");
-      write_atomically(output_directory + "/parameters.prm", used.str());
+      write_atomically(output_directory + "/parameters.prm", used);
     });
     print_header(file);
 

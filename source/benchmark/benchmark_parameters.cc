@@ -38,11 +38,12 @@ namespace greville
       "mass plus the stiffness (mass and elasticity): " +
         operator_names() + ".",
       Patterns::List(Patterns::Anything(), 1));
-    prm.add_parameter("Poissons ratios",
+    prm.add_parameter("Poisson ratios",
                       poissons_ratios,
                       "Poisson's ratios of elasticity, greater than -1 and "
                       "smaller than 0.5. Unit: none.",
                       Patterns::List(Patterns::Double(), 1));
+    declare_other_names(prm, "Poisson ratios");
     prm.add_parameter(
       "Courant numbers",
       courant_numbers,
@@ -56,8 +57,9 @@ namespace greville
                       Patterns::List(Patterns::Integer(2, 3), 1));
     prm.add_parameter("Orders",
                       orders,
-                      "Orders p of the splines.",
+                      "Orders p of the splines, which are their degrees.",
                       Patterns::List(Patterns::Integer(1, 5), 1));
+    declare_other_names(prm, "Orders");
     prm.add_parameter(
       "Cells",
       cells,
@@ -178,7 +180,7 @@ namespace greville
       }
     for (const double nu : parameters.poissons_ratios)
       AssertThrow(nu > -1. && nu < 0.5,
-                  ExcMessage("The parameter 'Benchmark/Poissons ratios' has <" +
+                  ExcMessage("The parameter 'Benchmark/Poisson ratios' has <" +
                              text_of(nu) +
                              ">; it has to be greater than -1 and smaller than "
                              "0.5."));
@@ -187,7 +189,7 @@ namespace greville
                   ExcMessage("The parameter 'Benchmark/Courant numbers' has <" +
                              text_of(C) + ">; it has to be greater than 0."));
     check_different(parameters.operators, "Operators");
-    check_different(parameters.poissons_ratios, "Poissons ratios");
+    check_different(parameters.poissons_ratios, "Poisson ratios");
     check_different(parameters.courant_numbers, "Courant numbers");
     check_different(parameters.solvers, "Solvers");
     check_different(parameters.dimensions, "Dimensions");

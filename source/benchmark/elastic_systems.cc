@@ -24,8 +24,8 @@ namespace greville
       ParameterHandler prm;
       material->declare(prm);
       prm.set("Density", 1.);
-      prm.set("Youngs modulus", 1.);
-      prm.set("Poissons ratio", poissons_ratio);
+      prm.set("Young modulus", 1.);
+      prm.set("Poisson ratio", poissons_ratio);
       material->reinit("Benchmark");
       return material;
     }

@@ -48,7 +48,7 @@ namespace greville
     std::string result;
     for (const std::string &name : solver_names)
       result += name + "|";
-    return result + "fmpm-K (K = 1, 2, ...)";
+    return result + fmpm_in_lists;
   }
 
 

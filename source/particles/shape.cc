@@ -156,6 +156,17 @@ namespace greville
 
 
 
+  std::string
+  shape_names()
+  {
+    std::string names;
+    for (const Expression::Function &shape : shape_functions)
+      names += (names.empty() ? "" : "|") + shape.name;
+    return names;
+  }
+
+
+
   template <int dim>
   Shape<dim>::Shape(const std::string &formula, const std::string &parameter)
     : expression(make_shape<dim>(formula, parameter))

@@ -66,7 +66,8 @@ namespace greville
           else if (line == "end" && !sections.empty())
             sections.pop_back();
           else if (line.rfind("set ", 0) == 0 && is != std::string::npos)
-            values[where + Utilities::trim(line.substr(4, is - 4))] =
+            // A checkpoint may be older than a name of the reference.
+            values[where + main_name(Utilities::trim(line.substr(4, is - 4)))] =
               Utilities::trim(line.substr(is + 1));
         }
       return values;

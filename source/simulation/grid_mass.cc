@@ -167,13 +167,35 @@ namespace greville
 
 
 
+  namespace
+  {
+    // Besides those of n_fmpm_terms().
+    const std::vector<std::string> known_masses = {"auto",
+                                                   "consistent",
+                                                   "lumped"};
+  } // namespace
+
+
+
+  std::string
+  mass_names()
+  {
+    std::string names;
+    for (const std::string &name : known_masses)
+      names += name + "|";
+    return names + fmpm_in_lists;
+  }
+
+
+
   void
   check_mass_name(const std::string &name, const std::string &parameter)
   {
-    const std::vector<std::string> known = {"auto", "consistent", "lumped"};
+    auto known = known_masses;
     if (n_fmpm_terms(name) > 0 ||
         std::count(known.begin(), known.end(), name) == 1)
       return;
+    known.push_back("fmpm-2");
     const auto solvers =
       Utilities::split_string_list(MassSolver<2>::names(), '|');
     const std::string begin =
@@ -185,12 +207,8 @@ namespace greville
                            "'Solver/Method', one of " +
                            ConsistentMass<2>::methods() + "."));
     AssertThrow(false,
-                ExcMessage(
-                  begin +
-                  "; it has to be one of auto|consistent|lumped|"
-                  "fmpm-K (K = 1, 2, ...)." +
-                  did_you_mean(name,
-                               {"auto", "consistent", "lumped", "fmpm-2"})));
+                ExcMessage(begin + "; it has to be one of " + mass_names() +
+                           "." + did_you_mean(name, known)));
   }
 
 

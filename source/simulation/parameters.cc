@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/simulation/consistent_mass.h>
+#include <greville/simulation/grid_mass.h>
 #include <greville/simulation/parameters.h>
 #include <greville/simulation/point_fields.h>
 #include <greville/simulation/time_integrator.h>
@@ -49,7 +50,10 @@ namespace greville
     add_parameter(prm, "Cells", cells, List(Integer(1), 2, 3))(
       "Cells in each direction. Unit: none.");
     add_parameter(prm, "Order", degree, Integer(1, SplineSpace<2>::max_degree))(
-      "Order p of the B-splines. Unit: none.");
+      "Order p of the B-splines: the degree of their polynomials. In "
+      "isogeometric analysis the order is the degree plus one; here it is the "
+      "degree. Unit: none.");
+    declare_other_names(prm, "Order");
     add_parameter(prm, "Per body", per_body)(
       "With total Lagrangian steps: each body has fields of its own on the "
       "part of the grid around it, so that bodies may be close to one another. "
@@ -74,6 +78,7 @@ namespace greville
     add_parameter(prm, "Order", degree, Integer(0, SplineSpace<2>::max_degree))(
       "Order p of the B-splines. 0: as in the section 'Grid' outside. Unit: "
       "none.");
+    declare_other_names(prm, "Order");
   }
 
 
@@ -137,8 +142,9 @@ namespace greville
       "The mass M of M a = F: auto (lumped for fluids, Drucker-Prager and "
       "Mohr-Coulomb materials and with APIC, consistent otherwise and in total "
       "Lagrangian steps), consistent "
-      "(the exact mass matrix on extended B-splines), lumped, or fmpm-K (K = "
-      "1, 2, ...).");
+      "(the exact mass matrix on extended B-splines), lumped, or "
+      "approximations of the exact one by K terms of a series: " +
+      mass_names() + ".");
     add_parameter(prm, "Filling threshold", filling, Double(-1., 2.))(
       "Consistent mass of explicit steps: cells that points fill by this "
       "fraction of their volume or more are well-filled; B-splines that see no "
@@ -444,13 +450,15 @@ namespace greville
                   degrees,
                   List(Integer(1, SplineSpace<2>::max_degree)))(
       "Orders p to run; empty: that of the grid. Unit: none.");
+    declare_other_names(prm, "Orders");
     add_parameter(prm,
                   "Formulations",
                   formulations,
                   List(Selection("updated Lagrangian|total Lagrangian")))(
       "Formulations to run; empty: that of the scheme.");
-    add_parameter(prm, "Masses", masses)(
-      "Mass solvers to run; empty: that of the scheme.");
+    add_parameter(prm, "Masses", masses)("Masses to run, each one of " +
+                                         mass_names() +
+                                         "; empty: that of the scheme.");
     add_parameter(prm,
                   "Quadratures",
                   quadratures,

@@ -6,6 +6,7 @@
 #include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/load_balance.h>
 #include <greville/simulation/run.h>
+#include <greville/simulation/run_header.h>
 
 #include <algorithm>
 #include <cmath>
@@ -137,7 +138,7 @@ namespace greville
   RunSummary
   SimulationRun<dim>::run_to_end()
   {
-    print_header();
+    print_header(out, ensemble, parameters, comm);
     begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
     if (!is_resumed)
       {
@@ -166,7 +167,7 @@ namespace greville
           {
             last_stage = common().stage;
             out << '\n';
-            print_stage();
+            print_stage(out, ensemble, parameters);
           }
         for (const std::string &warning : ensemble.take_warnings())
           notes.warn(warning);

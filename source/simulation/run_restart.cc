@@ -5,7 +5,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/signals.h>
 #include <greville/simulation/point_fields.h>
-#include <greville/simulation/run.h>
+#include <greville/simulation/sweep.h>
 
 #include <csignal>
 #include <filesystem>
@@ -39,6 +39,23 @@ namespace greville
       return directory + "/probes.csv";
     }
   } // namespace
+
+
+
+  void
+  check_changes(const TablesFile           &checkpoint,
+                const SimulationParameters &parameters)
+  {
+    const std::string changes =
+      describe_changes(checkpoint.text("parameters"), parameters.used());
+    AssertThrow(changes.empty(),
+                ExcMessage("these parameters have changed: " + changes +
+                           ". A run goes on with others in 'Output', "
+                           "'Checkpoints', 'Load balance', 'Time/End' and "
+                           "'Time/Maximum "
+                           "steps' only; with --from a new one begins from "
+                           "its end"));
+  }
 
 
 
@@ -121,16 +138,7 @@ namespace greville
     const TablesFile &content = checkpoint.content;
     try
       {
-        const std::string changes =
-          describe_changes(content.text("parameters"), parameters.used());
-        AssertThrow(
-          changes.empty(),
-          ExcMessage(
-            "these parameters have changed: " + changes +
-            ". A run goes on with others in 'Output', "
-            "'Checkpoints', 'Load balance', 'Time/End' and 'Time/Maximum "
-            "steps' only; with --from a new one begins from "
-            "its end"));
+        check_changes(content, parameters);
         ensemble.set_from_tables(content);
         const auto numbers = content.table(run_name).gather(comm);
         AssertThrow(numbers.size() == run_columns.size(),

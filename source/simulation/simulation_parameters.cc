@@ -186,13 +186,24 @@ namespace greville
 
 
 
-  SimulationParameters::SimulationParameters(const std::string &file)
+  SimulationParameters::SimulationParameters(
+    const std::string &file, const std::vector<std::string> &settings)
     : SimulationParameters()
   {
-    const auto lines          = read_parameter_lines(file,
-                                            "Simulation",
-                                            {"Benchmark", "Problem"},
-                                            "mass_benchmark");
+    read(file,
+         read_parameter_lines(file,
+                              "Simulation",
+                              {"Benchmark", "Problem"},
+                              "greville_benchmark",
+                              settings));
+  }
+
+
+
+  void
+  SimulationParameters::read(const std::string                &file,
+                             const std::vector<ParameterLine> &lines)
+  {
     const auto body_names     = names_of(lines, "Bodies"),
                law_names      = names_of(lines, "Materials"),
                traction_names = names_of(lines, "Tractions"),
@@ -230,7 +241,7 @@ namespace greville
     materials.insert(laws.begin(), laws.end());
 
     check_method(lines);
-    parse_parameter_file(prm, file, lines);
+    parse_parameter_lines(prm, lines);
     if (general.name.empty())
       general.name = std::filesystem::path(file).stem().string();
     for (StageParameters &stage : stages)
@@ -404,7 +415,7 @@ namespace greville
 
 
   void
-  SimulationParameters::print_reference(std::ostream &out)
+  SimulationParameters::use_reference(const UseParameters &use)
   {
     SimulationParameters parameters;
     parameters.bodies["NAME"];
@@ -422,7 +433,30 @@ namespace greville
         laws.push_back(make_material(model, "Model"));
         declare_section(prm, "Material NAME of model " + model, *laws.back());
       }
-    print_parameter_reference(out, "greville", prm);
+    use(prm);
+  }
+
+
+
+  std::string
+  SimulationParameters::defaults()
+  {
+    SimulationParameters parameters;
+    parameters.read("defaults.prm",
+                    parameter_lines_of("subsection Simulation\n"
+                                       "  set Bodies    = block\n"
+                                       "  set Materials = solid\n"
+                                       "end\n"
+                                       "subsection Body block\n"
+                                       "  set Material = solid\n"
+                                       "  set Shape = box(0.25, 0.25, 0.75, "
+                                       "0.75)\n"
+                                       "end\n"
+                                       "subsection Material solid\n"
+                                       "  set Model = linear-elastic\n"
+                                       "end\n",
+                                       "defaults.prm"));
+    return parameters.used();
   }
 
 

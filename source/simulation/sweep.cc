@@ -4,7 +4,7 @@
 #include <greville/base/parameters.h>
 #include <greville/base/run_folder.h>
 #include <greville/base/signals.h>
-#include <greville/simulation/run.h>
+#include <greville/simulation/sweep.h>
 
 #include <algorithm>
 #include <array>
@@ -18,24 +18,135 @@ namespace greville
 {
   using namespace dealii;
 
+  std::string
+  SweepRow::folder(const SweepParameters &sweep) const
+  {
+    const std::string &formulation = parameters.scheme.formulation;
+    return (sweep.formulations.empty()
+              ? ""
+              : formulation.substr(0, formulation.find(' ')) + "_") +
+           parameters.scheme.mass + "_" + parameters.scheme.quadrature + "_p" +
+           std::to_string(parameters.grid.degree) + "_" + std::to_string(cells);
+  }
+
+
+
+  std::string
+  folder_of_run(const SimulationParameters &parameters,
+                const std::string          &file,
+                const RunOptions           &options)
+  {
+    // What a run has left in its folder names another one if that has moved.
+    const std::filesystem::path path(file);
+    return options.resumes && path.filename() == "parameters.prm"
+             ? std::filesystem::absolute(path).parent_path().string()
+           : parameters.output.directory.empty()
+             ? "output/" + parameters.general.name
+             : parameters.output.directory;
+  }
+
+
+
+  bool
+  SweepParameters::is_empty() const
+  {
+    return cells.empty() && degrees.empty() && formulations.empty() &&
+           masses.empty() && quadratures.empty();
+  }
+
+
+
+  void
+  check_other_folder(const RunOptions  &options,
+                     const std::string &folder,
+                     const MPI_Comm     comm)
+  {
+    if (options.from.empty())
+      return;
+    run_on_first(
+      [&]() {
+        std::error_code error;
+        AssertThrow(!std::filesystem::equivalent(options.from, folder, error),
+                    ExcMessage("--from names the folder <" + options.from +
+                               "> of this run itself: give the new run "
+                               "another 'Output/Directory'."));
+      },
+      comm);
+  }
+
+
+
+  std::vector<SweepRow>
+  make_sweep_rows(const SimulationParameters &parameters)
+  {
+    const SweepParameters &sweep  = parameters.sweep;
+    const auto             or_one = [](const auto &list, const auto &one) {
+      return list.empty() ? std::decay_t<decltype(list)>{one} : list;
+    };
+    const auto &scheme         = parameters.scheme;
+    const auto  degrees        = or_one(sweep.degrees, parameters.grid.degree);
+    const auto  masses         = or_one(sweep.masses, scheme.mass);
+    const auto  quadratures    = or_one(sweep.quadratures, scheme.quadrature);
+    const auto  formulations   = or_one(sweep.formulations, scheme.formulation);
+    const auto &base           = parameters.grid.cells;
+    const unsigned int    most = *std::max_element(base.begin(), base.end());
+    const auto            cells = or_one(sweep.cells, most);
+    std::vector<SweepRow> rows;
+    const auto            add = [&](const std::string &formulation,
+                         const std::string &mass,
+                         const std::string &quadrature,
+                         const unsigned int degree,
+                         const unsigned int n) {
+      SweepRow row;
+      row.parameters             = parameters;
+      row.cells                  = n;
+      row.parameters.grid.degree = degree;
+      // Lists that are empty leave stages what they have.
+      const auto set = [&](SchemeParameters &scheme, const bool all) {
+        if (all || !sweep.formulations.empty())
+          scheme.formulation = formulation;
+        if (all || !sweep.masses.empty())
+          scheme.mass = mass;
+        if (all || !sweep.quadratures.empty())
+          scheme.quadrature = quadrature;
+      };
+      set(row.parameters.scheme, true);
+      for (StageParameters &stage : row.parameters.stages)
+        set(stage.scheme, false);
+      const auto scale = [&](std::vector<unsigned int> &all,
+                             const std::string         &parameter) {
+        for (unsigned int &cells : all)
+          {
+            const std::uint64_t product = std::uint64_t(cells) * n;
+            AssertThrow(cells == 1 || (product % most == 0 &&
+                                       product / most < (1ull << 31)),
+                        ExcMessage(
+                          "The parameter 'Sweep/Cells' has the entry " +
+                          std::to_string(n) + ", with which '" + parameter +
+                          "' cannot keep their ratio, or are too many."));
+            if (cells > 1)
+              cells = product / most;
+          }
+      };
+      scale(row.parameters.grid.cells, "Grid/Cells");
+      for (auto &[name, grid] : row.parameters.body_grids)
+        scale(grid.cells, "Body " + name + "/Grid/Cells");
+      row.parameters.check();
+      rows.push_back(row);
+    };
+    for (const std::string &formulation : formulations)
+      for (const std::string &mass : masses)
+        for (const std::string &quadrature : quadratures)
+          for (const unsigned int degree : degrees)
+            for (const unsigned int n : cells)
+              add(formulation, mass, quadrature, degree, n);
+    return rows;
+  }
+
+
+
   namespace
   {
-    /**
-     * A run of a sweep and what it found.
-     */
-    struct SweepRow
-    {
-      SimulationParameters parameters;
-      unsigned int         cells = 0;
-      Errors               errors;
-      /// Empty, or why the run did not come to its end.
-      std::string failure;
-      /// Of the L2 error, against the row before of the same kind.
-      double order = std::numeric_limits<double>::quiet_NaN();
-    };
-
-
-
     EarlierResults
     what_of_earlier(const SimulationParameters &parameters,
                     const RunOptions           &options)
@@ -49,30 +160,6 @@ namespace greville
 
 
 
-    /**
-     * Collective. Throw where a run is to begin with the results in its own
-     * folder, which it would move away.
-     */
-    void
-    check_other_folder(const RunOptions  &options,
-                       const std::string &folder,
-                       const MPI_Comm     comm)
-    {
-      if (options.from.empty())
-        return;
-      run_on_first(
-        [&]() {
-          std::error_code error;
-          AssertThrow(!std::filesystem::equivalent(options.from, folder, error),
-                      ExcMessage("--from names the folder <" + options.from +
-                                 "> of this run itself: give the new run "
-                                 "another 'Output/Directory'."));
-        },
-        comm);
-    }
-
-
-
     bool
     same_kind(const SimulationParameters &a, const SimulationParameters &b)
     {
@@ -80,75 +167,6 @@ namespace greville
              a.scheme.formulation == b.scheme.formulation &&
              a.scheme.mass == b.scheme.mass &&
              a.scheme.quadrature == b.scheme.quadrature;
-    }
-
-
-
-    std::vector<SweepRow>
-    make_rows(const SimulationParameters &parameters)
-    {
-      const SweepParameters &sweep  = parameters.sweep;
-      const auto             or_one = [](const auto &list, const auto &one) {
-        return list.empty() ? std::decay_t<decltype(list)>{one} : list;
-      };
-      const auto &scheme       = parameters.scheme;
-      const auto  degrees      = or_one(sweep.degrees, parameters.grid.degree);
-      const auto  masses       = or_one(sweep.masses, scheme.mass);
-      const auto  quadratures  = or_one(sweep.quadratures, scheme.quadrature);
-      const auto  formulations = or_one(sweep.formulations, scheme.formulation);
-      const auto &base         = parameters.grid.cells;
-      const unsigned int    most  = *std::max_element(base.begin(), base.end());
-      const auto            cells = or_one(sweep.cells, most);
-      std::vector<SweepRow> rows;
-      const auto            add = [&](const std::string &formulation,
-                           const std::string &mass,
-                           const std::string &quadrature,
-                           const unsigned int degree,
-                           const unsigned int n) {
-        SweepRow row;
-        row.parameters             = parameters;
-        row.cells                  = n;
-        row.parameters.grid.degree = degree;
-        // Lists that are empty leave stages what they have.
-        const auto set = [&](SchemeParameters &scheme, const bool all) {
-          if (all || !sweep.formulations.empty())
-            scheme.formulation = formulation;
-          if (all || !sweep.masses.empty())
-            scheme.mass = mass;
-          if (all || !sweep.quadratures.empty())
-            scheme.quadrature = quadrature;
-        };
-        set(row.parameters.scheme, true);
-        for (StageParameters &stage : row.parameters.stages)
-          set(stage.scheme, false);
-        const auto scale = [&](std::vector<unsigned int> &all,
-                               const std::string         &parameter) {
-          for (unsigned int &cells : all)
-            {
-              const std::uint64_t product = std::uint64_t(cells) * n;
-              AssertThrow(cells == 1 || (product % most == 0 &&
-                                         product / most < (1ull << 31)),
-                          ExcMessage(
-                            "The parameter 'Sweep/Cells' has the entry " +
-                            std::to_string(n) + ", with which '" + parameter +
-                            "' cannot keep their ratio, or are too many."));
-              if (cells > 1)
-                cells = product / most;
-            }
-        };
-        scale(row.parameters.grid.cells, "Grid/Cells");
-        for (auto &[name, grid] : row.parameters.body_grids)
-          scale(grid.cells, "Body " + name + "/Grid/Cells");
-        row.parameters.check();
-        rows.push_back(row);
-      };
-      for (const std::string &formulation : formulations)
-        for (const std::string &mass : masses)
-          for (const std::string &quadrature : quadratures)
-            for (const unsigned int degree : degrees)
-              for (const unsigned int n : cells)
-                add(formulation, mass, quadrature, degree, n);
-      return rows;
     }
 
 
@@ -207,20 +225,12 @@ namespace greville
               const RunOptions           &options)
     {
       const bool has_exact = !parameters.exact.displacement.empty();
-      auto       rows      = make_rows(parameters);
+      auto       rows      = make_sweep_rows(parameters);
       for (std::size_t k = 0; k < rows.size(); ++k)
         {
-          SweepRow          &row         = rows[k];
-          const std::string &mass        = row.parameters.scheme.mass;
-          const std::string &formulation = row.parameters.scheme.formulation;
-          const std::string  folder =
-            directory + "/" +
-            (parameters.sweep.formulations.empty()
-               ? ""
-               : formulation.substr(0, formulation.find(' ')) + "_") +
-            mass + "_" + row.parameters.scheme.quadrature + "_p" +
-            std::to_string(row.parameters.grid.degree) + "_" +
-            std::to_string(row.cells);
+          SweepRow         &row = rows[k];
+          const std::string folder =
+            directory + "/" + row.folder(parameters.sweep);
           check_other_folder(options, folder, comm);
           RunFolder own(folder,
                         "Output/Directory",
@@ -285,13 +295,10 @@ namespace greville
             const MPI_Comm              comm,
             const RunOptions           &options)
     {
-      const SweepParameters &sweep = parameters.sweep;
-      if (!sweep.cells.empty() || !sweep.degrees.empty() ||
-          !sweep.formulations.empty() || !sweep.masses.empty() ||
-          !sweep.quadratures.empty())
-        run_sweep<dim>(parameters, directory, out, comm, options);
-      else
+      if (parameters.sweep.is_empty())
         SimulationRun<dim>(parameters, directory, out, comm, options).run();
+      else
+        run_sweep<dim>(parameters, directory, out, comm, options);
     }
   } // namespace
 
@@ -302,19 +309,12 @@ namespace greville
                   const MPI_Comm     comm,
                   const RunOptions  &options)
   {
-    const SimulationParameters parameters(file);
+    const SimulationParameters parameters(file, options.settings);
     const bool    is_first = Utilities::MPI::this_mpi_process(comm) == 0;
     std::ostream  nowhere(nullptr);
     std::ostream &out = is_first ? std::cout : nowhere;
 
-    // What a run has left in its folder names another one if that has moved.
-    const std::filesystem::path path(file);
-    const std::string           directory =
-      options.resumes && path.filename() == "parameters.prm"
-                  ? std::filesystem::absolute(path).parent_path().string()
-                : parameters.output.directory.empty()
-                  ? "output/" + parameters.general.name
-                  : parameters.output.directory;
+    const std::string directory = folder_of_run(parameters, file, options);
     check_other_folder(options, directory, comm);
     const SignalCatcher signals;
     RunFolder           folder(directory,

@@ -32,10 +32,8 @@ main(int argc, char **argv)
       benchmark.declare(prm);
       try
         {
-          parse_parameter_file(
-            prm,
-            file.string(),
-            read_parameter_lines(file.string(), "Benchmark", {}, ""));
+          parse_parameter_lines(
+            prm, read_parameter_lines(file.string(), "Benchmark", {}, ""));
           check(file.filename().string(), true);
         }
       catch (const std::exception &error)

@@ -33,11 +33,11 @@ for script in $scripts; do
   done
   answers 2 5 "scripts/$script" "scripts/$script" --no-such-option
 done
-answers 2 12 "Usage: scripts/run" scripts/run
+answers 2 20 "Usage: scripts/run" scripts/run
 answers 2 1 "-np takes a number of processes." scripts/run -np
 answers 2 1 "not <a.prm>" scripts/run -np a.prm
 answers 2 1 "not <0>" scripts/run -np 0 a.prm
-answers 2 12 "Usage: scripts/run" scripts/run -np 2
+answers 2 20 "Usage: scripts/run" scripts/run -np 2
 answers 2 1 "there is no parameter file <a.prm>" scripts/run a.prm
 answers 2 1 "<prm> is a folder" scripts/run prm
 answers 2 1 "has no section of a program" scripts/run README.md
@@ -45,6 +45,8 @@ answers 2 1 "what is <b.prm>?" scripts/run README.md b.prm
 answers 2 1 "takes the folder of a run" scripts/run --resume
 answers 2 1 "there is no folder <nowhere>" scripts/run --from nowhere README.md
 answers 2 1 "has its parameter file" scripts/run --resume prm README.md
+answers 2 1 "--set takes" scripts/run --set
+answers 2 1 "--draw goes with --check" scripts/run --draw here prm/simulation/dam_break.prm
 answers 2 1 "what is <b>?" scripts/test a b
 answers 2 1 "what is <b>?" scripts/sanitize a b
 answers 2 1 "not <x>" scripts/fuzz x

@@ -31,6 +31,8 @@ namespace
   {
     std::string base, section, name, value, content;
     bool        is_benchmark = false;
+    /// Of the command line.
+    std::vector<std::string> settings;
   };
 
 
@@ -72,6 +74,14 @@ namespace
 
 
 
+  const std::map<std::string, std::vector<std::string>> other_names = {
+    {"Order", {"Degree"}},
+    {"Orders", {"Degrees"}},
+    {"Young modulus", {"Young's modulus", "Youngs modulus"}},
+    {"Poisson ratio", {"Poisson's ratio", "Poissons ratio"}}};
+
+
+
   std::vector<Case>
   all_cases(const std::string &folder, const std::string &results)
   {
@@ -87,7 +97,7 @@ namespace
                              const std::string &value,
                              const std::string &content) {
           cases.push_back(
-            {file.name, section, name, value, content, file.is_benchmark});
+            {file.name, section, name, value, content, file.is_benchmark, {}});
         };
         const auto with = [&](const std::size_t k, const std::string &line) {
           std::string content;
@@ -129,16 +139,36 @@ namespace
                     "misspelled",
                     with(k, "set " + name + "s = " + value));
                 add(section, name, "no value", with(k, "set " + name));
+                const auto other = other_names.find(name);
+                if (other != other_names.end())
+                  for (const std::string &alias : other->second)
+                    {
+                      const std::string line = "set " + alias + " = ";
+                      add(section, name, "as " + alias, with(k, line + value));
+                      add(section,
+                          name,
+                          "and " + alias,
+                          with(k, lines[k] + "\n" + line + "4"));
+                    }
                 // Last, so that what makes the file small does not win.
                 const bool has_components =
                   value.find(';') != std::string::npos;
                 for (const std::string &wrong : wrong_values(value))
                   if (has_components || wrong.find(';') == std::string::npos)
-                    add(section,
-                        name,
-                        wrong,
-                        with(k, lines[k]) +
-                          section_text(section, {name + " = " + wrong}));
+                    {
+                      const bool is_setting = cases.size() % 2 == 0;
+                      add(section,
+                          name,
+                          wrong,
+                          with(k, lines[k]) +
+                            (is_setting
+                               ? ""
+                               : section_text(section,
+                                              {name + " = " + wrong})));
+                      if (is_setting)
+                        cases.back().settings = {section + "/" + name + "=" +
+                                                 wrong};
+                    }
               }
           }
       }
@@ -213,6 +243,7 @@ namespace
                                     "'" + c.name + "'",
                                     "'" + c.section + "'",
                                     "<" + c.section + "e>",
+                                    "<" + c.section + "/" + c.name + "=",
                                     std::string("Line "),
                                     std::string("ends no section"),
                                     std::string("has no 'end'")})
@@ -259,9 +290,13 @@ main(int argc, char **argv)
       try
         {
           if (c.is_benchmark)
-            Benchmark().run(folder + "/case.prm");
+            Benchmark().run(folder + "/case.prm", c.settings);
           else
-            run_simulations(folder + "/case.prm", MPI_COMM_WORLD);
+            {
+              RunOptions options;
+              options.settings = c.settings;
+              run_simulations(folder + "/case.prm", MPI_COMM_WORLD, options);
+            }
           if (std::filesystem::exists(results))
             flaw = flaw_of_results(results, c.is_benchmark);
         }

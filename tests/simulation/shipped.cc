@@ -45,7 +45,9 @@ main(int argc, char **argv)
       }
 
   std::ostringstream generated;
-  SimulationParameters::print_reference(generated);
+  SimulationParameters::use_reference([&](const ParameterHandler &prm) {
+    print_parameter_reference(generated, "greville", prm);
+  });
   std::ifstream      page(root / "doc" / "simulation_parameters.md");
   std::ostringstream content;
   content << page.rdbuf();

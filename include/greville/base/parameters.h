@@ -6,6 +6,7 @@
 #include <deal.II/base/function.h>
 #include <deal.II/base/parameter_handler.h>
 
+#include <functional>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -14,32 +15,46 @@
 namespace greville
 {
   /**
-   * A line 'set NAME = VALUE' of a parameter file in its section.
+   * A line 'set NAME = VALUE' of a parameter file in its section, or a setting
+   * of the command line.
    */
   struct ParameterLine
   {
     std::string section, name, value;
     /// "Line 7 of <FILE>".
     std::string place;
+    /// The section from outside to inside.
+    std::vector<std::string> path;
+    /// Whether it comes from the command line, which has the last word.
+    bool is_setting = false;
   };
 
   /**
-   * The lines of a parameter file and of the files that it includes. Throws
-   * dealii::ExcMessage where it cannot be read, with the line where it does not
-   * have the form of a parameter file. A file with one of the sections of @p
-   * other_sections but without the section @p own_section is one of the program
-   * @p other.
+   * The lines of a parameter file and of the files that it includes, and then
+   * those of @p settings, each "SECTION/PARAMETER=VALUE" as it is given on the
+   * command line. Throws dealii::ExcMessage where the file cannot be read, with
+   * the line or the setting where it does not have the form of one. A file with
+   * one of the sections of @p other_sections but without the section @p
+   * own_section is one of the program @p other.
    */
   std::vector<ParameterLine>
   read_parameter_lines(const std::string              &file,
                        const std::string              &own_section,
                        const std::vector<std::string> &other_sections,
-                       const std::string              &other);
+                       const std::string              &other,
+                       const std::vector<std::string> &settings = {});
+
+  /**
+   * The lines of the @p text of a parameter file that is called @p name.
+   */
+  std::vector<ParameterLine>
+  parameter_lines_of(const std::string &text, const std::string &name);
 
   /**
    * Throw dealii::ExcMessage with the line, the parameter, the value, what is
    * allowed and what may have been meant, where @p prm does not know a
-   * parameter or does not allow its value.
+   * parameter or does not allow its value, or where lines give two values under
+   * two names of the same parameter.
    */
   void
   check_parameter_lines(const dealii::ParameterHandler   &prm,
@@ -89,13 +104,52 @@ namespace greville
   }
 
   /**
-   * Read a parameter file into @p prm and what has been declared there. @p
-   * lines are those of the file. Throws as check_parameter_lines().
+   * Set what @p lines say in @p prm, in which it has been declared. Throws as
+   * check_parameter_lines().
    */
   void
-  parse_parameter_file(dealii::ParameterHandler         &prm,
-                       const std::string                &file,
-                       const std::vector<ParameterLine> &lines);
+  parse_parameter_lines(dealii::ParameterHandler         &prm,
+                        const std::vector<ParameterLine> &lines);
+
+  /**
+   * Declare the other names that a parameter of the section at hand has: the
+   * degree p of a spline is called its order here, and E and nu are spelt in
+   * several ways. They are aliases of ParameterHandler.
+   */
+  void
+  declare_other_names(dealii::ParameterHandler &prm, const std::string &name);
+
+  /**
+   * The name in the reference of a parameter that goes by several names, and
+   * other names as they are.
+   */
+  std::string
+  main_name(const std::string &name);
+
+  /**
+   * Takes what a reference is about: a ParameterHandler in which all parameters
+   * have been declared.
+   */
+  using UseParameters =
+    std::function<void(const dealii::ParameterHandler &prm)>;
+
+  /**
+   * The words that a parameter, "Section/Parameter", may have as its value or
+   * in its list of values. Empty where it takes others.
+   */
+  std::vector<std::string>
+  words_of_parameter(const dealii::ParameterHandler &prm,
+                     const std::string              &parameter);
+
+  /**
+   * Write what is known of @p what: the parameters of a section, or all of a
+   * parameter, "Section/Parameter". Throws dealii::ExcMessage, with the nearest
+   * name, where there is neither.
+   */
+  void
+  describe_parameter(std::ostream                   &out,
+                     const dealii::ParameterHandler &prm,
+                     const std::string              &what);
 
   /**
    * The name that ParameterHandler writes as "Box_20size": "Box size".

@@ -3,6 +3,8 @@
 #ifndef greville_base_program_h
 #define greville_base_program_h
 
+#include <greville/base/parameters.h>
+
 #include <functional>
 #include <map>
 #include <ostream>
@@ -12,7 +14,8 @@
 namespace greville
 {
   /**
-   * An option of a program for its runs: "--NAME", or "--NAME VALUE".
+   * An option of a program: "--NAME", "--NAME VALUE", or both where the value
+   * may be left out.
    */
   struct ProgramOption
   {
@@ -20,14 +23,47 @@ namespace greville
     /// What the value is, "FOLDER"; empty where there is none.
     std::string value;
     std::string meaning;
+    bool        value_is_needed = true;
+    bool        may_be_repeated = false;
   };
 
 
 
   /**
-   * The options that a command line has given, with their values.
+   * The options that a command line has given, with their values in the order
+   * of the command line.
    */
-  using GivenOptions = std::map<std::string, std::string>;
+  using GivenOptions = std::map<std::string, std::vector<std::string>>;
+
+
+
+  /**
+   * What "--list NAME" shows.
+   */
+  struct ProgramList
+  {
+    std::string name;
+    /// "Section/Parameter": the words that are allowed there.
+    std::string parameter;
+    /// Where no parameter has them as its words: they, separated by '|'.
+    std::function<std::string()> words;
+  };
+
+
+
+  /**
+   * A commented parameter file to begin with.
+   */
+  struct ProgramTemplate
+  {
+    std::string name, content;
+
+    /**
+     * The first sentence of the comment at the top.
+     */
+    std::string
+    title() const;
+  };
 
 
 
@@ -38,21 +74,26 @@ namespace greville
   {
     std::string name;
     /// What it is, in one line.
-    std::string                purpose;
+    std::string purpose;
+    /// Those of runs, besides --set.
     std::vector<ProgramOption> options;
     /// Run a parameter file. Collective.
     std::function<void(const std::string &file, const GivenOptions &given)> run;
-    /// Print the reference of all parameters.
-    std::function<void(std::ostream &)> print_parameters;
+    /// The text of a parameter file with all parameters, their values and
+    /// meanings: those that a file leads to, or the defaults for an empty name.
+    std::function<std::string(const std::string              &file,
+                              const std::vector<std::string> &settings)>
+      all_parameters;
+    /// Call a function with the reference of all parameters.
+    std::function<void(const UseParameters &use)> reference;
+    std::vector<ProgramList>                      lists;
+    std::vector<ProgramTemplate>                  templates;
   };
 
   /**
-   * The main() of a program: initialize MPI, read the command line, and run.
-   *
-   *   NAME FILE.prm [...]  run a parameter file, with options of its own
-   *   NAME --parameters    print the reference of all parameters
-   *   NAME --help, -h      print how to call the program
-   *   NAME --version       print its version and that of deal.II
+   * The main() of a program: initialize MPI, read the command line, and act.
+   * doc/command_line.md has the options; --set is one of those that runs are
+   * given.
    *
    * Returns the exit status: 0, or 1 after an error, whose message goes to
    * stderr once. Where all processes have found an error they end together;

@@ -73,12 +73,22 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
 
     /**
-     * Collective. Read @p file, run, and write to the output directory: all
+     * Collective. Read @p file, and what @p settings put in its place (see
+     * read_parameter_lines()), run, and write to the output directory: all
      * parameters used, solves.csv, and where asked for comparison.csv and
      * operators.csv. Throws where the file is wrong.
      */
     void
-    run(const std::string &file);
+    run(const std::string &file, const std::vector<std::string> &settings = {});
+
+    /**
+     * Read and check a file as run() does, and return the text of a file with
+     * all parameters, their values and meanings. The defaults for an empty
+     * name.
+     */
+    std::string
+    read(const std::string              &file,
+         const std::vector<std::string> &settings = {});
 
   private:
     template <int dim>

@@ -10,6 +10,11 @@
 namespace greville
 {
   /**
+   * How lists of masses name FMPM(K).
+   */
+  constexpr const char *fmpm_in_lists = "fmpm-K (K = 1, 2, ...)";
+
+  /**
    * K of the mass "fmpm-K", 1 for "lumped", 0 for other names.
    */
   inline unsigned int

@@ -3,6 +3,7 @@
 #ifndef greville_materials_elastic_constants_h
 #define greville_materials_elastic_constants_h
 
+#include <greville/base/parameters.h>
 #include <greville/materials/hencky.h>
 #include <greville/materials/material.h>
 #include <greville/materials/parameter_checks.h>
@@ -27,15 +28,17 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm)
     {
-      prm.add_parameter("Youngs modulus",
+      prm.add_parameter("Young modulus",
                         youngs_modulus,
                         "Young's modulus E. Unit: Pa.",
                         positive());
+      declare_other_names(prm, "Young modulus");
       prm.add_parameter(
-        "Poissons ratio",
+        "Poisson ratio",
         poissons_ratio,
         "Poisson's ratio nu, between -1 and 0.5 (both excluded). Unit: none.",
         dealii::Patterns::Double(-1., 0.5));
+      declare_other_names(prm, "Poisson ratio");
     }
 
     /**
@@ -46,7 +49,7 @@ namespace greville
     {
       check_parameter(poissons_ratio > -1. && poissons_ratio < 0.5,
                       section,
-                      "Poissons ratio",
+                      "Poisson ratio",
                       poissons_ratio,
                       "greater than -1 and smaller than 0.5");
       const double E = youngs_modulus, nu = poissons_ratio;

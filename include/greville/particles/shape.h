@@ -12,6 +12,12 @@
 namespace greville
 {
   /**
+   * All shapes and what combines them, separated by '|'.
+   */
+  std::string
+  shape_names();
+
+  /**
    * The inside of a body, from a formula of x, y (and z) that is true (not 0)
    * inside. Besides the formulas of Expression it knows the shapes
    *   box(x0, y0, [z0,] x1, y1, [z1]), ball(x, y, [z,] radius),

@@ -252,6 +252,12 @@ namespace greville
                  const Walls<dim>              &walls);
 
   /**
+   * "auto" and the names that make_grid_mass() takes, separated by '|'.
+   */
+  std::string
+  mass_names();
+
+  /**
    * Throws dealii::ExcMessage, which names the @p parameter, for a name that is
    * neither "auto" nor one that make_grid_mass() takes.
    */

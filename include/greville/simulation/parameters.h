@@ -145,6 +145,12 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
+    /**
+     * Whether there is one run only.
+     */
+    bool
+    is_empty() const;
+
     std::vector<unsigned int> cells;
     std::vector<unsigned int> degrees;
     std::vector<std::string>  formulations;
@@ -201,16 +207,25 @@ namespace greville
     SimulationParameters();
 
     /**
-     * Read a file; throws where it is wrong, with the line.
+     * Read a file, and what @p settings put in its place, see
+     * read_parameter_lines(). Throws where one is wrong, with the line.
      */
-    explicit SimulationParameters(const std::string &file);
+    explicit SimulationParameters(
+      const std::string &file, const std::vector<std::string> &settings = {});
 
     /**
-     * Write the reference of all parameters, with a body, a traction and a
-     * material of each model.
+     * The reference of all parameters, with a body, a traction and a material
+     * of each model.
      */
     static void
-    print_reference(std::ostream &out);
+    use_reference(const UseParameters &use);
+
+    /**
+     * The text of a file with the defaults of all parameters, and a body so
+     * that it runs.
+     */
+    static std::string
+    defaults();
 
     GeneralParameters   general;
     GridParameters      grid;
@@ -298,6 +313,12 @@ namespace greville
     }
 
   private:
+    /**
+     * Take what @p lines say, which are those of @p file.
+     */
+    void
+    read(const std::string &file, const std::vector<ParameterLine> &lines);
+
     /**
      * All parameters but those of materials.
      */

@@ -37,6 +37,9 @@ namespace greville
     /// Not empty: the folder of another run, from whose last checkpoint bodies
     /// and surfaces are taken.
     std::string from;
+    /// Parameters that take the place of those of the file, see
+    /// read_parameter_lines().
+    std::vector<std::string> settings;
     /// What is to be done in the folder before the first file is written, when
     /// parameters and checkpoints have been accepted; all processes call it.
     std::function<void()> prepare_folder;
@@ -146,18 +149,6 @@ namespace greville
      */
     void
     look_for_checkpoint(const bool is_last);
-
-    void
-    print_header();
-
-    /**
-     * How the stage at hand goes on, and its solvers.
-     */
-    void
-    print_stage();
-
-    void
-    print_levels(const Simulation<dim> &simulation);
 
     void
     print_progress(const bool is_last);
@@ -275,6 +266,19 @@ namespace greville
   run_simulations(const std::string &file,
                   const MPI_Comm     comm,
                   const RunOptions  &options = RunOptions());
+
+  /**
+   * Collective. Make all that run_simulations() would begin with, go some steps
+   * in memory, and write to std::cout what a run would take: sizes, the step
+   * and the number of steps, time, and memory. Writes no file, except for the
+   * initial points, which go to the folder @p drawing if that is not empty.
+   * Throws what run_simulations() would throw so far.
+   */
+  void
+  check_simulations(const std::string &file,
+                    const MPI_Comm     comm,
+                    const RunOptions  &options = RunOptions(),
+                    const std::string &drawing = "");
 } // namespace greville
 
 #endif

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    std::ifstream
+    open(const std::string &file)
+    {
+      AssertThrow(!file.empty(),
+                  ExcMessage("The name of the parameter file is empty."));
+      AssertThrow(!std::filesystem::is_directory(file),
+                  ExcMessage("<" + file +
+                             "> is a folder, not a parameter file."));
+      AssertThrow(std::filesystem::exists(file),
+                  ExcMessage("There is no parameter file <" + file + ">."));
+      errno = 0;
+      std::ifstream stream(file);
+      AssertThrow(stream,
+                  ExcMessage("The parameter file <" + file +
+                             "> cannot be read: " + std::strerror(errno) +
+                             "."));
+      return stream;
+    }
+
+
+
+    /**
+     * Whether @p line begins with the word @p key in small or capital letters,
+     * which is cut off then.
+     */
+    bool
+    take_word(std::string &line, const std::string &key)
+    {
+      const std::string begin = line.substr(0, line.find(' '));
+      std::string       capitals(key);
+      std::transform(key.begin(), key.end(), capitals.begin(), ::toupper);
+      if (begin != key && begin != capitals)
+        return false;
+      line = Utilities::trim(line.substr(key.size()));
+      return true;
+    }
+
+
+
+    std::string
+    joined(const std::vector<std::string> &sections)
+    {
+      std::string name;
+      for (const std::string &section : sections)
+        name += (name.empty() ? "" : "/") + section;
+      return name;
+    }
+
+
+
+    void
+    read_lines(std::istream               &stream,
+               const std::string          &file,
+               std::vector<std::string>   &sections,
+               std::vector<ParameterLine> &result,
+               std::set<std::string>      &all_sections,
+               const unsigned int          n_includes)
+    {
+      std::string  text, line;
+      unsigned int number = 0, first = 0;
+      const auto   depth = sections.size();
+      std::string  place;
+      while (std::getline(stream, text))
+        {
+          ++number;
+          text = text.substr(0, text.find('#'));
+          std::replace(text.begin(), text.end(), '\t', ' ');
+          text = Utilities::trim(text);
+          if (line.empty())
+            first = number;
+          const bool goes_on = !text.empty() && text.back() == '\\';
+          if (goes_on)
+            text.pop_back();
+          line += text;
+          if (goes_on)
+            continue;
+          std::string words;
+          words.swap(line);
+          if (words.empty())
+            continue;
+          const std::string whole = words;
+          place = "Line " + std::to_string(first) + " of <" + file + ">";
+          if (take_word(words, "subsection"))
+            {
+              AssertThrow(!words.empty(),
+                          ExcMessage(place +
+                                     ": 'subsection' is without a name."));
+              sections.push_back(words);
+              all_sections.insert(joined(sections));
+              // A section is known by its lines: one without any, too.
+              result.push_back(
+                {joined(sections), "", "", place, sections, false});
+            }
+          else if (words == "end" || words == "END")
+            {
+              AssertThrow(sections.size() > depth,
+                          ExcMessage(place + ": this 'end' ends no section."));
+              sections.pop_back();
+            }
+          else if (take_word(words, "include"))
+            {
+              AssertThrow(n_includes < 20,
+                          ExcMessage(place + ": files include each other."));
+              std::ifstream included = open(words);
+              read_lines(included,
+                         words,
+                         sections,
+                         result,
+                         all_sections,
+                         n_includes + 1);
+            }
+          else
+            {
+              const bool is_set = take_word(words, "set");
+              const auto equal  = words.find('=');
+              AssertThrow(is_set && equal != std::string::npos,
+                          ExcMessage(
+                            place + ": <" + whole +
+                            "> is none of 'subsection NAME', 'set NAME = "
+                            "VALUE' and 'end'."));
+              result.push_back({joined(sections),
+                                Utilities::trim(words.substr(0, equal)),
+                                Utilities::trim(words.substr(equal + 1)),
+                                place,
+                                sections,
+                                false});
+            }
+        }
+      AssertThrow(line.empty(),
+                  ExcMessage("The last line of <" + file +
+                             "> ends with a backslash."));
+      AssertThrow(sections.size() == depth,
+                  ExcMessage("The section '" + sections.back() + "' of <" +
+                             file + "> has no 'end'."));
+    }
+
+    /**
+     * A line from a setting of the command line. Sections are those of @p
+     * lines, whose names may have slashes, or what stands between slashes.
+     */
+    ParameterLine
+    line_of(const std::string &setting, const std::vector<ParameterLine> &lines)
+    {
+      ParameterLine line;
+      line.place       = "The option --set <" + setting + ">";
+      line.is_setting  = true;
+      const auto equal = setting.find('=');
+      const auto slash = setting.substr(0, equal).rfind('/');
+      AssertThrow(equal != std::string::npos && slash != std::string::npos,
+                  ExcMessage(line.place +
+                             ": it takes the form \"SECTION/PARAMETER=VALUE\", "
+                             "for instance \"Grid/Cells=40, 20\"."));
+      AssertThrow(setting.find_first_of("#\n") == std::string::npos,
+                  ExcMessage(line.place +
+                             ": values have no '#' and only one line."));
+      line.section = Utilities::trim(setting.substr(0, slash));
+      line.name = Utilities::trim(setting.substr(slash + 1, equal - slash - 1));
+      line.value = Utilities::trim(setting.substr(equal + 1));
+      for (const ParameterLine &other : lines)
+        if (other.section == line.section)
+          line.path = other.path;
+      if (line.path.empty())
+        line.path = Utilities::split_string_list(line.section, '/');
+      line.section = joined(line.path);
+      AssertThrow(!line.section.empty() && !line.name.empty(),
+                  ExcMessage(line.place +
+                             ": the name of the section or of the parameter "
+                             "is empty."));
+      return line;
+    }
+  } // namespace
+
+
+
+  std::vector<ParameterLine>
+  parameter_lines_of(const std::string &text, const std::string &name)
+  {
+    std::vector<ParameterLine> result;
+    std::vector<std::string>   sections;
+    std::set<std::string>      all_sections;
+    std::istringstream         stream(text);
+    read_lines(stream, name, sections, result, all_sections, 0);
+    return result;
+  }
+
+
+
+  std::vector<ParameterLine>
+  read_parameter_lines(const std::string              &file,
+                       const std::string              &own_section,
+                       const std::vector<std::string> &other_sections,
+                       const std::string              &other,
+                       const std::vector<std::string> &settings)
+  {
+    std::vector<ParameterLine> result;
+    std::vector<std::string>   sections;
+    std::set<std::string>      all_sections;
+    std::ifstream              stream = open(file);
+    read_lines(stream, file, sections, result, all_sections, 0);
+    for (const std::string &section : other_sections)
+      AssertThrow(all_sections.count(section) == 0 ||
+                    all_sections.count(own_section) > 0,
+                  ExcMessage("<" + file + "> is a file for the program " +
+                             other + ": it has the section '" + section +
+                             "', and no section '" + own_section + "'."));
+    for (const std::string &setting : settings)
+      result.push_back(line_of(setting, result));
+    return result;
+  }
+} // namespace greville

@@ -1,0 +1,138 @@
+#!/bin/bash
+# command_line.sh GREVILLE GREVILLE_BENCHMARK: the command lines of both
+# programs that run no simulation, or a tiny one.
+greville=$1
+benchmark=$2
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder" || exit 1
+n=0
+
+fail() {
+  echo "FAILED: $*"
+  cat out
+  exit 1
+}
+
+# accept [WORD...] -- COMMAND...: it ends well and prints all of these.
+accept() {
+  words=()
+  while [ "$1" != -- ]; do
+    words+=("$1")
+    shift
+  done
+  shift
+  "$@" >out 2>&1 || fail "exit status of $*"
+  for word in "${words[@]}"; do
+    grep -q -F -e "$word" out || fail "no <$word> of $*"
+  done
+  n=$((n + 1))
+}
+
+# refuse MESSAGE COMMAND...: it ends with 1, and prints this once.
+refuse() {
+  message=$1
+  shift
+  "$@" >out 2>&1 && fail "exit status 0 of $*"
+  [ "$(grep -c -F -e "$message" out)" -eq 1 ] || fail "not one <$message> of $*"
+  n=$((n + 1))
+}
+
+for program in "$greville" "$benchmark"; do
+  accept Usage: --set --print-parameters --list --completion --version -- "$program" --help
+  [ "$(wc -l <out)" -le 45 ] || fail "the help is longer than a page"
+  [ "$(wc -L <out)" -le 80 ] || fail "the help has long lines"
+  refuse 'there is no option <--pritn-parameters>. Did you mean <--print-parameters>?' "$program" --pritn-parameters
+  refuse 'the option <--help> takes no value' "$program" --help=me
+  refuse 'needs a value: "SECTION/PARAMETER=VALUE"' "$program" a.prm --set
+  refuse '--parameters takes no file' "$program" --parameters a.prm
+  refuse '--list and --parameters exclude each other' "$program" --parameters --list
+  refuse '--set is for a parameter file' "$program" --list --set A/B=1
+  refuse '--completion knows the shell bash, not <zsh>' "$program" --completion zsh
+  accept smoothers -- "$program" --list
+  accept ic0 jacobi -- "$program" --list smoothers
+  refuse 'there is no list <smother>. Did you mean <smoothers>?' "$program" --list smother
+done
+
+# Lists come from the program itself.
+accept linear-elastic mohr-coulomb newtonian-fluid -- "$greville" --list materials
+accept box level_set difference -- "$greville" --list shapes
+accept auto consistent lumped fmpm-K -- "$greville" --list masses
+accept sliding friction periodic -- "$greville" --list walls
+accept USL newmark -- "$greville" --list integrators
+accept Order 'Lower corner' -- "$greville" --list Grid
+accept 'also called: Degree' 'default: 2' 'a whole number between 1 and' -- "$greville" --list Grid/Degree
+for list in $("$greville" --list); do
+  accept -- "$greville" --list "$list"
+  [ -s out ] || fail "the list $list is empty"
+done
+for list in $("$benchmark" --list); do
+  accept -- "$benchmark" --list "$list"
+  [ -s out ] || fail "the list $list is empty"
+done
+refuse 'it is no section, and no parameter' "$greville" --list nothing
+
+# Templates: each is a file that runs, and no file is written over.
+accept 'slope ' 'cantilever_3d ' 'A slope of soil' 'under an end load that grows to 100 N' -- "$greville" --new
+templates=$("$greville" --new | sed 's/ .*//')
+for template in $templates; do
+  accept "Written: $template.prm" -- "$greville" --new "$template"
+  [ -s "$template.prm" ] || fail "no file of $template"
+  accept -- "$greville" "$template.prm" --print-parameters
+done
+echo mine >mine.prm
+refuse 'There is a file <mine.prm> already' "$greville" --new slope mine.prm
+[ "$(cat mine.prm)" = mine ] || fail "mine.prm has been written over"
+accept 'Written: other.prm' -- "$greville" --new slope other.prm
+cmp other.prm slope.prm >out || fail "other.prm is not the template"
+refuse 'there is no template <slpoe>' "$greville" --new slpoe
+refuse 'there is no option <--new>' "$benchmark" --new
+
+# All parameters, the defaults and those of a file, run as they are.
+"$greville" --print-parameters >all.prm || fail "--print-parameters"
+accept '3 steps' -- "$greville" all.prm --set "Time/Maximum steps=3" --set=Grid/Degree=1
+grep -q 'set Order *= 1' output/defaults/parameters.prm || fail "the setting is not in parameters.prm"
+accept 'set Order        = 3' -- "$greville" slope.prm --print-parameters --set Grid/Order=3
+refuse 'The option --set <Grid/Odrer=3>: in the section' "$greville" slope.prm --set Grid/Odrer=3
+refuse 'The option --set <Grid/Order=9>: the parameter' "$greville" slope.prm --check --set Grid/Order=9
+refuse '--draw is for the initial state' "$greville" slope.prm --draw here
+refuse 'is given twice' "$greville" slope.prm --check --check
+refuse '--resume and --from exclude each other' "$greville" slope.prm --resume --from there
+
+# A check writes nothing.
+rm -rf output
+accept 'number of steps: about' 'estimated time: ' 'memory: ' -- \
+  "$greville" slope.prm --check --set "Grid/Cells=45, 12"
+[ ! -e output ] || fail "--check has written results"
+
+"$benchmark" --print-parameters >benchmark.prm || fail "--print-parameters of $benchmark"
+accept -- "$benchmark" benchmark.prm --set Benchmark/Cells=4 --set Benchmark/Degrees=2 \
+  --set "Benchmark/Output directory=solved"
+grep -q 'set Orders *= 2' solved/parameters.prm || fail "the setting is not in parameters.prm"
+
+# bash completes options, lists, templates and files.
+"$greville" --completion bash >completion || fail "--completion"
+. ./completion
+complete -p greville >out || fail "nothing is completed"
+completes() {
+  wanted=$1
+  shift
+  COMP_WORDS=(greville "$@")
+  COMP_CWORD=$#
+  COMPREPLY=()
+  _greville
+  echo "${COMPREPLY[*]}" >out
+  [ "${COMPREPLY[*]}" = "$wanted" ] || fail "completion of $*: not <$wanted>"
+  n=$((n + 1))
+}
+completes --print-parameters --pr
+completes materials --list mat
+completes cantilever_3d --new can
+completes slope.prm slope.prm --check slo
+completes --resume slope.prm --re
+completes bash --completion ''
+mkdir run_folder
+completes run_folder slope.prm --from run_
+
+[ "$n" -gt 60 ] || fail "only $n cases"
+echo "$n cases"

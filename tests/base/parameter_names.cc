@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// Parameters with several names, settings of the command line, and what is
+// known of a parameter.
+#include <greville/base/parameters.h>
+
+#include <fstream>
+#include <tests.h>
+
+namespace
+{
+  struct Parameters
+  {
+    void
+    declare(ParameterHandler &prm)
+    {
+      add_parameter(prm, "Order", order, Patterns::Integer(1, 5))("The order.");
+      declare_other_names(prm, "Order");
+      add_parameter(prm, "Kind", kind, Patterns::Selection("one|two"))(
+        "The kind.");
+    }
+
+    unsigned int order = 2;
+    std::string  kind  = "one";
+  };
+
+
+
+  struct All
+  {
+    All(const std::string &text, const std::vector<std::string> &settings)
+    {
+      declare_section(prm, "Grid", grid);
+      prm.enter_subsection("Body a/b");
+      declare_section(prm, "Grid", inner);
+      prm.leave_subsection();
+      std::ofstream("names.prm") << text;
+      parse_parameter_lines(
+        prm, read_parameter_lines("names.prm", "Grid", {}, "", settings));
+    }
+
+    Parameters       grid, inner;
+    ParameterHandler prm;
+  };
+
+  const std::string slashes =
+    "subsection Body a/b\n  subsection Grid\n    set Order = 3\n  end\nend\n";
+
+
+
+  std::string
+  grid(const std::string &line)
+  {
+    return "subsection Grid\n  set " + line + "\nend\n";
+  }
+
+
+
+  void
+  refused(const std::string              &text,
+          const std::vector<std::string> &settings = {})
+  {
+    try
+      {
+        const All all(text, settings);
+        print() << "accepted" << std::endl;
+      }
+    catch (const std::exception &error)
+      {
+        print() << message_of(error) << std::endl;
+      }
+  }
+
+
+
+  void
+  described(const std::string &what)
+  {
+    const All all(slashes, {});
+    try
+      {
+        describe_parameter(print(), all.prm, what);
+      }
+    catch (const std::exception &error)
+      {
+        print() << message_of(error) << std::endl;
+      }
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  using Settings   = std::vector<std::string>;
+  const auto order = [](const std::string &text, const Settings &settings) {
+    return All(text, settings).grid.order;
+  };
+  check("the main name", order(grid("Order = 3"), {}) == 3);
+  check("another name", order(grid("Degree = 3"), {}) == 3);
+  check("two names, one value",
+        order(grid("Degree = 3") + grid("Order = 3"), {}) == 3);
+  check("the last line wins",
+        order(grid("Degree = 3") + grid("Degree = 4"), {}) == 4);
+  check("a setting wins", order(grid("Order = 3"), {"Grid/Order=4"}) == 4);
+  check("a setting under another name wins",
+        order(grid("Order = 3"), {" Grid / Degree = 4 "}) == 4);
+  check("the last setting wins",
+        order("", {"Grid/Order=4", "Grid/Order=5"}) == 5);
+  check("inner sections", All(slashes, {}).inner.order == 3);
+  check("a setting of an inner section",
+        All(slashes, {"Body a/b/Grid/Degree=5"}).inner.order == 5);
+  check("names of reports",
+        main_name("Youngs modulus") == "Young modulus" &&
+          main_name("Poisson's ratio") == "Poisson ratio" &&
+          main_name("Degree") == "Order" && main_name("Cells") == "Cells");
+  {
+    const All          all(grid("Degree = 4"), {"Grid/Kind=two"});
+    std::ostringstream text, reference;
+    all.prm.print_parameters(text, ParameterHandler::Text);
+    check("used parameters have the main name",
+          text.str().find("Degree") == std::string::npos &&
+            text.str().find("set Order = 4") != std::string::npos &&
+            text.str().find("set Kind  = two") != std::string::npos);
+    print_parameter_reference(reference, "program", all.prm);
+    check("the reference has other names in the row of the parameter",
+          reference.str().find("| The order. Also called: Degree. |") !=
+              std::string::npos &&
+            reference.str().find("| Degree") == std::string::npos &&
+            reference.str().find("## Grid/Degree") == std::string::npos);
+    const auto words = words_of_parameter(all.prm, "Grid/Kind");
+    check("words", words == std::vector<std::string>({"one", "two"}));
+    check("no words", words_of_parameter(all.prm, "Grid/Order").empty());
+  }
+
+  refused(grid("Order = 3") + grid("Degree = 4"));
+  refused("", {"Grid/Order=3", "Grid/Degree=4"});
+  refused(grid("Degrees = 4"));
+  refused(grid("Degree = 9"));
+  refused("", {"Grid/Order=9"});
+  refused("", {"Gird/Order=3"});
+  refused("", {"Grid/Oder=3"});
+  refused("", {"Grid/Order"});
+  refused("", {"Order=3"});
+  refused("", {"/Order=3"});
+  refused("", {"Grid/=3"});
+  refused("", {"Grid/Order=3 # three"});
+
+  described("Grid");
+  described("Grid/Degree");
+  described("Grid/Kind");
+  described("Body a/b/Grid/Order");
+  described("Gird");
+  described("Gird/Order");
+  described("Grid/Oder");
+}
