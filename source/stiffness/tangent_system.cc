@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <cmath>
@@ -109,25 +110,35 @@ namespace greville
       {
         const bool is_symmetric = body.material->has_symmetric_tangent() &&
                                   stress == StepStress::end && !projection;
-        const PointReport report =
-          trial.evaluate(*body.points,
-                         *body.material,
-                         u,
-                         dt,
-                         body.strength_reduction,
-                         stress,
-                         with_stiffness,
-                         projection,
-                         [&](const unsigned int cell, const auto &points) {
-                           sums.back().add_force(cell, points);
-                           if (with_stiffness)
-                             add_moduli<dim>(points, moduli);
-                           if (with_stiffness)
-                             for (unsigned int l = 0; l < levels.size(); ++l)
-                               levels[l]->stiffness().add_cell(
-                                 cell,
-                                 sums[l].stiffness(cell, points, is_symmetric));
-                         });
+        PointReport report;
+        // A law may throw on one process, and all go on with the next body.
+        try
+          {
+            report = trial.evaluate(
+              *body.points,
+              *body.material,
+              u,
+              dt,
+              body.strength_reduction,
+              stress,
+              with_stiffness,
+              projection,
+              [&](const unsigned int cell, const auto &points) {
+                sums.back().add_force(cell, points);
+                if (with_stiffness)
+                  add_moduli<dim>(points, moduli);
+                if (with_stiffness)
+                  for (unsigned int l = 0; l < levels.size(); ++l)
+                    levels[l]->stiffness().add_cell(
+                      cell, sums[l].stiffness(cell, points, is_symmetric));
+              });
+          }
+        catch (const std::exception &error)
+          {
+            if (problem.empty())
+              problem = "the law of the body '" + body.name +
+                        "' has failed: " + message_of(error);
+          }
         if (report.bad_point >= 0 && problem.empty())
           problem = "point " + std::to_string(report.bad_point) +
                     " of the body '" + body.name + "': " + report.bad_reason;
