@@ -24,7 +24,7 @@ answers() {
 }
 
 scripts="run test fresh_machine stiffness_tables"
-[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume long_runs performance"
+[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume long_runs"
 for script in $scripts; do
   for option in -h --help; do
     answers 0 40 "sage: scripts/$script" "scripts/$script" $option
