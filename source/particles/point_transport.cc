@@ -2,6 +2,7 @@
 
 #include <greville/base/index_limits.h>
 #include <greville/particles/point_transport.h>
+#include <greville/spline/cell_owner.h>
 
 #include <algorithm>
 #include <cmath>
@@ -35,9 +36,9 @@ namespace greville
   PointTransport<dim>::find_owners(
     const std::vector<std::uint64_t> &cells) const
   {
-    const auto               &own = spline_space->owned_cells();
+    const auto               &own     = spline_space->owned_cells();
+    const auto               &lattice = spline_space->lattice();
     std::vector<unsigned int> owners;
-    bool                      all_known = true;
     for (const std::uint64_t cell : cells)
       {
         if (std::binary_search(own.begin(), own.end(), cell))
@@ -46,21 +47,12 @@ namespace greville
             continue;
           }
         const auto found = owners_of_ghost_cells.find(cell);
-        all_known        = all_known && found != owners_of_ghost_cells.end();
-        owners.push_back(found != owners_of_ghost_cells.end()
-                           ? found->second
-                           : numbers::invalid_unsigned_int);
-      }
-    // p4est knows the owner of any point; all processes have to ask.
-    if (Utilities::MPI::max<unsigned int>(!all_known, comm) == 1)
-      {
-        const auto             &lattice = spline_space->lattice();
-        std::vector<Point<dim>> centers;
-        for (const std::uint64_t cell : cells)
-          centers.push_back(
-            lattice.cell_center(multi_index<dim>(cell, lattice.n_cells())));
-        const auto found = tria->find_point_owner_rank(centers);
-        owners.assign(found.begin(), found.end());
+        owners.push_back(
+          found != owners_of_ghost_cells.end()
+            ? found->second
+            : cell_owner(*tria,
+                         lattice,
+                         multi_index<dim>(cell, lattice.n_cells())));
       }
     return owners;
   }

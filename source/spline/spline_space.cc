@@ -6,6 +6,7 @@
 #include <deal.II/fe/fe_system.h>
 
 #include <greville/base/index_limits.h>
+#include <greville/spline/cell_owner.h>
 #include <greville/spline/spline_space.h>
 
 #include <algorithm>
@@ -289,8 +290,6 @@ namespace greville
     const unsigned int me = Utilities::MPI::this_mpi_process(comm);
 
     std::vector<unsigned int> owners(positions.size(), me);
-    std::vector<Point<dim>>   points;
-    std::vector<std::size_t>  places;
     for (std::size_t k = 0; k < positions.size(); ++k)
       {
         MultiIndex<dim> cell = multi_index<dim>(positions[k], extents);
@@ -300,17 +299,8 @@ namespace greville
                                 cells.end(),
                                 lexicographic<dim>(cell,
                                                    mesh_lattice.n_cells())))
-          {
-            points.push_back(mesh_lattice.cell_center(cell));
-            places.push_back(k);
-          }
+          owners[k] = cell_owner(*tria, mesh_lattice, cell);
       }
-    // Collective in deal.II: called also where there is nothing to ask.
-    if (Utilities::MPI::n_mpi_processes(comm) == 1)
-      return owners;
-    const auto found = tria->find_point_owner_rank(points);
-    for (std::size_t k = 0; k < places.size(); ++k)
-      owners[places[k]] = found[k];
     return owners;
   }
 
