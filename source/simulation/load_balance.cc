@@ -3,6 +3,7 @@
 #include <greville/base/index_limits.h>
 #include <greville/simulation/load_balance.h>
 #include <greville/simulation/state_tables.h>
+#include <greville/spline/cell_owner.h>
 
 #include <algorithm>
 #include <cmath>
@@ -164,27 +165,21 @@ namespace greville
         weights[position_of(cell)] = empty;
 
     // Rows of a file may be those of other cells.
-    std::vector<double>     others;
-    std::vector<Point<dim>> centers;
+    std::map<unsigned int, std::vector<double>> to_send;
     for (std::size_t k = 0; k < partition.rows.size(); k += 2)
       {
-        const auto position = std::uint64_t(partition.rows[k]);
-        const auto own      = weights.find(position);
+        const auto   position = std::uint64_t(partition.rows[k]);
+        const double weight   = partition.rows[k + 1];
+        const auto   own      = weights.find(position);
         if (own != weights.end())
-          own->second = partition.rows[k + 1];
+          own->second = weight;
         else
           {
-            others.insert(others.end(),
-                          {partition.rows[k], partition.rows[k + 1]});
-            centers.push_back(lattice.cell_center(
-              multi_index<dim>(position, lattice.n_cells())));
+            auto &rows = to_send[cell_owner(
+              mesh, lattice, multi_index<dim>(position, lattice.n_cells()))];
+            rows.insert(rows.end(), {partition.rows[k], weight});
           }
       }
-    const auto owners = mesh.find_point_owner_rank(centers);
-    std::map<unsigned int, std::vector<double>> to_send;
-    for (std::size_t k = 0; k < owners.size(); ++k)
-      to_send[owners[k]].insert(to_send[owners[k]].end(),
-                                {others[2 * k], others[2 * k + 1]});
     for (const auto &message : exchange_lists(comm, to_send))
       for (std::size_t k = 0; k < message.second.size(); k += 2)
         weights.at(std::uint64_t(message.second[k])) = message.second[k + 1];
