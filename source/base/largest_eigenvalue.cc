@@ -101,10 +101,9 @@ namespace greville
   {
     // The vector, its residual and the last direction.
     const std::size_t        n = start.size();
-    std::array<Direction, 3> directions{Direction(n),
-                                        Direction(n),
-                                        Direction(n)};
-    Direction               &vector = directions[0], &residual = directions[1],
+    std::array<Direction, 3> directions{
+      {Direction(n), Direction(n), Direction(n)}};
+    Direction &vector = directions[0], &residual = directions[1],
               &last = directions[2];
     LargestEigenvalue result;
 

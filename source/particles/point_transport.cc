@@ -50,9 +50,9 @@ namespace greville
         owners.push_back(
           found != owners_of_ghost_cells.end()
             ? found->second
-            : cell_owner(*tria,
-                         lattice,
-                         multi_index<dim>(cell, lattice.n_cells())));
+            : cell_owner<dim>(*tria,
+                              lattice,
+                              multi_index<dim>(cell, lattice.n_cells())));
       }
     return owners;
   }

@@ -175,7 +175,7 @@ namespace greville
           own->second = weight;
         else
           {
-            auto &rows = to_send[cell_owner(
+            auto &rows = to_send[cell_owner<dim>(
               mesh, lattice, multi_index<dim>(position, lattice.n_cells()))];
             rows.insert(rows.end(), {partition.rows[k], weight});
           }

@@ -299,7 +299,7 @@ namespace greville
                                 cells.end(),
                                 lexicographic<dim>(cell,
                                                    mesh_lattice.n_cells())))
-          owners[k] = cell_owner(*tria, mesh_lattice, cell);
+          owners[k] = cell_owner<dim>(*tria, mesh_lattice, cell);
       }
     return owners;
   }
