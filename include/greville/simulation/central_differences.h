@@ -67,9 +67,12 @@ namespace greville
     void
     advance(State<dim> &state, const double dt) override;
 
+    Lag
+    lag(const State<dim> &state) const override;
+
     /**
      * Velocities at half steps get the other half of their kick; USF deforms
-     * the points to the end of the last step.
+     * the points to the end of the last step. Reactions stay.
      */
     void
     finish(State<dim> &state) override;
@@ -84,7 +87,8 @@ namespace greville
     may_reject() const;
 
     /**
-     * When walls have their velocity at the end of the step.
+     * When walls have their velocity at the end of the step, or at the time
+     * of the state where nothing moves.
      */
     WallTime
     wall_time(const State<dim> &state) const;
