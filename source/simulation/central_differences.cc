@@ -502,7 +502,9 @@ namespace greville
     // Nothing moves: what is left of the kick acts where the points are.
     if (lag(state) == Lag::nothing)
       return;
-    const auto reactions   = state.reactions;
+    const auto reactions = state.reactions;
+    const auto contact_loads =
+      contact ? contact->loads() : std::vector<Tensor<1, dim>>();
     trial.step             = 0.;
     trial.velocity_step    = 0.5 * state.step;
     trial.deformation_step = state.step;
@@ -514,6 +516,8 @@ namespace greville
     fail_on_all(trial.motion.problem, discretization.communicator());
     state.velocity  = trial.new_velocity;
     state.reactions = reactions;
+    if (contact)
+      contact->set_loads(contact_loads);
     state.velocity_time += trial.velocity_step;
   }
 

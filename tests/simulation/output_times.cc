@@ -284,7 +284,8 @@ main(int argc, char **argv)
       .with("Body body", {"Velocity = 3; -4", "Points per direction = 3"})
       .with("Material solid", {"Model = neo-hookean"})
       .with("Loads", {"Gravity = 0; -9"})
-      .with("Walls", {"Bottom = friction", "Bottom friction = 0.3"})
+      .with("Walls",
+            {"Bottom = friction", "Bottom friction = 0.3", "Left = sliding"})
       .with("Time", {"End = 10"});
   for (const std::string mass : {"lumped", "consistent"})
     {
@@ -302,7 +303,7 @@ main(int argc, char **argv)
                          .with("Body piston",
                                {"Material = solid",
                                 "Shape = box(0.7, 0, 0.85, 1)",
-                                "Imposed velocity = -2 * cos(3 * t); 0"}));
+                                "Imposed velocity = -0.5 * cos(9 * t); 0"}));
     }
   check_trajectory("ball, APIC", ball.with("Scheme", {"Transfer = APIC"}));
   check_trajectory("ball, p-multigrid",
@@ -312,6 +313,7 @@ main(int argc, char **argv)
                    ball.with("Simulation", {"Surface loads = load"})
                      .with("Body body", {"Placement = fitted"})
                      .with("Scheme", {"Mass = consistent"})
+                     .with("Walls", {"Bottom = fixed", "Bottom friction = 0"})
                      .with("Surface load load",
                            {"Body = body", "Kind = dashpot"}));
   check_trajectory(

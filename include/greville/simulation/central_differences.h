@@ -67,6 +67,16 @@ namespace greville
     void
     advance(State<dim> &state, const double dt) override;
 
+    /**
+     * Where contacts with friction slide, solves begin with the last step.
+     */
+    void
+    forget() override
+    {
+      if (contact)
+        contact->set_loads();
+    }
+
     Lag
     lag(const State<dim> &state) const override;
 
