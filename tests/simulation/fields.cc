@@ -189,8 +189,10 @@ namespace
     run(text.with("Output", {"Fields = " + fields, "Grid fields = false"}),
         "first");
     Simulated<2> first(text);
-    const auto   end   = first.run()->statistics();
-    Text         again = text;
+    first.run();
+    const EndOfStep<2> as_written(first.simulation);
+    const auto         end   = first->statistics();
+    Text               again = text;
     for (unsigned int b = 0; b < bodies.size(); ++b)
       again.add("Body " + bodies[b],
                 {"Shape =",
