@@ -5,6 +5,7 @@
 // grid, and doc/simulation_parameters.md is what the program says, with an
 // example in each section.
 #include <greville/base/templates.h>
+#include <greville/simulation/ensemble.h>
 
 #include "../reference_page.h"
 #include "simulation.h"
@@ -30,14 +31,14 @@ main(int argc, char **argv)
           {
             const MeasuredData<2>  measured(parameters.reference);
             const ExactSolution<2> exact(parameters.exact);
-            Simulation<2>          simulation(parameters);
+            Ensemble<2>            simulation(parameters);
             if (simulation.bodies()[0].n_points < 20000)
               simulation.step();
           }
         else
           {
             const ExactSolution<3> exact(parameters.exact);
-            Simulation<3>          simulation(parameters);
+            Ensemble<3>            simulation(parameters);
             if (simulation.bodies()[0].n_points < 20000)
               simulation.step();
           }
