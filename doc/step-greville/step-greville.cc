@@ -58,7 +58,6 @@ namespace StepGreville
   // order and back.
   class FallingDisk
   {
-  private:
     DistributedTriangulation<dim>       mesh;
     TangentParameters                   parameters;
     std::unique_ptr<TangentSystem<dim>> system;
@@ -126,8 +125,8 @@ namespace StepGreville
 
     // @sect4{find_velocity}
 
-    // The velocity of the grid from the momentum of the points, with the row
-    // sums of the mass matrix in its place. Functions without points keep zero.
+    // The velocity of the grid from the momentum of the points, where row sums
+    // stand for the mass matrix. Functions without points keep zero.
     void
     divide_by_mass(VectorField<dim> &field, const VectorType &mass)
     {
@@ -273,7 +272,8 @@ namespace StepGreville
 
     // The velocity Verlet method with lumped mass: half a kick, a move with the
     // velocity of the middle of the step, and the other half of the kick with
-    // the forces at its end. This one needs no solver.
+    // the forces at its end. Forces are those of the stresses less the loads,
+    // hence the sign. This scheme needs no solver.
     void
     explicit_step(const double dt)
     {
