@@ -21,7 +21,8 @@ main(int argc, char **argv)
   };
   program.all_parameters = [](const std::string              &file,
                               const std::vector<std::string> &settings) {
-    return Benchmark().read(file, settings);
+    return file.empty() ? Benchmark().defaults()
+                        : Benchmark().read(file, settings);
   };
   program.reference = [](const UseParameters &use) {
     Benchmark                benchmark;
