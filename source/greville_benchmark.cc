@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/program.h>
+#include <greville/base/templates.h>
 #include <greville/benchmark/benchmark.h>
 
 int
@@ -30,13 +30,14 @@ main(int argc, char **argv)
     benchmark.declare(prm);
     use(prm);
   };
-  program.lists = {{"operators", "", operator_names},
-                   {"mass-solvers", "", MassSolver<2>::names},
-                   {"other-solvers", "", solvers_beside_mass},
-                   {"smoothers", "p-multigrid/Smoother", {}},
-                   {"cycles", "p-multigrid/Cycle", {}},
-                   {"coarsenings", "p-multigrid/Coarsening", {}},
-                   {"prolongations", "p-multigrid/Prolongation", {}},
-                   {"restrictions", "p-multigrid/Restriction", {}}};
+  program.examples = benchmark_examples();
+  program.lists    = {{"operators", "", operator_names},
+                      {"mass-solvers", "", MassSolver<2>::names},
+                      {"other-solvers", "", solvers_beside_mass},
+                      {"smoothers", "p-multigrid/Smoother", {}},
+                      {"cycles", "p-multigrid/Cycle", {}},
+                      {"coarsenings", "p-multigrid/Coarsening", {}},
+                      {"prolongations", "p-multigrid/Prolongation", {}},
+                      {"restrictions", "p-multigrid/Restriction", {}}};
   return run_program(program, argc, argv);
 }
