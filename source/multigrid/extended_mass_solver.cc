@@ -74,8 +74,8 @@ namespace greville
       {
         if (factor_alike[c] < c)
           continue;
-        factors.emplace_back();
-        Factors     &part       = factors.back();
+        factors.push_back(std::make_shared<Factors>());
+        Factors     &part       = *factors.back();
         unsigned int components = 0;
         for (unsigned int d = c; d < dim; ++d)
           if (factor_alike[d] == c)
@@ -135,9 +135,10 @@ namespace greville
   {
     n_holds         = mass.n_holds();
     const auto held = mass.held_unknowns();
-    for (Factors &part : factors)
+    for (const auto &shared : factors)
       {
-        const unsigned int         n = part.alike.size();
+        Factors                   &part = *shared;
+        const unsigned int         n    = part.alike.size();
         std::vector<unsigned char> of_factors(factor_places.size(), 0);
         for (unsigned int u = 0; u < held.size(); ++u)
           {
@@ -147,6 +148,58 @@ namespace greville
           }
         part.cholesky.hold(of_factors, n);
       }
+  }
+
+
+
+  template <int dim>
+  struct ExtendedMassSolver<dim>::Memory
+  {
+    std::vector<std::shared_ptr<Factors>> factors;
+    std::array<unsigned int, dim>         factor_alike;
+    std::vector<unsigned int>             factor_places;
+    std::vector<int>                      factor_rows;
+    VectorType                            diagonal;
+    unsigned int                          factorizations;
+    bool                                  is_due, is_fresh;
+    unsigned int                          fresh_iterations, excess_iterations;
+  };
+
+
+
+  template <int dim>
+  std::shared_ptr<const typename ExtendedMassSolver<dim>::Memory>
+  ExtendedMassSolver<dim>::memory() const
+  {
+    return std::make_shared<const Memory>(Memory{factors,
+                                                 factor_alike,
+                                                 factor_places,
+                                                 factor_rows,
+                                                 diagonal,
+                                                 factorizations,
+                                                 is_due,
+                                                 is_fresh,
+                                                 fresh_iterations,
+                                                 excess_iterations});
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMassSolver<dim>::set_memory(const Memory &memory)
+  {
+    factors           = memory.factors;
+    factor_alike      = memory.factor_alike;
+    factor_places     = memory.factor_places;
+    factor_rows       = memory.factor_rows;
+    diagonal          = memory.diagonal;
+    factorizations    = memory.factorizations;
+    is_due            = memory.is_due;
+    is_fresh          = memory.is_fresh;
+    fresh_iterations  = memory.fresh_iterations;
+    excess_iterations = memory.excess_iterations;
+    n_holds           = 0;
   }
 
 
@@ -167,16 +220,16 @@ namespace greville
     if (factors.size() == 1 && factor_rows.empty())
       {
         std::copy_n(r.begin(), r.locally_owned_size(), z.begin());
-        factors[0].cholesky.solve(z.begin(), width);
+        factors[0]->cholesky.solve(z.begin(), width);
         return;
       }
-    for (const Factors &part : factors)
+    for (const auto &part : factors)
       {
         std::vector<unsigned int> columns;
         for (unsigned int first = 0; first < n_columns; first += dim)
-          for (const unsigned int c : part.alike)
+          for (const unsigned int c : part->alike)
             columns.push_back(first + c);
-        precondition(part, z, r, width, columns);
+        precondition(*part, z, r, width, columns);
       }
     for (unsigned int u = 0; u < factor_rows.size(); ++u)
       if (factor_rows[u] < 0)

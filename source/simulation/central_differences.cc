@@ -17,6 +17,10 @@ namespace greville
     // velocities in a step are solved for to the tolerance times that change.
     constexpr double negligible_kick = 1e-6;
 
+    // The part of a step that stands for a moment in the difference quotient
+    // of a displacement.
+    constexpr double moment = 1e-3;
+
   } // namespace
 
 
@@ -117,9 +121,8 @@ namespace greville
   WallTime
   CentralDifferences<dim>::wall_time(const State<dim> &state) const
   {
-    // A stage that ends moves nothing.
     return {state.velocity_time + trial.velocity_step,
-            trial.step > 0. ? state.time : state.time - state.step,
+            trial.step > 0. ? state.time : state.time - moment * state.step,
             state.time + trial.step};
   }
 
@@ -470,6 +473,8 @@ namespace greville
       }
     filter_velocity();
     add_contact(state);
+    if (trial.step == 0.)
+      state.acceleration = trial.acceleration;
     take_held_residual(state);
     for (unsigned int w = 0; w < 2 * dim && trial.velocity_step > 0.; ++w)
       state.reactions[w] = trial.momentum_of_walls[w] / trial.velocity_step;
@@ -480,12 +485,26 @@ namespace greville
 
 
   template <int dim>
+  Lag
+  CentralDifferences<dim>::lag(const State<dim> &state) const
+  {
+    if (!half_steps || !(state.step > 0.))
+      return Lag::nothing;
+    return order == StressUpdate::USF ? Lag::all : Lag::velocity;
+  }
+
+
+
+  template <int dim>
   void
   CentralDifferences<dim>::finish(State<dim> &state)
   {
     // Nothing moves: what is left of the kick acts where the points are.
-    if (!half_steps || !(state.step > 0.))
+    if (lag(state) == Lag::nothing)
       return;
+    const auto reactions = state.reactions;
+    const auto contact_loads =
+      contact ? contact->loads() : std::vector<Tensor<1, dim>>();
     trial.step             = 0.;
     trial.velocity_step    = 0.5 * state.step;
     trial.deformation_step = state.step;
@@ -495,6 +514,10 @@ namespace greville
     update(state, &trial.acceleration, &trial.new_velocity, nullptr, false);
     add_work_of_point_loads(state);
     fail_on_all(trial.motion.problem, discretization.communicator());
+    state.velocity  = trial.new_velocity;
+    state.reactions = reactions;
+    if (contact)
+      contact->set_loads(contact_loads);
     state.velocity_time += trial.velocity_step;
   }
 

@@ -95,6 +95,30 @@ namespace greville
 
 
   template <int dim>
+  void
+  GridMass<dim>::begin_trial()
+  {
+    held_before_trial = held;
+  }
+
+
+
+  template <int dim>
+  void
+  GridMass<dim>::end_trial()
+  {
+    const bool has_changed =
+      Utilities::MPI::max<unsigned int>(held_before_trial != held,
+                                        space().communicator());
+    if (!has_changed)
+      return;
+    held = held_before_trial;
+    change_held();
+  }
+
+
+
+  template <int dim>
   std::array<bool, dim>
   GridMass<dim>::held_meet_mass() const
   {

@@ -169,11 +169,11 @@ namespace greville
             out << '\n';
             print_stage(out, ensemble, parameters);
           }
-        for (const std::string &warning : ensemble.take_warnings())
-          notes.warn(warning);
         notes.write(ensemble.take_newton());
         const bool is_last = ensemble.is_finished();
         write_due(is_last);
+        for (const std::string &warning : ensemble.take_warnings())
+          notes.warn(warning);
         print_progress(is_last);
         look_for_checkpoint(is_last);
       }
@@ -193,11 +193,12 @@ namespace greville
   {
     RunSummary summary;
     summary.wall_time = seconds_since(begin);
-    summary.errors    = exact.errors(ensemble.bodies(),
+    const EndOfStep<dim> end_of_step(ensemble);
+    summary.errors = exact.errors(ensemble.bodies(),
                                   common().time,
                                   common().velocity_time,
                                   comm);
-    summary.front     = largest_front;
+    summary.front  = largest_front;
     if (measured.has_surface())
       summary.surface = measured.surface_distance(ensemble.bodies(),
                                                   (parameters.grid.upper[0] -
@@ -253,6 +254,9 @@ namespace greville
     // The last state of a stage is the first one of the next.
     const double now          = rounded_up_time();
     const bool   is_stage_end = is_last || ensemble.first().is_stage_finished();
+    if (!is_stage_end && now < std::min(next_statistics, next_fields))
+      return;
+    const EndOfStep<dim> end_of_step(ensemble);
     if (is_stage_end || now >= next_statistics)
       {
         write_statistics();

@@ -245,16 +245,23 @@ namespace greville
     try
       {
         // The fields of the grid are those of the step that failed.
-        std::string file = fields.points_file(common().time);
-        if (file.empty())
+        std::string file   = fields.points_file(common().time);
+        const bool  is_new = file.empty();
+        // Rows of later steps may be there.
+        const bool is_row_due = last_written_statistics < step;
+        if (is_new || is_row_due)
           {
-            fields.write_points(common().time, ensemble.bodies(), comm);
-            file = fields.points_file(common().time);
+            const EndOfStep<dim> end_of_step(ensemble);
+            if (is_new)
+              {
+                fields.write_points(common().time, ensemble.bodies(), comm);
+                file = fields.points_file(common().time);
+              }
+            text = "It is in <" + file + ">";
+            if (is_row_due)
+              write_statistics();
           }
         text = "It is in <" + file + ">";
-        // Rows of later steps may be there.
-        if (last_written_statistics < step)
-          write_statistics();
         if (last_written_statistics == step)
           row = "the last row of <" + statistics_file_in(directory) + ">";
         // The simulation keeps the state of each checkpoint.

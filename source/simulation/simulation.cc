@@ -579,6 +579,62 @@ namespace greville
 
 
   template <int dim>
+  bool
+  Simulation<dim>::begin_output()
+  {
+    const Lag lag = integrator->lag(current);
+    if (lag == Lag::nothing)
+      return false;
+    const PartTimer timer(log, "output");
+    const auto      seconds = log.seconds;
+    unfinished.take(current, lag);
+    discretization.mass().begin_trial();
+    std::string problem;
+    try
+      {
+        integrator->finish(current);
+      }
+    catch (const StepFailed &failure)
+      {
+        problem = without_stop(failure.what());
+      }
+    catch (const ExcMessage &)
+      {
+        discretization.mass().end_trial();
+        end_output();
+        throw;
+      }
+    discretization.mass().end_trial();
+    // Of these tasks, steps have not taken more.
+    for (auto &[part, sum] : log.seconds)
+      {
+        const auto before = seconds.find(part);
+        sum               = before == seconds.end() ? 0. : before->second;
+      }
+    if (problem.empty())
+      return true;
+    end_output();
+    std::ostringstream message;
+    message << "Velocities that are written for t = " << current.time
+            << " s belong to t = " << current.velocity_time
+            << " s, since the kick to the end of the step has failed: "
+            << problem << ".";
+    log.warnings.push_back(message.str());
+    return false;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::end_output()
+  {
+    unfinished.give_back(current);
+  }
+
+
+
+  template <int dim>
   Statistics<dim>
   Simulation<dim>::statistics() const
   {

@@ -90,6 +90,21 @@ namespace greville
       return factorizations;
     }
 
+    /**
+     * What earlier solves have left: factors, and what is known of their age.
+     */
+    struct Memory;
+
+    std::shared_ptr<const Memory>
+    memory() const;
+
+    /**
+     * Go on as if nothing had been solved since @p memory was taken. The
+     * unknowns have to be the same.
+     */
+    void
+    set_memory(const Memory &memory);
+
   private:
     void
     factorize();
@@ -174,10 +189,11 @@ namespace greville
     const SmootherParameters  &smoother_parameters;
     const ColumnPreconditioner other_preconditioner;
 
-    double                        total_mass = 0.;
-    std::vector<Factors>          factors;
-    std::array<unsigned int, dim> factor_alike{};
-    std::vector<unsigned int>     factor_places; // owned, that were factorized
+    double total_mass = 0.;
+    // Copies of the memory share them: which rows are held is set anew.
+    std::vector<std::shared_ptr<Factors>> factors;
+    std::array<unsigned int, dim>         factor_alike{};
+    std::vector<unsigned int> factor_places; // owned, that were factorized
     std::vector<int>
                factor_rows; // of owned unknowns, -1: none; empty: the same
     VectorType diagonal;    // of A, for those with none

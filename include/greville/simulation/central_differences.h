@@ -68,8 +68,21 @@ namespace greville
     advance(State<dim> &state, const double dt) override;
 
     /**
+     * Where contacts with friction slide, solves begin with the last step.
+     */
+    void
+    forget() override
+    {
+      if (contact)
+        contact->set_loads();
+    }
+
+    Lag
+    lag(const State<dim> &state) const override;
+
+    /**
      * Velocities at half steps get the other half of their kick; USF deforms
-     * the points to the end of the last step.
+     * the points to the end of the last step. Reactions stay.
      */
     void
     finish(State<dim> &state) override;
@@ -84,7 +97,8 @@ namespace greville
     may_reject() const;
 
     /**
-     * When walls have their velocity at the end of the step.
+     * When walls have their velocity at the end of the step, or at the time
+     * of the state where nothing moves.
      */
     WallTime
     wall_time(const State<dim> &state) const;

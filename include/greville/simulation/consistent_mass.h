@@ -120,6 +120,12 @@ namespace greville
     fragment_fraction() const;
 
     void
+    begin_trial() override;
+
+    void
+    end_trial() override;
+
+    void
     forget() override
     {
       for (auto *const solver : {mass_solver.get(), solver_of_held.get()})
@@ -155,6 +161,12 @@ namespace greville
     }
 
     /**
+     * Before the first solve of a trial: what it is not to change.
+     */
+    void
+    keep_memory();
+
+    /**
      * Throw where a solver did not converge.
      */
     void
@@ -172,6 +184,12 @@ namespace greville
     std::unique_ptr<ExtendedMassSolver<dim>> solver_of_held; // solve_held()
     bool                                     held_solver_is_behind = true;
     double                                   total_mass            = 0.;
+
+    // What solvers had before the first solve of a trial.
+    using SolverMemory =
+      std::shared_ptr<const typename ExtendedMassSolver<dim>::Memory>;
+    bool         is_trial = false, is_behind_before_trial = true;
+    SolverMemory memory_before_trial, memory_of_held_before_trial;
   };
 } // namespace greville
 

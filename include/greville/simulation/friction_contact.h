@@ -59,6 +59,18 @@ namespace greville
         std::vector<bool> &slid);
 
     /**
+     * Under what contacts slid in the last add(), where the next one begins.
+     */
+    std::vector<dealii::Tensor<1, dim>>
+    loads() const;
+
+    /**
+     * Begin there; without any, at zero.
+     */
+    void
+    set_loads(const std::vector<dealii::Tensor<1, dim>> &loads = {});
+
+    /**
      * Iterations of all solves of the last add(), and of the one that needed
      * most.
      */

@@ -130,6 +130,18 @@ namespace greville
     }
 
     /**
+     * Collective. Between these calls solves leave no trace: those that follow
+     * have the bits that they would have without. One update() may come before
+     * the first of these solves, and the next update() has to be for the same
+     * points.
+     */
+    virtual void
+    begin_trial();
+
+    virtual void
+    end_trial();
+
+    /**
      * Forget the factorizations of earlier matrices: results then depend on the
      * points alone, to the bit and not only to the tolerance of the solver.
      */
@@ -194,6 +206,7 @@ namespace greville
     OrderHierarchy<dim> orders;
     // Bits of components, by local function: all that are held, and by walls.
     std::vector<unsigned char> held, wall_held;
+    std::vector<unsigned char> held_before_trial;
     VectorType                 lumped_mass;
     unsigned int               iterations = 0;
 

@@ -5,6 +5,7 @@
 
 #include <greville/base/tables.h>
 #include <greville/simulation/damping.h>
+#include <greville/simulation/end_of_step.h>
 #include <greville/simulation/statistics.h>
 #include <greville/simulation/step_errors.h>
 #include <greville/simulation/step_guard.h>
@@ -235,6 +236,18 @@ namespace greville
     points_memory() const;
 
   private:
+    friend class EndOfStep<dim>;
+
+    /**
+     * Collective. Give the state what it lacks for output, see EndOfStep.
+     * Returns whether end_output() has to take it back.
+     */
+    bool
+    begin_output();
+
+    void
+    end_output();
+
     /**
      * Make all that depends on the sections of a stage.
      */
@@ -320,6 +333,7 @@ namespace greville
     State<dim>                           current;
     Snapshot<dim>                        good;
     std::unique_ptr<TimeIntegrator<dim>> integrator;
+    UnfinishedState<dim>                 unfinished; // during output
 
     // The step at hand.
     double       proposed               = 0.; // s

@@ -22,6 +22,18 @@ namespace greville
 
 
   /**
+   * What points have that belongs to a time before State::time.
+   */
+  enum class Lag
+  {
+    nothing,
+    velocity,
+    all
+  };
+
+
+
+  /**
    * A scheme that takes a State from t to t + dt. It owns what it needs to try
    * a step; all that a step hands to the next one is in the state, so that a
    * copy of the state is enough to go back.
@@ -74,8 +86,19 @@ namespace greville
     {}
 
     /**
+     * What finish() changes at the points: of Lag::velocity, their velocity,
+     * affine matrix and load only.
+     */
+    virtual Lag
+    lag(const State<dim> &) const
+    {
+      return Lag::nothing;
+    }
+
+    /**
      * Collective. The state at the end of a stage, for one with another
-     * integrator: velocities belong to State::time. Throws StepFailed.
+     * integrator, and for output, which takes it back: velocities belong to
+     * State::time, and so do coefficients of the grid. Throws StepFailed.
      */
     virtual void
     finish(State<dim> &)
