@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/program.h>
+#include <greville/base/templates.h>
 #include <greville/particles/shape.h>
 #include <greville/simulation/grid_mass.h>
 #include <greville/simulation/run.h>
-#include <greville/simulation/templates.h>
 
 #include <boost/algorithm/string/join.hpp>
 
@@ -60,6 +59,7 @@ main(int argc, char **argv)
                         : SimulationParameters(file, settings).used();
   };
   program.reference = SimulationParameters::use_reference;
+  program.examples  = simulation_examples();
   program.lists     = {{"materials", "Material NAME/Model", {}},
                        {"shapes", "", shape_names},
                        {"placements", "Body NAME/Placement", {}},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/program.h>
+#include <greville/base/templates.h>
 #include <greville/benchmark/benchmark.h>
 
 int
@@ -21,7 +21,8 @@ main(int argc, char **argv)
   };
   program.all_parameters = [](const std::string              &file,
                               const std::vector<std::string> &settings) {
-    return Benchmark().read(file, settings);
+    return file.empty() ? Benchmark().defaults()
+                        : Benchmark().read(file, settings);
   };
   program.reference = [](const UseParameters &use) {
     Benchmark                benchmark;
@@ -29,13 +30,14 @@ main(int argc, char **argv)
     benchmark.declare(prm);
     use(prm);
   };
-  program.lists = {{"operators", "", operator_names},
-                   {"mass-solvers", "", MassSolver<2>::names},
-                   {"other-solvers", "", solvers_beside_mass},
-                   {"smoothers", "p-multigrid/Smoother", {}},
-                   {"cycles", "p-multigrid/Cycle", {}},
-                   {"coarsenings", "p-multigrid/Coarsening", {}},
-                   {"prolongations", "p-multigrid/Prolongation", {}},
-                   {"restrictions", "p-multigrid/Restriction", {}}};
+  program.examples = benchmark_examples();
+  program.lists    = {{"operators", "", operator_names},
+                      {"mass-solvers", "", MassSolver<2>::names},
+                      {"other-solvers", "", solvers_beside_mass},
+                      {"smoothers", "p-multigrid/Smoother", {}},
+                      {"cycles", "p-multigrid/Cycle", {}},
+                      {"coarsenings", "p-multigrid/Coarsening", {}},
+                      {"prolongations", "p-multigrid/Prolongation", {}},
+                      {"restrictions", "p-multigrid/Restriction", {}}};
   return run_program(program, argc, argv);
 }

@@ -461,7 +461,10 @@ namespace greville
         {
           if (is_first)
             program.reference([&](const ParameterHandler &prm) {
-              print_parameter_reference(out, program.name, prm);
+              print_parameter_reference(out,
+                                        program.name,
+                                        prm,
+                                        program.examples);
             });
         }
       else if (action == "list")

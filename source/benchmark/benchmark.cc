@@ -74,17 +74,23 @@ namespace greville
 
 
   std::string
+  Benchmark::defaults()
+  {
+    ParameterHandler prm;
+    declare(prm);
+    std::ostringstream text;
+    prm.print_parameters(text, ParameterHandler::PRM);
+    return text.str();
+  }
+
+
+
+  std::string
   Benchmark::read(const std::string              &file,
                   const std::vector<std::string> &settings)
   {
     ParameterHandler prm;
     declare(prm);
-    std::ostringstream used;
-    if (file.empty())
-      {
-        prm.print_parameters(used, ParameterHandler::PRM);
-        return used.str();
-      }
     parse_parameter_lines(prm,
                           read_parameter_lines(file,
                                                "Benchmark",
@@ -112,6 +118,7 @@ namespace greville
     prm.set("Published iterations", absolute);
     prm.set("Output directory", output_directory);
     prm.leave_subsection();
+    std::ostringstream used;
     prm.print_parameters(used, ParameterHandler::PRM);
     return used.str();
   }

@@ -266,6 +266,21 @@ namespace greville
 
 
 
+    using Vector = double __attribute__((vector_size(8 * simd_width)));
+
+    template <int shift, std::size_t... lanes>
+    inline __attribute__((always_inline)) Vector
+    shift_lanes(const Vector in, const std::index_sequence<lanes...>)
+    {
+      constexpr int  width  = simd_width;
+      constexpr auto source = [](const int lane) {
+        return lane >= shift && lane - shift < width ? lane - shift : width;
+      };
+      return __builtin_shufflevector(in, Vector{}, source(lanes)...);
+    }
+
+
+
     /**
      * The lanes of @p value moved up by @p shift (down where negative); zeros
      * follow.
@@ -274,18 +289,11 @@ namespace greville
     inline __attribute__((always_inline)) Simd
     shift_lanes(const Simd &value)
     {
-      constexpr int width = simd_width;
-      using Vector        = double __attribute__((vector_size(8 * width)));
-      using Mask          = long long __attribute__((vector_size(8 * width)));
-      Vector in, zero{};
-      Mask   mask{};
+      Vector in;
       value.copy_to(reinterpret_cast<double *>(&in),
                     std::experimental::vector_aligned);
-#pragma GCC unroll 8
-      for (int lane = 0; lane < width; ++lane)
-        mask[lane] =
-          (lane - shift >= 0 && lane - shift < width) ? lane - shift : width;
-      const Vector out = __builtin_shuffle(in, zero, mask);
+      const Vector out =
+        shift_lanes<shift>(in, std::make_index_sequence<simd_width>());
       return Simd(reinterpret_cast<const double *>(&out),
                   std::experimental::vector_aligned);
     }

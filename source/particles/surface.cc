@@ -22,9 +22,10 @@ namespace greville
     SurfaceState<dim> state;
     state.X        = p.reference();
     state.x        = p.position();
-    state.normal   = p.vector(layout.first("normal"));
     state.F        = p.matrix(PointLayout<dim>::F);
     state.velocity = p.velocity();
+    if (const PointField *normal = layout.find("normal"))
+      state.normal = p.vector(normal->first);
     return state;
   }
 

@@ -502,7 +502,8 @@ namespace greville
     add_parameter(prm, "Fields every", fields_every, Double(0.))(
       "Time between two .pvtu files; 0: initial and last state only. Unit: s.");
     add_parameter(prm, "Statistics every", statistics_every, Double(0.))(
-      "Time between two lines of statistics.csv; 0: each step. Unit: s.");
+      "Time between two lines of statistics.csv; 0: each step, which takes "
+      "explicit steps up to twice as long. Unit: s.");
     add_parameter(prm, "Grid fields", grid_fields)("Write the grid as well.");
     add_parameter(prm, "Surface points", surface_points)(
       "Write the points of loads on surfaces as well, if there are any: "

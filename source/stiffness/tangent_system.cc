@@ -35,8 +35,8 @@ namespace greville
       {
         transfers[l].reinit(orders[l]);
         sums[l].reinit(orders[l]);
-        levels.push_back(
-          std::make_unique<TangentLevel<dim>>(orders[l], held(orders[l])));
+        levels.push_back(std::make_unique<TangentLevel<dim>>(
+          orders[l], held ? held(orders[l]) : std::vector<unsigned char>()));
       }
   }
 
@@ -315,6 +315,21 @@ namespace greville
         levels[l]->finish_tangent(mass_factor);
     if (!is_reusable(mass_factor, with_levels))
       set_up(with_levels);
+  }
+
+
+
+  template <int dim>
+  typename PMultigrid<dim>::Levels
+  TangentSystem<dim>::make_levels(const double mass_factor)
+  {
+    typename PMultigrid<dim>::Levels result;
+    for (auto &level : levels)
+      {
+        level->finish_tangent(mass_factor);
+        result.push_back(level.get());
+      }
+    return result;
   }
 
 

@@ -124,7 +124,7 @@ main(int argc, char **argv)
           text.str().find("Degree") == std::string::npos &&
             text.str().find("set Order = 4") != std::string::npos &&
             text.str().find("set Kind  = two") != std::string::npos);
-    print_parameter_reference(reference, "program", all.prm);
+    print_parameter_reference(reference, "program", all.prm, "");
     check("the reference has other names in the row of the parameter",
           reference.str().find("| The order. Also called: Degree. |") !=
               std::string::npos &&

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Every shipped parameter file parses, and doc/parameters.md is what the
-// program says.
+// Every shipped parameter file and the examples of the reference parse, and
+// doc/parameters.md is what the program says, with an example in each section.
 
+#include <greville/base/templates.h>
 #include <greville/benchmark/benchmark.h>
 
+#include "../reference_page.h"
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <tests.h>
 
 int
 main(int argc, char **argv)
@@ -42,13 +41,11 @@ main(int argc, char **argv)
         }
     }
 
-  Benchmark          benchmark;
-  ParameterHandler   prm;
-  std::ostringstream generated;
+  Benchmark        benchmark;
+  ParameterHandler prm;
   benchmark.declare(prm);
-  print_parameter_reference(generated, "greville_benchmark", prm);
-  std::ifstream      page(root / "doc" / "parameters.md");
-  std::ostringstream content;
-  content << page.rdbuf();
-  check("doc/parameters.md is up to date", content.str() == generated.str());
+  check_reference("greville_benchmark",
+                  prm,
+                  benchmark_examples(),
+                  root / "doc" / "parameters.md");
 }

@@ -111,8 +111,12 @@ namespace
 
 
 
+  /**
+   * What a program with few parameters makes of a file and of an option --set.
+   */
   void
-  parse_parameters(const std::string &text)
+  parse_parameters(const std::string              &content,
+                   const std::vector<std::string> &settings)
   {
     ParameterHandler prm;
     double           number = 1.;
@@ -127,11 +131,12 @@ namespace
     prm.add_parameter("Word", word, "", Patterns::Selection("one|two"));
     prm.leave_subsection();
     prm.leave_subsection();
-    const std::string file = file_with(text, ".prm");
-    parse_parameter_file(
-      prm,
-      file,
-      read_parameter_lines(file, "Section", {"Other"}, "other program"));
+    parse_parameter_lines(prm,
+                          read_parameter_lines(file_with(content, ".prm"),
+                                               "Section",
+                                               {"Other"},
+                                               "other program",
+                                               settings));
   }
 
 
@@ -146,7 +151,10 @@ namespace
     {"shape_2d", &parse_shape<2>},
     {"shape_3d", &parse_shape<3>},
     {"checkpoint", &parse_checkpoint},
-    {"parameters", &parse_parameters}};
+    {"parameters", [](const std::string &t) { parse_parameters(t, {}); }},
+    {"settings", [](const std::string &t) {
+       parse_parameters("subsection Section\nend\n", {t});
+     }}};
 
   Parser parser = nullptr;
 } // namespace

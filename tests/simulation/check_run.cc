@@ -176,7 +176,7 @@ main(int argc, char **argv)
   short_run.settings[0] = "Time/Maximum steps=8";
   has("a run that goes on",
       check_of(good, short_run),
-      {"It would go on from <check_results/checkpoint_00000004.h5>, step 4",
+      {"It would go on from <check_results/checkpoint_0000000004.h5>, step 4",
        "number of steps: 4, as"});
   RunOptions other = short_run;
   other.settings.push_back("Grid/Cells=4, 4");
@@ -188,7 +188,7 @@ main(int argc, char **argv)
   from.settings = {"Output/Directory=elsewhere", "Grid/Cells=4, 4"};
   has("another run",
       check_of(good, from),
-      {"It would begin with <check_results/checkpoint_00000004.h5>",
+      {"It would begin with <check_results/checkpoint_0000000004.h5>",
        "grid: 4 x 4 cells"});
   check("nothing has been written or moved",
         !std::filesystem::exists("elsewhere") &&

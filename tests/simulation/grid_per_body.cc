@@ -560,8 +560,8 @@ namespace
             with_grid(good, "bix", {"Cells = 4, 4"}),
             "does not name <bix>");
     refused("an unknown parameter",
-            with_grid(good, "box", {"Degree = 4"}),
-            "Degree");
+            with_grid(good, "box", {"Cell size = 4"}),
+            "Cell size");
     const Text periodic =
       good.with("Walls", {"Left = periodic", "Right = periodic"});
     refused("between periodic walls",

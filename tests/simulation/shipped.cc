@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Every shipped parameter file, and those of the user guide, parses, its files
-// are there, its points can be made on a coarse grid, and
-// doc/simulation_parameters.md is what the program says.
+// Every shipped parameter file, those of the user guide and the examples of the
+// reference parse, their files are there, their points can be made on a coarse
+// grid, and doc/simulation_parameters.md is what the program says, with an
+// example in each section.
+#include <greville/base/templates.h>
+#include <greville/simulation/ensemble.h>
+
+#include "../reference_page.h"
 #include "simulation.h"
 
 int
@@ -12,7 +17,8 @@ main(int argc, char **argv)
   const std::filesystem::path      root =
     std::filesystem::path(SOURCE_DIR).parent_path().parent_path();
   std::vector<std::filesystem::path> files;
-  for (const char *folder : {"prm/simulation", "doc/user/examples"})
+  for (const char *folder :
+       {"prm/simulation", "prm/simulation/sections", "doc/user/examples"})
     for (const auto &entry : std::filesystem::directory_iterator(root / folder))
       if (entry.path().extension() == ".prm")
         files.push_back(entry.path());
@@ -25,14 +31,14 @@ main(int argc, char **argv)
           {
             const MeasuredData<2>  measured(parameters.reference);
             const ExactSolution<2> exact(parameters.exact);
-            Simulation<2>          simulation(parameters);
+            Ensemble<2>            simulation(parameters);
             if (simulation.bodies()[0].n_points < 20000)
               simulation.step();
           }
         else
           {
             const ExactSolution<3> exact(parameters.exact);
-            Simulation<3>          simulation(parameters);
+            Ensemble<3>            simulation(parameters);
             if (simulation.bodies()[0].n_points < 20000)
               simulation.step();
           }
@@ -44,13 +50,10 @@ main(int argc, char **argv)
                 << std::endl;
       }
 
-  std::ostringstream generated;
   SimulationParameters::use_reference([&](const ParameterHandler &prm) {
-    print_parameter_reference(generated, "greville", prm);
+    check_reference("greville",
+                    prm,
+                    simulation_examples(),
+                    root / "doc" / "simulation_parameters.md");
   });
-  std::ifstream      page(root / "doc" / "simulation_parameters.md");
-  std::ostringstream content;
-  content << page.rdbuf();
-  check("doc/simulation_parameters.md is up to date",
-        content.str() == generated.str());
 }

@@ -159,12 +159,14 @@ namespace greville
 
   /**
    * Write all parameters of @p prm as a page of Markdown: a table per section
-   * with defaults, allowed values and meanings.
+   * with defaults, allowed values and meanings, and above it the first section
+   * of the parameter files @p examples that is one like it.
    */
   void
   print_parameter_reference(std::ostream                   &out,
                             const std::string              &program,
-                            const dealii::ParameterHandler &prm);
+                            const dealii::ParameterHandler &prm,
+                            const std::string              &examples);
 
   /**
    * A function of x, y (and z) from its expression; a constant where the

@@ -86,8 +86,10 @@ namespace greville
       all_parameters;
     /// Call a function with the reference of all parameters.
     std::function<void(const UseParameters &use)> reference;
-    std::vector<ProgramList>                      lists;
-    std::vector<ProgramTemplate>                  templates;
+    /// The text of parameter files, of which the reference shows sections.
+    std::string                  examples;
+    std::vector<ProgramList>     lists;
+    std::vector<ProgramTemplate> templates;
   };
 
   /**

@@ -82,9 +82,14 @@ namespace greville
     run(const std::string &file, const std::vector<std::string> &settings = {});
 
     /**
+     * The text of a file with all parameters, their defaults and meanings.
+     */
+    std::string
+    defaults();
+
+    /**
      * Read and check a file as run() does, and return the text of a file with
-     * all parameters, their values and meanings. The defaults for an empty
-     * name.
+     * all parameters, their values and meanings.
      */
     std::string
     read(const std::string              &file,

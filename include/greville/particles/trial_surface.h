@@ -31,7 +31,9 @@ namespace greville
 
 
   /**
-   * A surface and the force per initial area on its points.
+   * A surface and the force per initial area on its points. The points of a
+   * body serve as well: they have no normal, and a mass in place of the area,
+   * so that the load is a force per mass.
    */
   template <int dim>
   struct LoadedSurface

@@ -50,6 +50,7 @@ namespace greville
   public:
     /**
      * Bits of the components of the local functions of a space that are held.
+     * An empty function of this type holds nothing.
      */
     using HeldFunctions =
       std::function<std::vector<unsigned char>(const SplineSpace<dim> &space)>;
@@ -138,6 +139,15 @@ namespace greville
      */
     void
     set_operator(const double mass_factor, const bool is_symmetric);
+
+    /**
+     * Collective. Make the operators of all levels, from the coarsest to the
+     * finest, with a mass factor (1/s^2) from the stiffness of the last
+     * evaluate(): for a preconditioner of one's own in place of set_operator()
+     * and solve().
+     */
+    typename PMultigrid<dim>::Levels
+    make_levels(const double mass_factor);
 
     /**
      * Let the next operator have a set-up of its own.
