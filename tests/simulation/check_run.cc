@@ -154,6 +154,7 @@ main(int argc, char **argv)
   // Runs with settings, and checks of what goes on with them.
   if (is_first())
     std::ofstream("run.prm") << good.content;
+  MPI_Barrier(MPI_COMM_WORLD);
   RunOptions short_run;
   short_run.settings = {"Time/Maximum steps=4", "Grid/Degree=1"};
   const auto run     = [&](const RunOptions &options) {
