@@ -11,16 +11,20 @@
 namespace greville
 {
   /**
-   * The point set of a mass matrix M_ij = sum_q w_q N_i(x_q) N_j(x_q): the
-   * tensor-product Gauss points of each cell with weights in units of mass.
+   * The point set of a mass matrix
+   * @f[ M_{ij} = \sum_q w_q N_i(x_q) N_j(x_q): @f]
+   * the tensor-product Gauss points of each cell with weights in units of mass.
    * Points and basis values are the same in every cell, so only the weights are
-   * kept. They come from a density, w_q = rho(x_q) |J| w_q^Gauss, or from
-   * material points of mass m_p,
-   *   w_q = sum_p m_p L_q(x_p)
-   * with the Lagrange polynomials L_q of the Gauss points. Products N_i N_j of
-   * order p have the degree 2 p in each direction, so that with 2 p + 1 Gauss
-   * points per direction these weights give *exactly* the matrix of the
-   * material points. Such weights can be negative.
+   * kept. They come from a density, or from material points of mass
+   * @f$ m_p @f$,
+   * @f[
+   *   w_q = \rho(x_q) \, |J| \, w_q^\text{Gauss} \qquad \text{or} \qquad
+   *   w_q = \sum_p m_p L_q(x_p),
+   * @f]
+   * with the Lagrange polynomials @f$ L_q @f$ of the Gauss points. Products
+   * @f$ N_i N_j @f$ of order p have the degree 2 p in each direction, so that
+   * with 2 p + 1 Gauss points per direction these weights give *exactly* the
+   * matrix of the material points. Such weights can be negative.
    */
   template <int dim>
   class DensityWeights

@@ -16,13 +16,13 @@ namespace greville
    *              M_{ij} (e_i - e_j)(e_i - e_j)^T,
    * @f]
    * with the mass matrix M of its points and the Extension E. In the following
-   * M~ is the second matrix. Lumped functions, those of fragments, are not
-   * coupled with others in M~, which has the row sums of M: mass and momentum
-   * are kept.
+   * M~ is @f$ \tilde M @f$. It does not couple lumped functions, those of
+   * fragments, with others, but has the row sums of M: mass and momentum are
+   * kept.
    *
-   * M~ lives on the places of a StencilMatrix and is applied as such, with E
-   * before and E^T behind, so that a step assembles no more than M. The entries
-   * of A are made where a factorization needs them.
+   * M~ is stored on the places of a StencilMatrix and applied as such, with E
+   * before and @f$ E^T @f$ behind it, so that a step assembles M only. The
+   * entries of A are computed where a factorization needs them.
    */
   template <int dim>
   class ExtendedMass : public ExtendedUnknowns<dim>

@@ -35,13 +35,12 @@ namespace greville
 
 
   /**
-   * Make of x = M_L^-1 b, with the lumped mass M_L, the series FMPM(K) of
-   * K = @p n_terms terms,
+   * Make of @f$ x = M_L^{-1} b @f$, with the lumped mass @f$ M_L @f$, the
+   * series FMPM(K) of K = @p n_terms terms,
    * @f[ x = \sum_{j<K} (1 - M_L^{-1} M)^j M_L^{-1} b, @f]
-   * by K - 1 steps x += M_L^-1 (b - M x) (J. Nairn and C. Hammerquist, Material
-   * point method simulations using an approximate full mass matrix inverse,
-   * 2021). Coefficients whose entry of @p inverse_lumped is zero stay as they
-   * are. @p matrix has a vmult().
+   * by K - 1 steps @f$ x \leftarrow x + M_L^{-1} (b - M x) @f$
+   * (@ref Nairn2021 "Nairn and Hammerquist, 2021"). Coefficients whose entry of
+   * @p inverse_lumped is zero stay as they are. @p matrix has a vmult().
    *
    * Returns M times the sum of the first K - 1 terms, empty for K = 1. With it,
    * the sum of the entries of M_L x is that of b where these coefficients are

@@ -10,11 +10,15 @@
 namespace greville
 {
   /**
-   * The cross matrix P_ij = sum_q w_q N_i^rows(x_q) N_j^columns(x_q) of two
-   * orders on one mesh, applied without being stored: cell by cell, by sum
-   * factorization (the coefficients of a cell are interpolated to the points
-   * direction by direction, weighted, and integrated). Per cell it reads the
-   * weights and costs 2 dim (p + 1)^(dim + 1) multiplications or fewer.
+   * The cross matrix
+   * @f[
+   *   P_{ij} = \sum_q w_q N_i^\text{rows}(x_q) N_j^\text{columns}(x_q)
+   * @f]
+   * of two orders on one mesh, applied without being stored: cell by cell, by
+   * sum factorization (the coefficients of a cell are interpolated to the
+   * points direction by direction, weighted, and integrated). Per cell it reads
+   * the weights and costs @f$ 2 \, \text{dim} \, (p + 1)^{\text{dim} + 1} @f$
+   * multiplications or fewer.
    */
   template <int dim>
   class CrossMassOperator
@@ -30,7 +34,7 @@ namespace greville
                       const DensityWeights<dim> &weights);
 
     /**
-     * dst = P src. Vectors are made by SplineSpace::initialize_vector().
+     * @p dst = P @p src. Vectors are made by SplineSpace::initialize_vector().
      */
     void
     vmult(VectorType &dst, const VectorType &src) const
@@ -39,7 +43,7 @@ namespace greville
     }
 
     /**
-     * dst = P^T src.
+     * @p dst = @f$ P^T @f$ @p src.
      */
     void
     Tvmult(VectorType &dst, const VectorType &src) const
@@ -48,7 +52,8 @@ namespace greville
     }
 
     /**
-     * dst_i = sum_q w_q N_i^rows(x_q): by the partition of unity, the row sums.
+     * @f$ \sum_q w_q N_i^\text{rows}(x_q) @f$: by the partition of unity, the
+     * row sums.
      */
     void
     row_sums(VectorType &dst) const
@@ -57,20 +62,22 @@ namespace greville
     }
 
     /**
-     * dst_i = sum_q w_q N_i^rows(x_q)^2: the diagonal, for equal spaces.
+     * @f$ \sum_q w_q N_i^\text{rows}(x_q)^2 @f$: the diagonal, for equal
+     * spaces.
      */
     void
     diagonal(VectorType &dst) const;
 
     /**
-     * dst_i = sum_q w_q f(x_q) N_i^rows(x_q) for a function @p f.
+     * @f$ \sum_q w_q f(x_q) N_i^\text{rows}(x_q) @f$ for a function @p f.
      */
     void
     integrate(VectorType &dst, const dealii::Function<dim> &f) const;
 
     /**
-     * The square roots of sum_q w_q (u(x_q) - f(x_q))^2 and sum_q w_q f(x_q)^2
-     * for the spline u of the rows' space with @p coefficients.
+     * The square roots of @f$ \sum_q w_q (u(x_q) - f(x_q))^2 @f$ and
+     * @f$ \sum_q w_q f(x_q)^2 @f$ for the spline u of the rows' space with
+     * @p coefficients.
      */
     std::pair<double, double>
     difference(const VectorType            &coefficients,
@@ -92,8 +99,9 @@ namespace greville
 
 
   /**
-   * The consistent mass matrix M_ij = sum_q w_q N_i(x_q) N_j(x_q), matrix-free
-   * (see CrossMassOperator). Coefficients whose functions meet no mass are
+   * The consistent mass matrix
+   * @f$ M_{ij} = \sum_q w_q N_i(x_q) N_j(x_q) @f$, matrix-free (see
+   * CrossMassOperator). Coefficients whose functions meet no mass are
    * *inactive*: their row and column would be zero; M has the largest diagonal
    * entry there, so that a right-hand side of zero gives zero.
    */

@@ -11,11 +11,11 @@
 namespace greville
 {
   /**
-   * The part of a symmetric matrix M_ij that the cells of this process
-   * contribute, for functions with |i_d - j_d| <= p in each direction d: the
-   * mass matrix is the sum of those of all processes. A row is a stencil of
-   * (2 p + 1)^dim entries, of which the half with j >= i in lexicographic order
-   * is stored, without column numbers.
+   * The part of a symmetric matrix @f$ M_{ij} @f$ that the cells of this
+   * process contribute, for functions with @f$ |i_d - j_d| \le p @f$ in each
+   * direction: the mass matrix is the sum over all processes. Of a row, which
+   * is a stencil of @f$ (2 p + 1)^\text{dim} @f$ entries, the half with j >= i
+   * in lexicographic order is stored, without column numbers.
    *
    * Functions have *places*: those of a line in x follow each other, and there
    * is room around them, so that neighbours are found by arithmetic without
@@ -23,10 +23,10 @@ namespace greville
    * i * width + c. Rows, and entries of vectors, that are never written to cost
    * no memory.
    *
-   * Where a direction of n functions is periodic, those with i_d < p have a
-   * second place, an *image*, at n + i_d, which cells at the upper end see. So
-   * the arithmetic stays; the matrix is P^T B P with what is stored, B, where P
-   * gives images the value of their function (see ExtendedUnknowns).
+   * Where a direction of n functions is periodic, those with @f$ i_d < p @f$
+   * have a second place, an *image*, at @f$ n + i_d @f$, for cells at the upper
+   * end. The matrix is @f$ P^T B P @f$ with the stored one B, where P gives
+   * images the value of their function (see ExtendedUnknowns).
    */
   template <int dim>
   class StencilMatrix
@@ -105,8 +105,8 @@ namespace greville
      * Add the mass matrix of an owned cell. With the pairs (a, b), a <= b, of
      * its functions in one direction, numbered (0, 0), (0, 1), ..., (1, 1),
      * ...,
-     * @p sums has sum_p m_p N_a(x_p) N_b(x_p) for all combinations of pairs of
-     * the directions, x fastest, with @p stride numbers for the pairs in x.
+     * @p sums has @f$ \sum_p m_p N_a(x_p) N_b(x_p) @f$ for all combinations of
+     * pairs of the directions, x fastest, with @p stride numbers for x.
      */
     void
     add_cell(const unsigned int cell,

@@ -18,8 +18,8 @@ namespace greville
    * multilinear interpolation, which has all rigid body modes, and Galerkin
    * products. An unknown of a level exists where an unknown of the next finer
    * one asks for it, so that bodies may end anywhere in the lattice. Stencils
-   * keep their size on all levels: together these have about 1 / (2^dim - 1) of
-   * the entries of the matrix.
+   * keep their size on all levels: together these have about
+   * @f$ 1 / (2^\text{dim} - 1) @f$ of the entries of the matrix.
    *
    * Unknowns are numbered and interpolated component by component: what walls
    * hold, or a body does not reach, has no coarse unknown.

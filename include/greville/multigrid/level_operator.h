@@ -94,9 +94,9 @@ namespace greville
     }
 
     /**
-     * x <- E x, all coefficients of a spline, one @p component, from the active
-     * ones: zero where functions are inactive, unless they depend on others.
-     * Collective.
+     * @f$ x \leftarrow E x @f$, all coefficients of a spline, one @p component,
+     * from the active ones: zero where functions are inactive, unless they
+     * depend on others. Collective.
      */
     virtual void
     distribute(VectorType &x, const unsigned int /*component*/ = 0) const
@@ -106,7 +106,8 @@ namespace greville
     }
 
     /**
-     * x <- E^T x, zero where functions are inactive. Collective.
+     * @f$ x \leftarrow E^T x @f$, zero where functions are inactive.
+     * Collective.
      */
     virtual void
     condense(VectorType &x, const unsigned int /*component*/ = 0) const
@@ -128,8 +129,8 @@ namespace greville
     }
 
     /**
-     * x <- an approximation of M^-1 x with the mass matrix M of the points of
-     * the transfer, symmetric, all components. Collective.
+     * Replace x by an approximation of @f$ M^{-1} x @f$ with the mass matrix M
+     * of the points of the transfer, symmetric, all components. Collective.
      */
     virtual void
     apply_inverse_mass(VectorType & /*x*/) const

@@ -86,12 +86,13 @@ namespace greville
 
   /**
    * The solvers of M x = b by name:
-   * - "p-multigrid": x += cycle(b - M x), see PMultigrid,
+   * - "p-multigrid": @f$ x \leftarrow x + \text{cycle}(b - M x) @f$, see
+   *   PMultigrid,
    * - "cg-p-multigrid", "fgmres-p-multigrid": conjugate gradients and FGMRES,
    *   preconditioned by a cycle,
    * - "cg", "cg-jacobi", "cg-tensor-product": conjugate gradients,
    * - "tensor-product": TensorProductPreconditioner, once,
-   * - "lumped": x = M_L^-1 b with the row sums M_L of M,
+   * - "lumped": @f$ x = M_L^{-1} b @f$ with the row sums @f$ M_L @f$ of M,
    * - "fmpm-K": K terms of FMPM's series, see add_fmpm_terms(); fmpm-1 is
    *   lumped.
    *

@@ -16,25 +16,33 @@ namespace greville
   /**
    * Transfer between consecutive orders k > l on one mesh, in the form of
    * deal.II's transfer classes (level 0 is the coarsest). With the cross matrix
-   * P_ij = int w phi_i^k phi_j^l, applied matrix-free:
-   * - prolongation "lumped-l2": D_k^-1 P, with the row sums D_k = diag(P 1)
-   *   (R. Tielen, M. Moeller, C. Vuik, 2019);
-   *   "exact-l2": M_k^-1 P with the tensor-product inverse, exact for a
-   *   constant weight (see TensorProductPreconditioner for others).
-   *   "ic0-l2": M_k^-1 E_k^T P with IC(0) in place of the inverse
+   * @f[ P_{ij} = \int w \, N_i^k N_j^l \, dx, @f]
+   * applied matrix-free, the prolongation is
+   * - "lumped-l2": @f$ D_k^{-1} P @f$, with the row sums
+   *   @f$ D_k = \text{diag}(P 1) @f$
+   *   (@ref Tielen2019 "Tielen, Moeller and Vuik, 2019"),
+   * - "exact-l2": @f$ M_k^{-1} P @f$ with the tensor-product inverse, exact for
+   *   a constant weight (see TensorProductPreconditioner for others),
+   * - "ic0-l2": @f$ M_k^{-1} E_k^T P @f$ with IC(0) in place of the inverse
    *   (LevelOperator::apply_inverse_mass()).
-   * - restriction "lumped-l2": D_l^-1 P^T with D_l = diag(P^T 1), the paper's;
-   *   "exact-l2": M_l^-1 P^T; "transpose": the transpose of the prolongation,
-   *   which makes a cycle with a symmetric smoother symmetric.
+   *
+   * The restriction is
+   * - "lumped-l2": @f$ D_l^{-1} P^T @f$ with
+   *   @f$ D_l = \text{diag}(P^T 1) @f$, that of the paper,
+   * - "exact-l2": @f$ M_l^{-1} P^T @f$,
+   * - "transpose": the transpose of the prolongation, which makes a cycle with
+   *   a symmetric smoother symmetric.
+   *
    * The weight w is the density of LevelOperator::transfer_weights()
    * ("density") or 1 ("unit"). Inactive coefficients neither give nor take.
    * Operators of several components have the same transfer for each.
    *
-   * With extended B-splines, P acts on all coefficients of a spline, E_l e with
-   * the matrix E_l of LevelOperator::distribute(), and what it gives to
-   * coefficients that are not extended is taken: prolongation D_k^-1 P E_l, the
-   * transpose E_l^T P^T D_k^-1, restriction D_l^-1 P^T E_k. So constants stay
-   * constants.
+   * With extended B-splines, P acts on all coefficients of a spline, which the
+   * matrix @f$ E_l @f$ of LevelOperator::distribute() computes, and of its
+   * result the coefficients that are not extended are taken. The prolongation
+   * is then @f$ D_k^{-1} P E_l @f$, its transpose
+   * @f$ E_l^T P^T D_k^{-1} @f$, and the restriction
+   * @f$ D_l^{-1} P^T E_k @f$. So constants stay constants.
    */
   template <int dim>
   class OrderTransfer : public dealii::MGTransferBase<VectorType>

@@ -30,8 +30,8 @@ namespace greville
 
 
   /**
-   * p-multigrid (R. Tielen, M. Moeller, C. Vuik, Efficient multigrid based
-   * solvers for B-spline MPM, 2019) for A x = b on a hierarchy of orders. On
+   * p-multigrid (@ref Tielen2019 "Tielen, Moeller and Vuik, 2019";
+   * @ref Tielen2020 "2020") for A x = b on a hierarchy of orders. On
    * level l, with smoother S, prolongation P and restriction R,
    * @f{align*}{
    *   x &\leftarrow x + S (b - A x) && \nu_1 \text{ times}, \\
@@ -41,11 +41,11 @@ namespace greville
    *   x &\leftarrow x + S (b - A x) && \nu_2 \text{ times},
    * @f}
    * and conjugate gradients on level 0. With restriction = "transpose" the
-   * steps after the coarse correction use S^T, so that V- and W-cycles are
-   * symmetric (up to the tolerance of the coarse solver).
+   * steps after the coarse correction use @f$ S^T @f$, so that V- and W-cycles
+   * are symmetric (up to the tolerance of the coarse solver).
    *
-   * With coarsening = "none" there is no coarse level: a cycle is nu1 + nu2
-   * smoothing steps.
+   * With coarsening = "none" there is no coarse level: a cycle consists of
+   * @f$ \nu_1 + \nu_2 @f$ smoothing steps.
    *
    * The cycle is not dealii::Multigrid's, whose W-cycle runs as a V-cycle up to
    * version 9.7.

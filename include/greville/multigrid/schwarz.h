@@ -50,12 +50,14 @@ namespace greville
   /**
    * Additive Schwarz with one domain per process, the unknowns that it owns and
    * some layers of overlap in the graph of the matrix, and an approximate local
-   * solver. With the prolongation R_s^T of domain s, its matrix
-   * A_s = R_s A R_s^T and the partitions of unity sum_s R_s^T W_s R_s = 1:
-   * - restricted: sum_s R_s^T E_s A_s^-1 R_s, with E_s = 1 for the entries that
-   *   s owns (X.-C. Cai and M. Sarkis, 1999). Not symmetric.
-   * - symmetric: sum_s R_s^T W_s^(1/2) A_s^-1 W_s^(1/2) R_s, with W_s one over
-   *   the number of domains that hold an entry.
+   * solver. With the prolongation @f$ R_s^T @f$ of domain s, its matrix
+   * @f$ A_s = R_s A R_s^T @f$ and partitions of unity
+   * @f$ \sum_s R_s^T W_s R_s = 1 @f$:
+   * - restricted: @f$ \sum_s R_s^T E_s A_s^{-1} R_s @f$, with @f$ E_s = 1 @f$
+   *   for the entries that s owns (@ref Cai1999 "Cai and Sarkis, 1999"). Not
+   *   symmetric.
+   * - symmetric: @f$ \sum_s R_s^T W_s^{1/2} A_s^{-1} W_s^{1/2} R_s @f$, with
+   *   @f$ W_s @f$ one over the number of domains that hold an entry.
    */
   template <int dim>
   class AdditiveSchwarz : public Preconditioner
@@ -86,13 +88,13 @@ namespace greville
 
   private:
     /**
-     * local = R_s src, weighted for the symmetric combination.
+     * local = @f$ R_s @f$ @p src, weighted for the symmetric combination.
      */
     void
     restrict_to_domain(const VectorType &src, const bool transpose) const;
 
     /**
-     * dst = sum_s R_s^T local, weighted or restricted.
+     * @p dst = @f$ \sum_s R_s^T @f$ local, weighted or restricted.
      */
     void
     prolongate(VectorType &dst, const bool transpose) const;

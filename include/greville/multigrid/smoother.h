@@ -58,13 +58,15 @@ namespace greville
    * - "ilut": ILUT on overlapping domains, one per process,
    * - "ilu0", "ic0": ILU(0) and IC(0) of the diagonally scaled matrix,
    * likewise,
-   * - "jacobi": omega D^-1, omega = damping / lambda_max(D^-1 A),
+   * - "jacobi": @f$ \omega D^{-1} @f$ with @f$ \omega @f$ = damping /
+   *   @f$ \lambda_\text{max}(D^{-1} A) @f$,
    * - "gauss-seidel": forward before and backward after the coarse correction
    *   of a symmetric cycle, "symmetric-gauss-seidel": forward and backward;
    *   both process by process (PETSc's SOR),
-   * - "chebyshev": deal.II's polynomial smoother on D^-1 A,
-   * - "chebyshev-ic0": the same on B^-1 A with one IC(0) factorization B for
-   * all components (LevelOperator::factorization(), or "ic0"),
+   * - "chebyshev": deal.II's polynomial smoother on @f$ D^{-1} A @f$,
+   * - "chebyshev-ic0": the same on @f$ B^{-1} A @f$ with one IC(0)
+   * factorization B for all components (LevelOperator::factorization(), or
+   * "ic0"),
    * - "chebyshev-component-ic0": with one for each of them,
    * - "tensor-product": TensorProductPreconditioner,
    * - "petsc": the PETSc preconditioner that the options describe.

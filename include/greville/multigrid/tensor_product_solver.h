@@ -11,10 +11,11 @@
 namespace greville
 {
   /**
-   * The inverse of M_1 x ... x M_1, the Kronecker product of the mass matrices
-   * of the directions (density 1), by banded Cholesky factorizations
-   * M_1 = L L^T of these: O(p) operations per coefficient and direction, and no
-   * setup worth speaking of. It marks what can be reached at best.
+   * The inverse of @f$ M_1 \otimes \dots \otimes M_1 @f$, the Kronecker product
+   * of the mass matrices of the directions (density 1), by banded Cholesky
+   * factorizations @f$ M_1 = L L^T @f$ of these: O(p) operations per
+   * coefficient and direction, and a negligible set-up. It is a bound for what
+   * other solvers can reach.
    *
    * On several processes the coefficients move to pencils (complete lines in x,
    * then in y, then in z) and back: dim + 1 redistributions for each solve.
@@ -41,7 +42,8 @@ namespace greville
     }
 
     /**
-     * The diagonal of M_1 x ... x M_1 at the owned function number @p i.
+     * The diagonal of @f$ M_1 \otimes \dots \otimes M_1 @f$ at the owned
+     * function number @p i.
      */
     double
     diagonal(const unsigned int i) const
@@ -103,11 +105,15 @@ namespace greville
 
 
   /**
-   * S = D^(1/2) (M_1 x ... x M_1)^-1 D^(1/2) with the diagonal matrix
-   * D = diag(M_1 x ... x M_1) / diag(M): exact for constant density, and
-   * spectrally close to M^-1 where the density varies slowly from cell to cell
-   * (compare L. Gao and V. Calo, Fast isogeometric solvers for explicit
-   * dynamics, 2014). Inactive coefficients are divided by their diagonal entry.
+   * The approximation of @f$ M^{-1} @f$
+   * @f[
+   *   S = D^{1/2} (M_1 \otimes \dots \otimes M_1)^{-1} D^{1/2}, \qquad
+   *   D = \frac{\text{diag}(M_1 \otimes \dots \otimes M_1)}{\text{diag}(M)},
+   * @f]
+   * which is exact for constant density, and spectrally close to
+   * @f$ M^{-1} @f$ where the density varies slowly from cell to cell (compare
+   * @ref Gao2014 "Gao and Calo, 2014"). Inactive coefficients are divided by
+   * their diagonal entry.
    */
   template <int dim>
   class TensorProductPreconditioner : public Preconditioner

@@ -13,22 +13,21 @@ namespace greville
    * The polynomials of a spline on certain well-filled cells, the *hosts*, are
    * extended to the other cells of the body. Hosts are the cells inside the
    * body: all neighbours (in 3D those by a face) are well-filled, too, and none
-   * is beyond a wall. A cell takes a host that at most `reach` steps from
-   * neighbour to neighbour (by a face, an edge or a vertex), all of them over
-   * cells with points, lead to; so a host does not lie across a gap. Of hosts
-   * that its neighbours have, a cell takes the nearest, and the first in
-   * lexicographic order, as seen from the cell, among equally near ones. Cells
-   * without a host are *fragments*: spray, and what is less than three cells
-   * thick.
+   * is beyond a wall. The host of a cell is reached by at most `reach` moves
+   * between neighbouring cells (by a face, an edge or a vertex) that all hold
+   * points, so that a host never lies across a gap. Of the hosts of its
+   * neighbours a cell takes the nearest, and among equally near ones the first
+   * in lexicographic order, as seen from the cell. Cells without a host are
+   * *fragments*: spray, and parts less than three cells thick.
    *
-   * That surface cells do not host keeps the functions that see a body by a
-   * corner out of its space, and joins the polynomials of the two outermost
-   * layers of cells, as the not-a-knot condition of spline interpolation does.
-   * The order of approximation stays; the highest frequencies, which are
-   * outliers of surface and walls, go (doc/results/mass_of_points.md). In
-   * directions of one or two cells walls are not looked at, and nor are
-   * *contact walls*, where functions come and go in a step: those that do not
-   * vanish there have to be unknowns, as far as possible.
+   * Because surface cells are no hosts, functions that touch a body by a corner
+   * only are not in its space, and the polynomials of the two outermost layers
+   * of cells are joined, as by the not-a-knot condition of spline
+   * interpolation. The order of approximation remains the same; the highest
+   * frequencies, outliers of surface and walls, vanish
+   * (doc/results/mass_of_points.md). Walls are ignored in directions of one or
+   * two cells, and at *contact walls*. Contact can begin and end within a step,
+   * so functions that do not vanish there have to be unknowns, if possible.
    *
    * The classes depend on the mesh only, not on the order of the splines.
    */

@@ -8,22 +8,21 @@
 namespace greville
 {
   /**
-   * Extended B-splines (K. Hoellig, U. Reif, J. Wipper, Weighted extended
-   * B-spline approximation of Dirichlet problems, 2001) for a body that fills
-   * only a part of its grid. A function of a space is
+   * Extended B-splines (@ref Hollig2001 "Hoellig, Reif and Wipper, 2001") for a
+   * body that fills only a part of its grid. A function of a space is
    * - *inactive*: its cells are empty,
    * - *stable*: at least one of its cells is a host (see CellFilling),
    * - *extended*: none is, but a cell has a host. Its coefficient is that of
-   *   the polynomial which the spline is on the host: the blossom of this
+   *   the polynomial which the spline is on the host: the blossom b of this
    *   polynomial at the inner knots of the function i (de Boor and Fix),
-   *     c_i = b_host(t_(i+1), ..., t_(i+p)) = sum_j E_ij c_j,
-   *   direction by direction, with the (p + 1)^dim functions j of the host,
-   *   which are all stable. So polynomials of order p are extended exactly,
-   *   at the walls of the grid, too. Of several hosts of its cells a mean is
-   *   taken, as a function over a hole in the body belongs to all of its sides,
-   *   with weights d^-12 of the distance d of host and function in 2D, and of
-   *   the nearest ones in 3D (what that is good for:
-   * doc/results/mass_of_points.md),
+   *   @f[ c_i = b(t_{i+1}, \dots, t_{i+p}) = \sum_j E_{ij} c_j, @f]
+   *   direction by direction, with the @f$ (p + 1)^\text{dim} @f$ functions j
+   *   of the host, which are all stable. Polynomials of order p are therefore
+   *   extended exactly, at the walls of the grid, too. If its cells have
+   *   several hosts, their extensions are averaged, because a function over a
+   *   hole in the body belongs to all of its sides: with the weights
+   *   @f$ d^{-12} @f$ of the distance d of host and function in 2D, and over
+   *   the nearest hosts in 3D (doc/results/mass_of_points.md has the effect),
    * - *lumped*: it sees fragments only. Such functions stay, but not their
    *   products with others: see ExtendedMass.
    *
@@ -86,9 +85,9 @@ namespace greville
     }
 
     /**
-     * E_ij of an extended function i: lexicographic positions of the functions
-     * j, ascending, and the weights; (p + 1)^dim each at most where the
-     * function has one host.
+     * The row @f$ E_{ij} @f$ of an extended function i: lexicographic positions
+     * of the functions j, ascending, and the weights;
+     * @f$ (p + 1)^\text{dim} @f$ each at most where the function has one host.
      */
     void
     row(const unsigned int          function,

@@ -12,13 +12,16 @@ namespace greville
 {
   /**
    * Univariate B-splines of order p (polynomial degree p) on an open knot
-   * vector t_0 <= ... <= t_(n+p), whose first and last knots are repeated
-   * p + 1 times. The n basis functions follow from the recursion of Cox and
-   * de Boor,
-   *   N_(i,0)(x) = 1 for t_i <= x < t_(i+1), 0 otherwise,
-   *   N_(i,p)(x) = (x - t_i) / (t_(i+p) - t_i) N_(i,p-1)(x)
-   *              + (t_(i+p+1) - x) / (t_(i+p+1) - t_(i+1)) N_(i+1,p-1)(x)
-   * (L. Piegl and W. Tiller, The NURBS Book, chapter 2). An *element* is a
+   * vector @f$ t_0 \le \dots \le t_{n+p} @f$, whose first and last knots are
+   * repeated p + 1 times. The n basis functions follow from the recursion of
+   * Cox and de Boor,
+   * @f{align*}{
+   *   N_{i,0}(x) &= 1 \text{ for } t_i \le x < t_{i+1}, \quad
+   *                 0 \text{ otherwise}, \\
+   *   N_{i,p}(x) &= \frac{x - t_i}{t_{i+p} - t_i} N_{i,p-1}(x)
+   *               + \frac{t_{i+p+1} - x}{t_{i+p+1} - t_{i+1}} N_{i+1,p-1}(x)
+   * @f}
+   * (@ref Piegl1997 "Piegl and Tiller, 1997", chapter 2). An *element* is a
    * knot span of positive length; p + 1 functions live on each.
    *
    * Lengths carry the unit of the knots.
@@ -97,8 +100,8 @@ namespace greville
     }
 
     /**
-     * The element that contains x; the last one for x = t_(n+p). Points outside
-     * are counted to the nearest element.
+     * The element that contains x; the last one for @f$ x = t_{n+p} @f$. Points
+     * outside are counted to the nearest element.
      */
     unsigned int
     find_element(const double x) const;
@@ -139,10 +142,11 @@ namespace greville
     /**
      * Weights of the blossom (polar form) of the polynomial that a spline with
      * coefficients c is on @p element:
-     *   b(u_1, ..., u_p) = sum_a weights[a] c_(first_function(element) + a).
-     * By the dual functionals of de Boor and Fix, b at the inner knots
-     * t_(i+1), ..., t_(i+p) is the coefficient c_i, for any function i.
-     * @p arguments has p entries, @p weights p + 1.
+     * @f[ b(u_1, \dots, u_p) = \sum_{a=0}^p w_a \, c_{f + a} @f]
+     * with the first_function() f of the element. By the dual functionals of
+     * de Boor and Fix, b at the inner knots @f$ t_{i+1}, \dots, t_{i+p} @f$ is
+     * the coefficient @f$ c_i @f$, for any function i. @p arguments has p
+     * entries, @p weights p + 1.
      */
     void
     blossom(const unsigned int                     element,
@@ -151,11 +155,11 @@ namespace greville
 
     /**
      * The (p+1) x (p+1) Bezier extraction matrix C of @p element, with
-     *   N_(first_function + a) = sum_b C(a, b) B_b
-     * for the Bernstein polynomials B_b of the element (M. Borden, M. Scott,
-     * J. Evans, T. Hughes, Isogeometric finite element data structures based
-     * on Bezier extraction of NURBS, 2011). Row a, column b is the blossom of
-     * function a, with p - b arguments at the lower and b at the upper end.
+     * @f[ N_{f + a} = \sum_{b=0}^p C_{ab} B_b @f]
+     * for the first_function() f and the Bernstein polynomials @f$ B_b @f$ of
+     * the element (@ref Borden2011 "Borden et al., 2011"). Row a, column b is
+     * the blossom of function a, with p - b arguments at the lower and b at the
+     * upper end.
      */
     dealii::FullMatrix<double>
     extraction_matrix(const unsigned int element) const;
@@ -192,9 +196,10 @@ namespace greville
   };
 
   /**
-   * The cross matrix int N_i^rows N_j^columns dx of two knot vectors with the
-   * same elements, exact by Gauss quadrature. With twice the same argument it
-   * is the mass matrix.
+   * The cross matrix
+   * @f$ \int N_i^\text{rows} N_j^\text{columns} \, dx @f$ of two knot vectors
+   * with the same elements, exact by Gauss quadrature. With twice the same
+   * argument it is the mass matrix.
    */
   BandedMatrix
   cross_matrix(const KnotVector &rows, const KnotVector &columns);

@@ -11,9 +11,9 @@ namespace greville
 {
   /**
    * The levels of p-multigrid: spline spaces of falling order on one and the
-   * same mesh (R. Tielen, M. Moeller, C. Vuik, Efficient multigrid based
-   * solvers for B-spline MPM, 2019). As in deal.II, level 0 is the coarsest,
-   * here the one of order 1, unless there is no coarsening.
+   * same mesh (@ref Tielen2019 "Tielen, Moeller and Vuik, 2019"). As in
+   * deal.II, level 0 is the coarsest, here the one of order 1, unless there is
+   * no coarsening.
    */
   template <int dim>
   class OrderHierarchy

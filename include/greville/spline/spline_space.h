@@ -20,12 +20,12 @@ namespace greville
   /**
    * Tensor-product B-splines of order p on open uniform knot vectors over a
    * distributed box mesh,
-   *   u(x) = sum_i c_i N_(i_1)(x_1) ... N_(i_dim)(x_dim),
-   * with one function per Greville point: n + p in a direction of n cells. In a
-   * periodic direction of the mesh knots are uniform, there are n functions,
-   * all alike, and function i of the knots is function i mod n of the space.
-   * The class has the shape of a DoFHandler; a *dof* is a coefficient c_i of
-   * one component.
+   * @f[ u(x) = \sum_i c_i \prod_d N_{i_d}(x_d), @f]
+   * with one function per Greville point: n + p in a direction of n cells.
+   * In a periodic direction of the mesh knots are uniform, there are n
+   * functions, all alike, and function i of the knots is function i mod n of
+   * the space. The class has the shape of a DoFHandler; a *dof* is a
+   * coefficient c_i of one component.
    *
    * **Ownership.** A coefficient belongs to the process that owns the cell of
    * its Greville point (the upper one, where the point lies between two cells).
@@ -171,9 +171,9 @@ namespace greville
     // Bezier extraction.
 
     /**
-     * The matrix C with N_a = sum_b C(a, b) B_b on a cell, for functions and
-     * Bernstein polynomials in lexicographic order: the Kronecker product of
-     * KnotVector::extraction_matrix() of the directions.
+     * The matrix with @f$ N_a = \sum_b C_{ab} B_b @f$ on a cell, for functions
+     * and Bernstein polynomials in lexicographic order: the Kronecker product
+     * of KnotVector::extraction_matrix() of the directions.
      */
     dealii::FullMatrix<double>
     extraction(const CellIterator &cell) const;

@@ -8,11 +8,11 @@
 namespace greville
 {
   /**
-   * The part of a matrix of dim x dim blocks B_ij that the cells of this
-   * process contribute, for functions with |i_d - j_d| <= p in each direction
-   * d: a stiffness matrix, symmetric or not. A row of blocks is a full stencil
-   * of (2 p + 1)^dim of them, without column numbers, on the places of a
-   * StencilMatrix.
+   * The part of a matrix of dim x dim blocks @f$ B_{ij} @f$ that the cells of
+   * this process contribute, for functions with @f$ |i_d - j_d| \le p @f$ in
+   * each direction d: a stiffness matrix, symmetric or not. A row of blocks is
+   * a full stencil of @f$ (2 p + 1)^\text{dim} @f$ of them, without column
+   * numbers, on the places of a StencilMatrix.
    *
    * Vectors on places are interleaved: component c of place i is entry i * dim
    * + c. They are double; entries are Numbers, double or float.
