@@ -115,7 +115,7 @@ namespace greville
 
   private:
     /**
-     * The trial tensors of @p count points, and J with no number in place of
+     * The trial tensors of @p count points, and J with NaN in place of
      * what is not positive: b = F F^T does not see its sign.
      */
     void

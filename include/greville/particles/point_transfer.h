@@ -142,7 +142,7 @@ namespace greville
     /// Cells that at least one point has left.
     std::vector<unsigned int> left_cells;
     /// The id of the first point with J <= 0 or a stress or position that is
-    /// no number, and what is wrong with it.
+    /// NaN, and what is wrong with it.
     std::int64_t bad_point = -1;
     std::string  bad_reason;
   };

@@ -107,7 +107,7 @@ namespace greville
   private:
     /**
      * The point of all processes for which @p measure(body, point) is largest
-     * or no number: "point 12 of the body 'disk' at (0.1, 0.2) m, in the cell
+     * or NaN: "point 12 of the body 'disk' at (0.1, 0.2) m, in the cell
      * (3, 4)".
      */
     template <typename Measure>
