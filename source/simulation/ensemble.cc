@@ -20,7 +20,7 @@ namespace greville
       parts.push_back(std::make_unique<Simulation<dim>>(part, comm));
     for (const auto &part : parts)
       if (parts.size() > 1)
-        part->set_label(" of 'Body " + part->bodies()[0].name + "'");
+        part->set_label(" of 'Body " + part->state().bodies[0].name + "'");
   }
 
 
@@ -189,9 +189,10 @@ namespace greville
     std::vector<std::string> result;
     for (const auto &part : parts)
       for (const std::string &warning : part->take_warnings())
-        result.push_back(
-          (parts.size() > 1 ? "Body " + part->bodies()[0].name + ": " : "") +
-          warning);
+        result.push_back((parts.size() > 1
+                            ? "Body " + part->state().bodies[0].name + ": "
+                            : "") +
+                         warning);
     return result;
   }
 

@@ -358,8 +358,8 @@ namespace greville
   {
     if (current.n_steps > 0 && keeps_state())
       good.take(current);
-    // Programs may have changed them.
-    current.points_have_changed();
+    if (programs_have_points)
+      current.points_have_changed();
     proposed = current.step;
   }
 

@@ -149,6 +149,12 @@ namespace greville
     filter_velocity();
 
     /**
+     * The force by stresses and loads, with mass and momentum.
+     */
+    void
+    sum_force(const State<dim> &state);
+
+    /**
      * Friction walls change the new velocity and the acceleration.
      */
     void
@@ -277,6 +283,16 @@ namespace greville
     };
     Trial            trial;
     VectorField<dim> work_field, surface_velocity;
+
+    /**
+     * The force by stresses and loads that the last finish() has summed up: the
+     * step from the same points begins with it.
+     */
+    struct
+    {
+      VectorField<dim> force;
+      std::uint64_t    points_stamp = 0; // of no state
+    } finished;
   };
 } // namespace greville
 

@@ -144,11 +144,13 @@ namespace greville
 
     /**
      * For programs that change points between steps: not their number and
-     * mass.
+     * mass. From now on, sums over the points are made anew in each step.
      */
     std::vector<Body<dim>> &
     bodies()
     {
+      programs_have_points = true;
+      current.points_have_changed();
       return current.bodies;
     }
 
@@ -334,6 +336,7 @@ namespace greville
     Snapshot<dim>                        good;
     std::unique_ptr<TimeIntegrator<dim>> integrator;
     UnfinishedState<dim>                 unfinished; // during output
+    bool                                 programs_have_points = false;
 
     // The step at hand.
     double       proposed               = 0.; // s
