@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -638,17 +639,28 @@ namespace greville
   Statistics<dim>
   Simulation<dim>::statistics() const
   {
-    Statistics<dim> result =
-      compute_statistics<dim>(current.bodies,
-                              discretization.transfer(),
-                              loads.gravity(current.time),
-                              comm);
-    result.time       = current.time;
-    result.step       = current.step;
-    result.iterations = current.n_iterations;
-    result.active     = mass().n_active();
-    result.fragments  = mass().n_fragments();
-    result.redone     = current.n_all_rejections;
+    // Where its formula fails at this time, a row has no potential energy, and
+    // the next step fails with a message and a last state.
+    Tensor<1, dim> gravity;
+    try
+      {
+        gravity = loads.gravity(current.time);
+      }
+    catch (const ExcMessage &)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          gravity[d] = std::numeric_limits<double>::quiet_NaN();
+      }
+    Statistics<dim> result = compute_statistics<dim>(current.bodies,
+                                                     discretization.transfer(),
+                                                     gravity,
+                                                     comm);
+    result.time            = current.time;
+    result.step            = current.step;
+    result.iterations      = current.n_iterations;
+    result.active          = mass().n_active();
+    result.fragments       = mass().n_fragments();
+    result.redone          = current.n_all_rejections;
     // All sums over processes are one message.
     std::vector<std::pair<std::string, double>> sums;
     const auto add = [&](const std::string &name, const double own) {

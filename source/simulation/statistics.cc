@@ -155,7 +155,9 @@ namespace greville
           const auto D = transfer.spread(cell, p.position());
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
-              square += std::pow(p[affine->first + i * dim + j], 2) * D[j];
+              square +=
+                Utilities::fixed_power<2>(p[affine->first + i * dim + j]) *
+                D[j];
         }
       return 0.5 * p.mass() * square;
     }
@@ -228,9 +230,9 @@ namespace greville
               own.strain += strain;
               own.dissipation += dissipation;
             }
-          result.largest_speed =
-            std::max(result.largest_speed, velocity.norm());
-          const double half_size = 0.5 * std::pow(p.volume(), 1. / dim);
+          largest[2] = std::max(largest[2], velocity.norm_square());
+          const double half_size =
+            0.5 * (dim == 2 ? std::sqrt(p.volume()) : std::cbrt(p.volume()));
           largest[0] = std::max(largest[0], position[0] + half_size);
           largest[1] = std::max(largest[1], position[1] + half_size);
           ++result.n_points;
@@ -270,11 +272,10 @@ namespace greville
     for (unsigned int k = 0; k < sums.size(); ++k)
       *sums[k] = values[k];
 
-    largest[2] = result.largest_speed;
     Utilities::MPI::max(largest, comm, largest);
     result.front         = largest[0];
     result.height        = largest[1];
-    result.largest_speed = largest[2];
+    result.largest_speed = std::sqrt(largest[2]);
     result.n_points      = std::llround(n_points);
     if (result.n_points == 0)
       result.front = result.height = 0.;

@@ -50,8 +50,8 @@ namespace greville
    * As long as it lives, the states of an ensemble, or of a simulation, are
    * those that output shows: all of a state belongs to State::time. With
    * velocities at half steps, points have the second half of their kick by
-   * then, with the forces of this time. The next step
-   * takes over the sums over points that this needs.
+   * then, with the forces of this time. The next step takes over the sums over
+   * points that this needs.
    *
    * When it ends, all is as it was, to the bit, so that the following steps do
    * not depend on what has been written. No step and no checkpoint may be taken
