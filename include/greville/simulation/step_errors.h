@@ -77,6 +77,17 @@ namespace greville
   {
     fail_with([&]() { throw_on_all(message, comm); });
   }
+
+  /**
+   * A message that goes on after what was its end.
+   */
+  inline std::string
+  without_stop(std::string text)
+  {
+    while (!text.empty() && text.back() == '.')
+      text.pop_back();
+    return text;
+  }
 } // namespace greville
 
 #endif
