@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/simulation/initial_state.h>
 #include <greville/simulation/move_points.h>
 #include <greville/simulation/simulation.h>
 #include <greville/simulation/step_errors.h>
+#include <greville/simulation/step_size.h>
 
 #include <algorithm>
 #include <sstream>
