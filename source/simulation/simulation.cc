@@ -6,7 +6,6 @@
 #include <greville/simulation/simulation.h>
 #include <greville/simulation/state_tables.h>
 #include <greville/simulation/step_errors.h>
-#include <greville/simulation/step_size.h>
 
 #include <algorithm>
 #include <cmath>
