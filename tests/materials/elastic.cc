@@ -105,12 +105,12 @@ namespace
     check("  values", values, 1e-14);
     check("  sum of the projections", lanes, 1e-14);
 
-    // A tensor with entries that are no numbers.
+    // A tensor with entries that are NaN.
     SymmetricTensor2 bad;
     bad[0][1]         = std::nan("");
     bad[0][2]         = 1.;
     const Principal v = Spectrum(bad).values;
-    check("  values of no number", !std::isfinite(v[0] + v[1] + v[2]));
+    check("  values of NaN", !std::isfinite(v[0] + v[1] + v[2]));
 
     // Logarithms and exponentials of tiny to huge numbers.
     double logarithm = 0, exponential = 0;

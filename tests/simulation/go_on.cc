@@ -42,7 +42,7 @@ namespace
     const unsigned int n_before = simulation.state().n_steps;
     simulation.bodies()[0].points.for_each(
       [&](const unsigned int, const auto p) {
-        p.velocity(0) = reason == "no number" ? std::nan("") : 1e6;
+        p.velocity(0) = reason == "NaN" ? std::nan("") : 1e6;
       });
     std::string message;
     try
@@ -83,7 +83,7 @@ namespace
       simulation.step();
     const State<2> good = simulation.state();
     if (error == Error::caught_with_copy)
-      fail(simulation, "no number");
+      fail(simulation, "NaN");
     if (error == Error::caught)
       fail(simulation, "far away");
     if (error == Error::none_but_copy || error == Error::caught_with_copy)

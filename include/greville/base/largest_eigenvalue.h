@@ -35,9 +35,9 @@ namespace greville
    * Collective. The largest eigenvalue of B S, for two symmetric positive
    * semi-definite matrices: S, and B, which is an inverse of a mass matrix or
    * stands for one. S x = theta B^-1 x is solved by locally optimal conjugate
-   * gradients (A. V. Knyazev, SIAM J. Sci. Comput. 23, 2001): each step takes
-   * the best of x, B (S x - theta B^-1 x) and the last direction. That needs
-   * one product with each matrix, nine arrays, and no inverse of B.
+   * gradients (@ref Knyazev2001 "Knyazev, 2001"): each step takes the best of
+   * x, B (S x - theta B^-1 x) and the last direction. That needs one product
+   * with each matrix, nine arrays, and no inverse of B.
    *
    * The result comes from below. It is converged when each of two steps in turn
    * has changed it by less than the part @p tolerance, which is no bound of its

@@ -154,9 +154,9 @@ namespace greville
 
   /**
    * The solver by its @p name, with @p multigrid and @p smoother where it takes
-   * them. "fgmres-tielen" is that of R. Tielen, M. Moeller, D. Goeddeke, C.
-   * Vuik (2020): ILUT, lumped L2 transfer between the orders one by one, and an
-   * exact solve at p = 1.
+   * them. "fgmres-tielen" is that of @ref Tielen2020 "Tielen et al., 2020":
+   * ILUT, lumped L2 transfer between the orders one by one, and an exact solve
+   * at p = 1.
    */
   LevelSolver
   make_level_solver(const std::string          &name,

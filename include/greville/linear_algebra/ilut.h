@@ -8,8 +8,8 @@
 namespace greville
 {
   /**
-   * Incomplete LU factorization with dual threshold, ILUT(tau, fill) (Y. Saad,
-   * ILUT: a dual threshold incomplete LU factorization, 1994), of a sequential
+   * Incomplete LU factorization with dual threshold, ILUT(tau, fill)
+   * (@ref Saad1994 "Saad, 1994"), of a sequential
    * PETSc matrix. In row i, entries below tau times the norm of the row are
    * dropped, and the largest f n_i are kept in L and in U, where f is the fill
    * factor and n_i the number of entries of the row in that triangle, but at

@@ -28,16 +28,16 @@ namespace greville
   /**
    * The incomplete Cholesky factorization IC(0),
    * @f[ M \approx (1 + L) D (1 + L)^T, @f]
-   * where L has entries only where M has (J. Meijerink and H. van der Vorst,
-   * 1977). It is that of the matrix scaled to a unit diagonal, to which a shift
-   * is added where asked for. A pivot that fails, because it is not safely
-   * positive, is raised to a small number (3e-5): a shift of this one row only,
-   * which costs fewer iterations than one of all rows. Where a pivot is far
-   * below zero all rows are shifted, by 1e-3 at first and twice as much as long
-   * as it takes (T. Manteuffel, An incomplete factorization technique for
-   * positive definite linear systems, 1980). Where the pattern has room for the
-   * fill, as for a Kronecker product in lexicographic order, the factorization
-   * is exact.
+   * where L has entries only where M has
+   * (@ref Meijerink1977 "Meijerink and van der Vorst, 1977"). It is that of the
+   * matrix scaled to a unit diagonal, to which a shift is added where asked
+   * for. A pivot that fails, because it is not safely positive, is raised to a
+   * small number (3e-5): a shift of this one row only, which costs fewer
+   * iterations than one of all rows. Where a pivot is far below zero all rows
+   * are shifted, by 1e-3 at first and twice as much as long as it takes
+   * (@ref Manteuffel1980 "Manteuffel, 1980"). Where the pattern has room for
+   * the fill, as for a Kronecker product in lexicographic order, the
+   * factorization is exact.
    *
    * Optionally only the first rows are eliminated, which leaves an incomplete
    * Schur complement of the others.

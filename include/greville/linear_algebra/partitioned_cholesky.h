@@ -44,8 +44,8 @@ namespace greville
    * they keep the fill that two entries of the matrix make, IC(1), without
    * which iterations grow with the number of processes.
    *
-   * (G. Karypis, V. Kumar, Parallel threshold-based ILU factorization, 1997;
-   * Y. Saad, Iterative methods for sparse linear systems, 2003, section 12.)
+   * See @ref Karypis1997 "Karypis and Kumar, 1997", and
+   * @ref Saad2003 "Saad, 2003", section 12.
    *
    * Vectors have several columns, which can leave out (hold at zero) unknowns,
    * see HeldRows.

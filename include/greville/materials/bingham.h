@@ -8,9 +8,9 @@
 namespace greville
 {
   /**
-   * A weakly compressible Bingham fluid, regularized (T. C. Papanastasiou, J.
-   * Rheol. 31, 1987): TaitFluid (pressure, rate d, state, exceptions) with the
-   * shear stress
+   * A weakly compressible Bingham fluid, regularized
+   * (@ref Papanastasiou1987 "Papanastasiou, 1987"): TaitFluid (pressure, rate
+   * d, state, exceptions) with the shear stress
    *   2 eta dev(d), eta = mu + tau_y (1 - exp(-m g)) / g,
    *   g = sqrt(2 dev(d) : dev(d)),
    * so that simple shear at a rate g has the shear stress mu g + tau_y

@@ -9,8 +9,8 @@ namespace greville
 {
   /**
    * The neo-Hookean law with an energy that is a sum of one of volume and one
-   * of shape (Simo, Taylor, Pister 1985; Simo, Hughes, Computational
-   * Inelasticity, section 9.2):
+   * of shape (@ref Simo1985 "Simo, Taylor and Pister, 1985";
+   * @ref Simo1998 "Simo and Hughes, 1998", section 9.2):
    * @f{align*}{
    *   W &= \tfrac{K}{4} (J^2 - 1 - 2 \ln J)
    *        + \tfrac{\mu}{2} (\mathrm{tr}\, \bar b - 3),

@@ -11,9 +11,10 @@
 namespace greville
 {
   /**
-   * The cone of Drucker and Prager (1952) without hardening, non-associated
-   * (de Souza Neto, Peric, Owen, section 8.3), with a cut-off of tension; in
-   * the Kirchhoff stress tau with mean p (positive in tension), deviator s:
+   * The cone of @ref Drucker1952 "Drucker and Prager", non-associated,
+   * (@ref Neto2008 "de Souza Neto", section 8.3), without hardening, with a
+   * cut-off of tension; in the Kirchhoff stress tau with mean p (positive in
+   * tension), deviator s:
    *   f1 = sqrt(J2) + eta p - xi c <= 0, g1 = sqrt(J2) + eta' p,
    *   f2 = p - p_t <= 0,                 g2 = f2,
    * J2 = s : s / 2. The "Cone" fits Mohr-Coulomb's surface of friction angle
@@ -29,8 +30,8 @@ namespace greville
    * inner, with the dilatancy angle psi for phi. Flow without strain along z
    * has s_zz = -2 / 3 eta' sqrt(J2), which is what n stands for: "plane strain"
    * has the strength of Mohr-Coulomb for any psi. "plane strain associated" has
-   * it for psi = phi only and is weaker for smaller psi (Bui et al. 2008 and
-   * others use it with psi = 0). The return is closed: to the cone,
+   * it for psi = phi only, is weaker for smaller psi (@ref Bui2008 "Bui et al."
+   * and others use it with psi = 0). The return is closed: to the cone,
    *   dgamma = f1(trial) / (G + K eta eta'), p = p(trial) - K eta' dgamma,
    *   sqrt(J2) = sqrt(J2)(trial) - G dgamma;
    * to the cut-off, p = p_t with s = s(trial); or to where both meet, p = p_t

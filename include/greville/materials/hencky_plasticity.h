@@ -29,8 +29,8 @@ namespace greville
    * The opening is the plastic strain of volume (logarithmic, v >= 0) that the
    * largest mean stress has caused, without that of dilatancy: grains that part
    * or cracks that open. It has to close before the material bears pressure
-   * again (A. P. Tampubolon et al., Multi-species simulation of porous sand and
-   * water mixtures, 2017, section 4.3): without it each cycle of opening and
+   * again (@ref Tampubolon2017 "Tampubolon et al., 2017", section 4.3):
+   * without it each cycle of opening and
    * closing would leave more volume and more pressure behind. So
    *   eps(trial) += w / 3 1, v -= w,
    * with w = v where the largest mean stress is 0: what is still open then

@@ -8,8 +8,8 @@
 namespace greville
 {
   /**
-   * The compressible neo-Hookean law (Bonet, Wood, Nonlinear Continuum
-   * Mechanics for Finite Element Analysis, section 6.4.3):
+   * The compressible neo-Hookean law
+   * (@ref Bonet2008 "Bonet and Wood, 2008", section 6.4.3):
    * @f{align*}{
    *   W &= \tfrac{\mu}{2} (F : F - 3) - \mu \ln J
    *        + \tfrac{\lambda}{2} (\ln J)^2, \\

@@ -21,8 +21,8 @@ namespace greville
    * depends smoothly on det B: Newton's method finds it from a polynomial. The
    * adjugate of B - t 1 is a multiple of n n^T, of norm 6 to 9, so that its
    * largest column gives the direction n. What remains is a tensor in the plane
-   * normal to n, which is decomposed as below. (D. Eberly, A Robust Eigensolver
-   * for 3 x 3 Symmetric Matrices, 2014, goes the same way from the cosine.)
+   * normal to n, which is decomposed as below.
+   * (@ref Eberly2014 "Eberly, 2014", goes the same way from the cosine.)
    *
    * Without xz and yz (plane strain) n is z and m need not be taken out: with
    * m = (A_xx + A_yy) / 2, d = (A_xx - A_yy) / 2 and r = sqrt(d^2 + A_xy^2) the

@@ -17,9 +17,9 @@ namespace greville
 {
   /**
    * A factor r(t) that the cohesion and tan(phi) of a frictional law are
-   * divided by: the one at which a slope fails is its factor of safety (T.
-   * Matsui, K.-C. San, Finite element slope stability analysis by shear
-   * strength reduction technique, Soils and Foundations 32, 1992). The apex
+   * divided by: the one at which a slope fails is its factor of safety
+   * (@ref Matsui1992 "Matsui and San, 1992").
+   * The apex
    * c cot(phi) stays where it is.
    */
   class StrengthReduction

@@ -10,9 +10,9 @@
 namespace greville
 {
   /**
-   * A weakly compressible viscous fluid with Tait's equation of state (R. H.
-   * Cole, Underwater Explosions, 1948; J. J. Monaghan, J. Comput. Phys. 110,
-   * 1994): with rho / rho0 = 1 / J
+   * A weakly compressible viscous fluid with Tait's equation of state
+   * (@ref Cole1948 "Cole, 1948"; @ref Monaghan1994 "Monaghan, 1994"):
+   * with rho / rho0 = 1 / J
    *   p = B (J^-gamma - 1), B = rho0 c^2 / gamma,
    *   sigma = (-p + zeta tr(d)) 1 + 2 eta dev(d), d = sym(f - 1) / dt,
    *   W = B ((J^(1 - gamma) - 1) / (gamma - 1) + J - 1), for gamma = 1:

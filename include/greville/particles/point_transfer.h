@@ -183,8 +183,8 @@ namespace greville
    *   momentum  P_i = sum_p m_p (v_p + C_p (xi_i - x_p)) N_i(x_p),
    *   force     f_i = sum_p (m_p b_p N_i(x_p) - V_p sigma_p grad N_i(x_p)),
    * with the acceleration b_p by loads and, for APIC, the affine matrix C_p and
-   * the Greville point xi_i (C. Jiang, C. Schroeder, A. Selle, J. Teran, A.
-   * Stomakhin, The affine particle-in-cell method, 2015). The way back is
+   * the Greville point xi_i
+   * (@ref Jiang2015 "Jiang et al., 2015"). The way back is
    *   v_p <- flip (v_p + dt' a(x_p)) + (1 - flip) v(x_p),    (PIC: flip = 0)
    *   x_p <- x_p + dt v(x_p),
    *   F_p <- (1 + dt grad w(x_p)) F_p,  J_p likewise, sigma_p by the material.

@@ -16,9 +16,9 @@ namespace greville
    * that the integral is a_0 |cell|. Reconstructed are density, momentum,
    * stress and the force of loads, by one of two methods:
    *
-   * - Taylor least squares (E. Wobbes, M. Moeller, V. Galavi, C. Vuik,
-   *   Conservative Taylor least squares reconstruction with application to
-   *   material point methods, 2019): for density, momentum and force, a_0 is
+   * - conservative Taylor least squares
+   *   (@ref Wobbes2019 "Wobbes, Moeller, Galavi and Vuik, 2019"):
+   *   for density, momentum and force, a_0 is
    *   sum_p V_p f_p / |cell|, which conserves mass and momentum cell by cell,
    * and the other a_k fit the values at the points by least squares. For stress
    *   a_0 is fitted as well.

@@ -59,9 +59,9 @@ namespace greville
    * step and D of Material::tangents(). The points do not change: the materials
    * work on copies.
    *
-   * The energy-consistent stress is that of O. Gonzalez (Exact energy and
-   * momentum conserving algorithms for general models in nonlinear elasticity,
-   * 2000): P = (1 + f) / 2 S with the symmetric tensor
+   * The energy-consistent stress is that of
+   * @ref Gonzalez2000 "Gonzalez, 2000":
+   * P = (1 + f) / 2 S with the symmetric tensor
    * @f[
    *   S = \bar S + \frac{\Delta W - \bar S : \Delta E}{\Delta E : \Delta E}
    *       \Delta E, \qquad \Delta E = \tfrac12 (f^T f - 1),

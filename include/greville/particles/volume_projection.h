@@ -19,13 +19,13 @@ namespace greville
    *     \frac{\sum_q V_q N_I(x_q) \theta_q}{\sum_q V_q N_I(x_q)}
    * @f]
    * with the B-splines N_I of order p - 1 on the same mesh and the volumes V of
-   * the points at the begin; for p = 1 the N_I are one in a cell each. (T.
-   * Elguedj, Y. Bazilevs, V. Calo, T. Hughes, B-bar and F-bar projection
-   * methods for nearly incompressible linear and non-linear elasticity and
-   * plasticity using higher-order NURBS elements, 2008.) The L2 projection has
-   * the lumped matrix, so that theta bar lies between the smallest and the
-   * largest theta nearby, also at surfaces; it is of order 2 inside of a body.
-   * The N_I are not extended: where those of order p = 1 are, they still lock.
+   * the points at the begin; for p = 1 the N_I are one in a cell each. This is
+   * the F-bar projection of
+   * @ref Elguedj2008 "Elguedj, Bazilevs, Calo and Hughes, 2008". The L2
+   * projection has the lumped matrix, so that theta bar lies between the
+   * smallest and the largest theta nearby, also at surfaces; it is of order 2
+   * inside of a body. The N_I are not extended: where those of order p = 1 are,
+   * they still lock.
    *
    * Bodies are projected one by one: their points may differ in stiffness.
    */

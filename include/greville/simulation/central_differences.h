@@ -43,9 +43,9 @@ namespace greville
    * the critical step can fall from one step to the next, where points have
    * left a hole.
    *
-   * (D. Sulsky, Z. Chen, H. Schreyer, A particle method for history-dependent
-   * materials, 1994; S. Bardenhagen, Energy conservation error in the material
-   * point method for solid mechanics, 2002.)
+   * The references are
+   * @ref Sulsky1994 "Sulsky, Chen and Schreyer, 1994", and
+   * @ref Bardenhagen2002 "Bardenhagen, 2002".
    */
   template <int dim>
   class CentralDifferences : public TimeIntegrator<dim>

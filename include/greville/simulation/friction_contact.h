@@ -30,10 +30,10 @@ namespace greville
    * nothing on the points that the grid does not see. What has been released
    * three times in a step stays when it returns, which ends the rounds.
    *
-   * (M. Hintermueller, K. Ito, K. Kunisch, The primal-dual active set strategy
-   * as a semismooth Newton method, 2003; S. Hueeber, G. Stadler, B. Wohlmuth, A
-   * primal-dual active set algorithm for three-dimensional contact problems
-   * with Coulomb friction, 2008.)
+   * The references are
+   * @ref Hintermueller2003 "Hintermueller, Ito and Kunisch, 2003", for the
+   * active sets and
+   * @ref Hueeber2008 "Hueeber, Stadler and Wohlmuth, 2008", for friction.
    */
   template <int dim>
   class FrictionContact

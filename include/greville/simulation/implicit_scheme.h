@@ -78,10 +78,10 @@ namespace greville
    * The scheme of a name:
    * - "quasi-static": no inertia,
    * - "backward-euler": of first order, damps,
-   * - "newmark": with beta and gamma; 1/4, 1/2 is the trapezoidal rule (N.
-   *   Newmark, 1959),
+   * - "newmark": with beta and gamma; 1/4, 1/2 is the trapezoidal rule
+   *   (@ref Newmark1959 "Newmark, 1959"),
    * - "generalized-alpha": with the spectral radius rho of the highest modes
-   * (J. Chung and G. Hulbert, 1993),
+   *   (@ref Chung1993 "Chung and Hulbert, 1993"),
    * - "implicit-midpoint": with the energy-consistent stress of TrialStep.
    */
   ImplicitScheme

@@ -87,14 +87,14 @@ namespace greville
    * they fail: points break, or the residual does not become smaller than it
    * was in a few steps. Then it goes back to where the residual was smallest,
    * and cuts steps in halves as long as it grows. (Nonmonotone steps are those
-   * of the watchdog technique of R. Chamberlain, M. Powell, C. Lemarechal and
-   * H. Pedersen, 1982. Bodies that hardly change their volume need them: each
-   * step turns them, which changes their volume to second order.) Linear
-   * systems are solved to the relative tolerance 0.9 (|r_k| / |r_(k-1)|)^2 (S.
-   * Eisenstat and H. Walker, Choosing the forcing terms in an inexact Newton
-   * method, 1996, choice 2) between the parameters' bounds, so that
-   * convergence is quadratic. On entry @p x is the guess; where that fails and
-   * the residual of zero is much smaller, it begins again with zero.
+   * of the watchdog technique of
+   * @ref Chamberlain1982 "Chamberlain et al., 1982". Bodies that hardly change
+   * their volume need them: each step turns them, which changes their volume to
+   * second order.) Linear systems are solved to the relative tolerance 0.9
+   * (|r_k| / |r_(k-1)|)^2 (@ref Eisenstat1996 "Eisenstat and Walker, 1996",
+   * choice 2) between the parameters' bounds, so that convergence is quadratic.
+   * On entry @p x is the guess; where that fails and the residual of zero is
+   * much smaller, it begins again with zero.
    */
   NewtonResult
   solve_newton(VectorType             &x,

@@ -21,8 +21,8 @@ namespace greville
    * components, by GridMass::hold(). So the law of contact is: inelastic,
    * without slip, and no tension.
    *
-   * (S. Bardenhagen, J. Brackbill, D. Sulsky, The material-point method for
-   * granular materials, 2000, has the condition and the normals.)
+   * (@ref Bardenhagen2000 "Bardenhagen, Brackbill and Sulsky, 2000", has
+   * the condition and the normals.)
    */
   template <int dim>
   class Obstacles

@@ -44,10 +44,10 @@ namespace greville
    * corrections of the functions that they depend on, see
    * ExtendedMass::extend().
    *
-   * (E. Burman, P. Hansbo, Edge stabilization for Galerkin approximations of
-   * convection-diffusion-reaction problems, 2004, for jumps; P. Fischer, J.
-   * Mullen, Filter-based stabilization of spectral element methods, 2001, for
-   * filters.)
+   * The references are
+   * @ref Burman2004 "Burman and Hansbo, 2004", for jumps and
+   * @ref Fischer2001 "Fischer and Mullen, 2001", for
+   * filters.
    */
   template <int dim>
   class VelocityFilter
