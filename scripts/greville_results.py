@@ -12,6 +12,7 @@ All errors are ResultsError with one message.
 import csv
 import json
 import re
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -25,8 +26,29 @@ PARAMETER_FOLDER = Path(__file__).resolve().parent.parent / "prm" / "simulation"
 AXES = "xyz"
 
 
+# The packages of Debian that bring the modules.
+PACKAGES = {"numpy": "python3-numpy", "matplotlib": "python3-matplotlib", "vtkmodules": "python3-vtk9",
+            "meshio": "python3-meshio", "PIL": "python3-pil"}
+# The smallest upper end of the scale of a field. A plastic strain of less than a
+# hundredth does not change the shape of a body visibly; on a scale that fits it, a
+# body that stands would look like one that fails.
+LEAST_UPPER_ENDS = {"plastic_strain": 0.01}
+
+
 class ResultsError(Exception):
     """What cannot be read, and why: one message for the user."""
+
+
+def how_to_install(*modules):
+    """What to do where none of these modules is there, and for which Python."""
+    packages = " or ".join(PACKAGES[module] for module in modules)
+    return (f"{' or '.join(modules)} is missing in {sys.executable}: install Debian's {packages} for /usr/bin/python3 "
+            f"(sudo apt install {PACKAGES[modules[0]]}), or use this Python's own package manager.")
+
+
+def range_of_colours(field, low, high):
+    """The range of a scale that fits the values from low to high."""
+    return low, max(high, LEAST_UPPER_ENDS.get(field, high))
 
 
 def read_text(path):
@@ -209,7 +231,7 @@ def read_with_meshio(path, names):
 def read_fields(path, names=None, time=None):
     """The Fields of a .pvtu file: all, or those of these names."""
     if np is None:
-        raise ResultsError("Fields need numpy: install Debian's python3-numpy (sudo apt install python3-numpy).")
+        raise ResultsError("Fields cannot be read: " + how_to_install("numpy"))
     _, available = pieces_of(path)
     for name in names or ():
         if name not in available:
@@ -221,8 +243,7 @@ def read_fields(path, names=None, time=None):
         try:
             x, fields, dataset = read_with_meshio(path, names)
         except ImportError:
-            raise ResultsError("Fields need VTK or meshio: install Debian's python3-vtk9 (sudo apt install "
-                               "python3-vtk9) or python3-meshio.") from None
+            raise ResultsError("Fields cannot be read: " + how_to_install("vtkmodules", "meshio")) from None
     return Fields(x.astype(float), fields, time, Path(path), dataset)
 
 
@@ -464,7 +485,7 @@ class Run:
         transfers, the filter or friction have taken energy without counting it.
         """
         if np is None:
-            raise ResultsError("The balance of energy needs numpy: install Debian's python3-numpy.")
+            raise ResultsError("There is no balance of energy: " + how_to_install("numpy"))
         table = self.statistics
         energy = table["kinetic"] + table["strain"] + table["dissipation"]
         work = sum((table[name] for name in self.work), np.zeros(len(energy)))

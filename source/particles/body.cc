@@ -74,7 +74,8 @@ namespace greville
                           "this point lies " + text_of(-depth) +
                           " m beyond the parameter 'Surface', which is " +
                           text_of(height) +
-                          " m there; nothing of a body with K0 does."));
+                          " m there: a body with 'K0' has to lie below its "
+                          "'Surface' everywhere."));
             AssertThrow(depth < deepest * grid_height,
                         ExcMessage(
                           "the parameter 'Surface' is " + text_of(height) +

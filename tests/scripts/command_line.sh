@@ -23,7 +23,7 @@ answers() {
   fi
 }
 
-scripts="run test fresh_machine stiffness_tables sanitize fuzz"
+scripts="run test fresh_machine stiffness_tables sanitize fuzz check_input"
 [ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume lint faults gallery benchmark check_docs \
    long_runs performance \
    cooks_membrane implicit_tables limit_loads paraview report slope_stability stiffness_growth"
@@ -41,12 +41,14 @@ answers 2 20 "Usage: scripts/run" scripts/run -np 2
 answers 2 1 "there is no parameter file <a.prm>" scripts/run a.prm
 answers 2 1 "<prm> is a folder" scripts/run prm
 answers 2 1 "has no section of a program" scripts/run README.md
-answers 2 1 "what is <b.prm>?" scripts/run README.md b.prm
+answers 2 1 "what is <b.prm> beside <README.md>?" scripts/run README.md b.prm
 answers 2 1 "takes the folder of a run" scripts/run --resume
 answers 2 1 "there is no folder <nowhere>" scripts/run --from nowhere README.md
 answers 2 1 "has its parameter file" scripts/run --resume prm README.md
 answers 2 1 "--set takes" scripts/run --set
 answers 2 1 "--draw goes with --check" scripts/run --draw here prm/simulation/dam_break.prm
+answers 2 1 "--draw goes with --check" scripts/run prm/simulation/dam_break.prm --draw here
+answers 2 1 "there is no option <--no-such-option>" scripts/run README.md --no-such-option
 answers 2 1 "what is <b>?" scripts/test a b
 answers 2 1 "what is <b>?" scripts/sanitize a b
 answers 2 1 "not <x>" scripts/fuzz x

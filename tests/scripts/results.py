@@ -105,6 +105,13 @@ def check_tables(run):
     check("balance of energy", work[-1] > 0 and abs(left[-1]) < 1e-3 * work[-1] and abs(change[-1] - work[-1] - left[-1]) < 1e-14)
     check("message about a column", "has no column foo. There are: time, dt," in message_of(lambda: run.statistics["foo"]))
     check("message about a folder", message_of(lambda: Run("nowhere")) == "There is no folder nowhere.")
+    greville_results.np, numpy = None, greville_results.np
+    message = message_of(lambda: run.points(0))
+    greville_results.np = numpy
+    check(f"message about numpy: {message}", f"numpy is missing in {sys.executable}: install Debian's python3-numpy" in message)
+    check("scale of plastic strains", greville_results.range_of_colours("plastic_strain", 0., 1e-4) == (0., 0.01)
+          and greville_results.range_of_colours("plastic_strain", 0., 0.5) == (0., 0.5)
+          and greville_results.range_of_colours("pressure", -1., -0.5) == (-1., -0.5))
     check("message about results", "has no results of a simulation" in message_of(lambda: Run(PROJECT)))
     # A run that is killed leaves a line that is not whole.
     (run.folder / "cut.csv").write_text("a,b\n1,2\n3")
