@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <deal.II/base/utilities.h>
+
 #include <greville/base/templates.h>
+#include <greville/materials/material.h>
 #include <greville/particles/shape.h>
 #include <greville/simulation/grid_mass.h>
 #include <greville/simulation/run.h>
 
 #include <boost/algorithm/string/join.hpp>
+#include <map>
 
 namespace
 {
@@ -32,6 +36,25 @@ namespace
       check_simulations(file, MPI_COMM_WORLD, options, value("draw"));
     else
       run_simulations(file, MPI_COMM_WORLD, options);
+  }
+
+
+
+  /**
+   * History variables, each with the laws that have it.
+   */
+  std::string
+  history_names()
+  {
+    std::map<std::string, std::string> laws;
+    for (const std::string &law :
+         dealii::Utilities::split_string_list(material_names(), '|'))
+      for (const std::string &name : make_material(law, "")->state_names())
+        laws[name] += (laws[name].empty() ? "" : ", ") + law;
+    std::string result;
+    for (const auto &[name, of] : laws)
+      result += (result.empty() ? "" : "|") + name + " (" + of + ")";
+    return result;
   }
 } // namespace
 
@@ -74,6 +97,7 @@ main(int argc, char **argv)
                        {"walls", "Walls/Left", {}},
                        {"surface-loads", "Surface load NAME/Kind", {}},
                        {"fields", "Output/Fields", {}},
+                       {"history", "", history_names},
                        {"columns", "", []() {
                       return boost::algorithm::join(Statistics<2>::names(),
                                                     "|");

@@ -7,6 +7,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/memory.h>
 #include <greville/base/parameters.h>
+#include <greville/simulation/check_materials.h>
 #include <greville/simulation/run_header.h>
 #include <greville/simulation/sweep.h>
 
@@ -128,6 +129,10 @@ namespace greville
                                  comm);
         set_up = seconds_since(begin, comm);
         print_header(out, ensemble, parameters, comm);
+        check_materials(out,
+                        ensemble.bodies(),
+                        Loads<dim>(parameters).gravity(common().time),
+                        comm);
         print_warnings(ensemble);
       }
 

@@ -504,6 +504,10 @@ namespace greville
     add_parameter(prm, "Statistics every", statistics_every, Double(0.))(
       "Time between two lines of statistics.csv; 0: each step, which takes "
       "explicit steps up to twice as long. Unit: s.");
+    add_parameter(prm, "Front above", front_above)(
+      "Only points whose y is larger count for the column front, so that it is "
+      "the run-out of what flows over a layer which reaches to the far wall. "
+      "Where there is none, front is 0. Unit: m.");
     add_parameter(prm, "Grid fields", grid_fields)("Write the grid as well.");
     add_parameter(prm, "Surface points", surface_points)(
       "Write the points of loads on surfaces as well, if there are any: "
@@ -512,7 +516,8 @@ namespace greville
       "number of the load and that of its body.");
     add_parameter(prm, "Fields", fields, List(Selection(output_field_names())))(
       "Fields of points in .pvtu files: strain is Green's, size the edge of a "
-      "cube of the volume of a point, for glyphs, history what materials keep. "
+      "cube of the volume of a point, for glyphs, history what materials keep "
+      "(plastic_strain, for instance: greville --list history). "
       "Of the grid, which has velocity and mass anyway: acceleration, force "
       "(by "
       "stresses, gravity and loads, per function) and cell_class (as extended "

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <iomanip>
 #include <iostream>
 #include <limits>
@@ -28,6 +29,20 @@ namespace greville
       return std::chrono::duration<double>(std::chrono::steady_clock::now() -
                                            begin)
         .count();
+    }
+
+
+
+    /**
+     * Whether a line can be written again. mpirun gives processes a terminal
+     * even where its own output goes to a file, so that TERM = dumb says no.
+     */
+    bool
+    is_terminal_with_lines()
+    {
+      const char *const name = std::getenv("TERM");
+      return isatty(STDOUT_FILENO) == 1 &&
+             !(name && std::string(name) == "dumb");
     }
 
 
@@ -88,7 +103,7 @@ namespace greville
     , fields(directory, parameters.output)
     , probes(parameters.output.probes, ensemble.bodies(), comm)
     , notes(directory, out, comm)
-    , is_terminal(isatty(STDOUT_FILENO) == 1)
+    , is_terminal(is_terminal_with_lines())
   {
     reactions = reactions_of<dim>(parameters);
     // A formula that fails is better found now than at the end.

@@ -397,16 +397,18 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           gravity[d] = std::numeric_limits<double>::quiet_NaN();
       }
-    Statistics<dim> result = compute_statistics<dim>(current.bodies,
-                                                     discretization.transfer(),
-                                                     gravity,
-                                                     comm);
-    result.time            = current.time;
-    result.step            = current.step;
-    result.iterations      = current.n_iterations;
-    result.active          = mass().n_active();
-    result.fragments       = mass().n_fragments();
-    result.redone          = current.n_all_rejections;
+    Statistics<dim> result =
+      compute_statistics<dim>(current.bodies,
+                              discretization.transfer(),
+                              gravity,
+                              comm,
+                              parameters.output.front_above);
+    result.time       = current.time;
+    result.step       = current.step;
+    result.iterations = current.n_iterations;
+    result.active     = mass().n_active();
+    result.fragments  = mass().n_fragments();
+    result.redone     = current.n_all_rejections;
     // All sums over processes are one message.
     std::vector<std::pair<std::string, double>> sums;
     const auto add = [&](const std::string &name, const double own) {

@@ -170,7 +170,8 @@ namespace greville
   compute_statistics(const std::vector<Body<dim>> &bodies,
                      const PointTransfer<dim>     &transfer,
                      const Tensor<1, dim>         &gravity,
-                     const MPI_Comm                comm)
+                     const MPI_Comm                comm,
+                     const double                  front_above)
   {
     Statistics<dim>     result;
     std::vector<double> largest = {-1e300, -1e300, 0.};
@@ -233,7 +234,8 @@ namespace greville
           largest[2] = std::max(largest[2], velocity.norm_square());
           const double half_size =
             0.5 * (dim == 2 ? std::sqrt(p.volume()) : std::cbrt(p.volume()));
-          largest[0] = std::max(largest[0], position[0] + half_size);
+          if (position[1] > front_above)
+            largest[0] = std::max(largest[0], position[0] + half_size);
           largest[1] = std::max(largest[1], position[1] + half_size);
           ++result.n_points;
         });
@@ -278,7 +280,9 @@ namespace greville
     result.largest_speed = std::sqrt(largest[2]);
     result.n_points      = std::llround(n_points);
     if (result.n_points == 0)
-      result.front = result.height = 0.;
+      result.height = 0.;
+    if (result.front == -1e300)
+      result.front = 0.;
     if (result.mass > 0.)
       result.center = first_moment / result.mass;
     return result;

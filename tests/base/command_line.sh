@@ -104,6 +104,12 @@ rm -rf output
 accept 'number of steps: about' 'estimated time: ' 'memory: ' -- \
   "$greville" slope.prm --check --set "Grid/Cells=45, 12"
 [ ! -e output ] || fail "--check has written results"
+# Numbers that look like those in other units.
+accept 's waves, m/s' ' 2000 ' ' 82.0' ' 43.8' ' 751' -- "$greville" slope.prm --check
+accept 'density of 20 kg' -- "$greville" slope.prm --check --set "Material soil/Density=20"
+accept "'Material soil' is soft" -- "$greville" slope.prm --check --set "Material soil/Young modulus=1e4"
+accept "'Material soil' is weak" -- "$greville" slope.prm --check --set "Material soil/Cohesion=8"
+"$greville" slope.prm --check | grep -q Note: && fail "a note on usual numbers"
 
 "$benchmark" --print-parameters >benchmark.prm || fail "--print-parameters of $benchmark"
 accept -- "$benchmark" benchmark.prm --set Benchmark/Cells=4 --set Benchmark/Degrees=2 \

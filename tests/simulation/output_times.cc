@@ -310,6 +310,29 @@ namespace
 
 
   /**
+   * A step on a layer: the front of all points is that of the layer.
+   */
+  void
+  check_front(const Text &text)
+  {
+    const auto front_above = [&](const std::string &y) {
+      const Text on_layer = text.with("Body body",
+                                      {"Shape = union(box(0.1, 0, 0.9, 0.2), "
+                                       "box(0.1, 0, 0.3, 0.4))"});
+      return Simulated<2>(y.empty()
+                            ? on_layer
+                            : on_layer.with("Output", {"Front above = " + y}))
+        ->statistics()
+        .front;
+    };
+    check("front of the layer", std::abs(front_above("") - 0.9), 1e-9);
+    check("front above the layer", std::abs(front_above("0.2") - 0.3), 1e-9);
+    check("front above all", std::abs(front_above("0.5")), 0.);
+  }
+
+
+
+  /**
    * What follows a copy of a state depends on the copy alone, also where
    * contacts slide.
    */
@@ -404,6 +427,7 @@ main(int argc, char **argv)
                                 "Shape = box(0.7, 0, 0.85, 1)",
                                 "Imposed velocity = -0.5 * cos(9 * t); 0"}));
     }
+  check_front(falling);
   check_trajectory("ball, APIC", ball.with("Scheme", {"Transfer = APIC"}));
   check_trajectory("ball, p-multigrid",
                    ball.with("Scheme", {"Mass = consistent"})

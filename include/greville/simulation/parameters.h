@@ -172,6 +172,7 @@ namespace greville
     std::string              earlier_results  = "move aside";
     double                   fields_every     = 0.;
     double                   statistics_every = 0.;
+    double                   front_above      = -1e100;
     bool                     grid_fields      = true;
     bool                     surface_points   = true;
     std::vector<std::string> fields           = {"velocity",

@@ -6,6 +6,7 @@
 #include <greville/particles/body.h>
 #include <greville/particles/point_transfer.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -107,15 +108,18 @@ namespace greville
   };
 
   /**
-   * Collective. @p gravity is the acceleration of the potential energy. The
-   * fields that points do not know are left alone.
+   * Collective. @p gravity is the acceleration of the potential energy. Only
+   * points whose y is larger than @p front_above count for front, which is 0
+   * where there is none. The fields that points do not know are left alone.
    */
   template <int dim>
   Statistics<dim>
-  compute_statistics(const std::vector<Body<dim>> &bodies,
-                     const PointTransfer<dim>     &transfer,
-                     const dealii::Tensor<1, dim> &gravity,
-                     const MPI_Comm                comm);
+  compute_statistics(
+    const std::vector<Body<dim>> &bodies,
+    const PointTransfer<dim>     &transfer,
+    const dealii::Tensor<1, dim> &gravity,
+    const MPI_Comm                comm,
+    const double front_above = std::numeric_limits<double>::lowest());
 
   /**
    * Collective. Kinetic energy of the bodies whose velocity is not imposed, and
