@@ -438,10 +438,10 @@ namespace greville
   PointTransfer<dim>::grid_to_points(MaterialPoints<dim>    &points,
                                      const PointUpdate<dim> &update)
   {
-    const bool kick    = update.acceleration != nullptr;
-    const bool deform  = update.deformation != nullptr;
-    const bool same    = update.deformation == update.velocity;
-    const bool is_flip = !update.apic && update.flip == 1.;
+    const bool                  kick    = update.acceleration != nullptr;
+    const bool                  deform  = update.deformation != nullptr;
+    const bool                  same    = update.deformation == update.velocity;
+    [[maybe_unused]] const bool is_flip = !update.apic && update.flip == 1.;
     Assert(update.velocity || !(update.move || (kick && !is_flip)),
            ExcMessage("Points that move, and kicks of PIC and APIC, need a "
                       "velocity of the grid."));

@@ -134,15 +134,12 @@ namespace greville
    */
   struct PointReport
   {
-    /// The largest c + |v| (m / s) with the speed c of pressure waves.
-    double fastest_signal = 0.;
-    /// The largest c.
-    double    fastest_wave = 0.;
+    /// The largest c + |v| (m / s) with the speed c of pressure waves, and c.
+    double    fastest_signal = 0., fastest_wave = 0.;
     PointSums sums;
     /// Cells that at least one point has left.
     std::vector<unsigned int> left_cells;
-    /// The id of the first point with J <= 0 or a stress or position that is
-    /// NaN, and what is wrong with it.
+    /// First point with J <= 0 or NaN in stress or position: id, and reason.
     std::int64_t bad_point = -1;
     std::string  bad_reason;
   };
