@@ -268,9 +268,17 @@ main(int argc, char **argv)
 
   // A signal ends a run, which goes on.
   {
-    // An alarm raises it on one process while the run is there.
+    // An alarm raises it on one process while the run is there, which is when
+    // the run takes the signal.
     struct sigaction action = {};
-    action.sa_handler       = [](int) { std::raise(SIGTERM); };
+    action.sa_handler       = [](int) {
+      struct sigaction now = {};
+      sigaction(SIGTERM, nullptr, &now);
+      if (now.sa_handler == SIG_DFL)
+        ualarm(300000, 0);
+      else
+        std::raise(SIGTERM);
+    };
     sigaction(SIGALRM, &action, nullptr);
     if (is_first())
       ualarm(300000, 0);
