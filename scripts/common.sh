@@ -58,10 +58,9 @@ configure() {
   }
 }
 
-# configure_sanitizers: what scripts/sanitize, scripts/fuzz and scripts/lint
-# build or read, in one folder.
-configure_sanitizers() {
-  configure build-sanitize Debug -DCMAKE_CXX_COMPILER=clang++-14 \
+# configure_clang: what scripts/fuzz builds and scripts/lint reads.
+configure_clang() {
+  configure build-clang Debug -DCMAKE_CXX_COMPILER=clang++-14 \
     -DGREVILLE_SANITIZE=address,undefined -DGREVILLE_TESTS=ON \
     -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
 }
