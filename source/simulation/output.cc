@@ -534,6 +534,9 @@ namespace greville
             names.push_back(std::string(what) + axes[d] + probe);
         for (const char *c : {"xx", "yy", "zz", "xy"})
           names.push_back(std::string("stress_") + c + probe);
+        if (dim == 3)
+          for (const char *c : {"xz", "yz"})
+            names.push_back(std::string("stress_") + c + probe);
       }
     return names;
   }
@@ -564,7 +567,8 @@ namespace greville
   {
     if (probes.empty())
       return;
-    constexpr unsigned int n = 2 * dim + 4;
+    constexpr unsigned int n_stresses = dim == 2 ? 4 : 6;
+    constexpr unsigned int n          = 2 * dim + n_stresses;
     std::vector<double>    values(1 + n * probes.size(), 0.);
     for (unsigned int b = 0; b < bodies.size(); ++b)
       {
@@ -578,7 +582,7 @@ namespace greville
                       values[1 + k * n + d]       = p.position(d);
                       values[1 + k * n + dim + d] = p.velocity(d);
                     }
-                  for (unsigned int c = 0; c < 4; ++c)
+                  for (unsigned int c = 0; c < n_stresses; ++c)
                     values[1 + k * n + 2 * dim + c] = p.stress(c);
                 }
           });

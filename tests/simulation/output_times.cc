@@ -39,6 +39,7 @@ namespace
   /**
    * Run into a folder.
    */
+  template <int dim = 2>
   RunSummary
   write(const Text &text, const std::string &folder)
   {
@@ -48,7 +49,7 @@ namespace
     MPI_Barrier(MPI_COMM_WORLD);
     std::ostringstream out;
     const auto         summary =
-      SimulationRun<2>(parameters, folder, out, MPI_COMM_WORLD).run();
+      SimulationRun<dim>(parameters, folder, out, MPI_COMM_WORLD).run();
     MPI_Barrier(MPI_COMM_WORLD);
     return summary;
   }
@@ -333,6 +334,27 @@ namespace
 
 
   /**
+   * A probe in the middle of a block that begins to shear in two directions.
+   */
+  void
+  check_probe_3d()
+  {
+    write<3>(block_3d("box(0, 0, 0, 1, 1, 1)", 8)
+               .with("Body body", {"Velocity = 0.1 * z; 0.2 * z; 0"})
+               .with("Output",
+                     {"Probes = 0.5, 0.5, 0.5", "Grid fields = false"})
+               .with("Time", {"End = 0.003", "Step = 0.001"}),
+             "shear");
+    const auto   row   = rows_of("shear/probes.csv").back();
+    const double shear = 100. / 2.6 * 0.1 * row.at("time");
+    check("shear stress xz", std::abs(row.at("stress_xz0") / shear - 1.), 1e-3);
+    check("shear stress yz", std::abs(row.at("stress_yz0") / shear - 2.), 2e-3);
+    check("other stress", std::abs(row.at("stress_xy0") / shear), 1e-3);
+  }
+
+
+
+  /**
    * What follows a copy of a state depends on the copy alone, also where
    * contacts slide.
    */
@@ -428,6 +450,7 @@ main(int argc, char **argv)
                                 "Imposed velocity = -0.5 * cos(9 * t); 0"}));
     }
   check_front(falling);
+  check_probe_3d();
   check_trajectory("ball, APIC", ball.with("Scheme", {"Transfer = APIC"}));
   check_trajectory("ball, p-multigrid",
                    ball.with("Scheme", {"Mass = consistent"})
