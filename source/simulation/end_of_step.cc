@@ -62,7 +62,7 @@ namespace greville
   void
   UnfinishedState<dim>::take(const State<dim> &state, const Lag lag)
   {
-    rest         = state;
+    rest         = static_cast<const StateWithoutBodies<dim> &>(state);
     points_stamp = state.points_stamp;
     kicked.clear();
     points.clear();

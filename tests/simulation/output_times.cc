@@ -70,7 +70,7 @@ namespace
     double worst = 0.;
     for (unsigned int k = 0; k < rows.size(); ++k)
       {
-        const auto   row = rows[k];
+        const auto  &row = rows[k];
         const double t = row.at("time"), m = row.at("mass"), v = 0.1 - g * t;
         for (const double error :
              {row.at("momentum_y") - m * v,

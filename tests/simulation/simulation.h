@@ -57,7 +57,7 @@ public:
     if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
       std::ofstream(file) << content;
     MPI_Barrier(MPI_COMM_WORLD);
-    const SimulationParameters result(file);
+    SimulationParameters result(file);
     MPI_Barrier(MPI_COMM_WORLD);
     return result;
   }

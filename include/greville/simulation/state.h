@@ -188,7 +188,7 @@ namespace greville
     void
     take(const State<dim> &state)
     {
-      rest = state;
+      rest = static_cast<const StateWithoutBodies<dim> &>(state);
       points.resize(state.bodies.size());
       for (unsigned int b = 0; b < points.size(); ++b)
         points[b].copy(state.bodies[b].points);
