@@ -10,7 +10,7 @@ void
 print_map(const std::vector<std::pair<std::uint64_t, char>> &own,
           const MultiIndex<2>                               &extents)
 {
-  std::vector<unsigned int> all(std::uint64_t(extents[0]) * extents[1], 0);
+  std::vector<unsigned int> all(std::uint64_t{extents[0]} * extents[1], 0);
   for (const auto &entry : own)
     all[entry.first] = entry.second;
   Utilities::MPI::sum(all, MPI_COMM_WORLD, all);

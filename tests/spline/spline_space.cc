@@ -139,7 +139,7 @@ main(int argc, char **argv)
   print() << "weighted" << std::endl;
   Box<2> box(MultiIndex<2>{{16, 16}});
   box.mesh.signals.weight.connect(
-    [](const auto &cell, const auto) { return weight<2>(cell); });
+    [weigh = &weight<2>](const auto &cell, const auto) { return weigh(cell); });
   box.mesh.repartition();
   for (unsigned int p = 1; p <= 5; ++p)
     test<2>(box.mesh, p, 1);
