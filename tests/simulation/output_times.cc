@@ -317,17 +317,18 @@ namespace
   check_front(const Text &text)
   {
     const auto front_above = [&](const std::string &y) {
-      const Text on_layer = text.with("Body body",
-                                      {"Shape = union(box(0.1, 0, 0.9, 0.2), "
-                                       "box(0.1, 0, 0.3, 0.4))"});
+      const Text on_layer =
+        text.with("Body body",
+                  {"Shape = union(box(0.125, 0, 0.875, 0.25), "
+                   "box(0.125, 0, 0.375, 0.5))"});
       return Simulated<2>(y.empty()
                             ? on_layer
                             : on_layer.with("Output", {"Front above = " + y}))
         ->statistics()
         .front;
     };
-    check("front of the layer", std::abs(front_above("") - 0.9), 1e-9);
-    check("front above the layer", std::abs(front_above("0.2") - 0.3), 1e-9);
+    check("front of the layer", std::abs(front_above("") - 0.875), 1e-9);
+    check("front above the layer", std::abs(front_above("0.25") - 0.375), 1e-9);
     check("front above all", std::abs(front_above("0.5")), 0.);
   }
 

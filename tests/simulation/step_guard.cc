@@ -92,6 +92,8 @@ namespace
       is_wrong_now = fault != "" && state.n_steps == n_good_steps;
       if (is_wrong_now && state.bodies[0].points.n_points() > 0)
         change_points(state.bodies[0].points);
+      if (is_wrong_now)
+        state.points_have_changed();
       CentralDifferences<2>::advance(state, dt);
       if (is_wrong_now && fault == "infinite")
         state.acceleration[0] = std::numeric_limits<double>::infinity();
