@@ -129,9 +129,12 @@ namespace greville
                                  comm);
         set_up = seconds_since(begin, comm);
         print_header(out, ensemble, parameters, comm);
+        // Stages often let the weight grow to its full value.
+        SimulationParameters last = parameters;
+        last.enter_stage(parameters.n_stages() - 1);
         check_materials(out,
                         ensemble.bodies(),
-                        Loads<dim>(parameters).gravity(common().time),
+                        Loads<dim>(last).gravity(end),
                         comm);
         print_warnings(ensemble);
       }

@@ -532,11 +532,9 @@ namespace greville
         for (const char *what : {"", "v"})
           for (unsigned int d = 0; d < dim; ++d)
             names.push_back(std::string(what) + axes[d] + probe);
-        for (const char *c : {"xx", "yy", "zz", "xy"})
-          names.push_back(std::string("stress_") + c + probe);
-        if (dim == 3)
-          for (const char *c : {"xz", "yz"})
-            names.push_back(std::string("stress_") + c + probe);
+        const char *components[] = {"xx", "yy", "zz", "xy", "xz", "yz"};
+        for (unsigned int c = 0; c < PointLayout<dim>::n_stress; ++c)
+          names.push_back(std::string("stress_") + components[c] + probe);
       }
     return names;
   }
@@ -567,8 +565,8 @@ namespace greville
   {
     if (probes.empty())
       return;
-    constexpr unsigned int n_stresses = dim == 2 ? 4 : 6;
-    constexpr unsigned int n          = 2 * dim + n_stresses;
+    constexpr unsigned int n_stress = PointLayout<dim>::n_stress;
+    constexpr unsigned int n        = 2 * dim + n_stress;
     std::vector<double>    values(1 + n * probes.size(), 0.);
     for (unsigned int b = 0; b < bodies.size(); ++b)
       {
@@ -582,7 +580,7 @@ namespace greville
                       values[1 + k * n + d]       = p.position(d);
                       values[1 + k * n + dim + d] = p.velocity(d);
                     }
-                  for (unsigned int c = 0; c < n_stresses; ++c)
+                  for (unsigned int c = 0; c < n_stress; ++c)
                     values[1 + k * n + 2 * dim + c] = p.stress(c);
                 }
           });
