@@ -1,17 +1,100 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/disk.h>
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fcntl.h>
+#include <filesystem>
+#include <fstream>
 #include <unistd.h>
-#include <vector>
 
 namespace greville
 {
   using namespace dealii;
+
+  namespace
+  {
+    constexpr std::uint64_t seal_size  = 64; // bytes
+    const char *const       seal_begin = "\nGreville: ";
+
+    // Numbers of eight bytes that are in memory at a time.
+    constexpr std::uint64_t piece = 1 << 17;
+
+
+
+    /**
+     * The finalizer of MurmurHash3: a bijection of 64 bits that spreads them.
+     */
+    std::uint64_t
+    mix(std::uint64_t x)
+    {
+      x ^= x >> 33;
+      x *= 0xff51afd7ed558ccdull;
+      x ^= x >> 33;
+      x *= 0xc4ceb9fe1a85ec53ull;
+      return x ^ (x >> 33);
+    }
+
+
+
+    std::string
+    seal_of(const std::uint64_t n_bytes, const std::uint64_t sum)
+    {
+      char text[seal_size + 1];
+      std::snprintf(text,
+                    sizeof(text),
+                    "%s%19llu bytes, checksum %016llx\n",
+                    seal_begin,
+                    static_cast<unsigned long long>(n_bytes),
+                    static_cast<unsigned long long>(sum));
+      return text;
+    }
+
+
+
+    /**
+     * Collective. The checksum of the first bytes of a file, taken as doubles,
+     * the last of which is filled up with zeros.
+     */
+    std::uint64_t
+    checksum_of_file(const std::string  &file,
+                     const std::uint64_t n_bytes,
+                     const MPI_Comm      comm)
+    {
+      const auto    share = share_of((n_bytes + 7) / 8, comm);
+      std::uint64_t own   = 0;
+      run_on_all(
+        [&]() {
+          if (share.first == share.second)
+            return;
+          std::ifstream in(file, std::ios::binary);
+          in.seekg(8 * share.first);
+          std::vector<double> values;
+          for (std::uint64_t at = share.first; at < share.second; at += piece)
+            {
+              values.assign(std::min(piece, share.second - at), 0.);
+              const std::uint64_t wanted =
+                std::min(8 * values.size(), n_bytes - 8 * at);
+              in.read(reinterpret_cast<char *>(values.data()), wanted);
+              AssertThrow(std::uint64_t(in.gcount()) == wanted,
+                          ExcMessage("Cannot read <" + file +
+                                     ">: " + std::strerror(errno) + "."));
+              own += checksum(values, at);
+            }
+        },
+        comm);
+      std::uint64_t sum = 0;
+      MPI_Allreduce(&own, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
+      return sum;
+    }
+  } // namespace
+
+
 
   std::string
   system_reason(const std::string &file)
@@ -63,5 +146,105 @@ namespace greville
     const int result = fsync(descriptor);
     close(descriptor);
     AssertThrow(result == 0, ExcMessage(write_error(file)));
+  }
+
+
+
+  std::pair<std::uint64_t, std::uint64_t>
+  share_of(const std::uint64_t n, const MPI_Comm comm)
+  {
+    const std::uint64_t n_processes = Utilities::MPI::n_mpi_processes(comm);
+    const std::uint64_t process     = Utilities::MPI::this_mpi_process(comm);
+    // Not n * process / n_processes, which may be too large.
+    const auto begin = [&](const std::uint64_t k) {
+      return n / n_processes * k + std::min(n % n_processes, k);
+    };
+    return {begin(process), begin(process + 1)};
+  }
+
+
+
+  std::uint64_t
+  checksum(const std::vector<double> &values, const std::uint64_t first)
+  {
+    std::uint64_t sum = 0;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      {
+        std::uint64_t bits;
+        std::memcpy(&bits, &values[k], sizeof(bits));
+        sum += mix(bits + 0x9e3779b97f4a7c15ull * (first + k + 1));
+      }
+    return sum;
+  }
+
+
+
+  std::uint64_t
+  checksum(const std::string &text, const std::uint64_t before)
+  {
+    std::uint64_t sum = mix(before + text.size());
+    for (const unsigned char c : text)
+      sum = mix(sum + c);
+    return sum;
+  }
+
+
+
+  void
+  seal_file(const std::string &file, const MPI_Comm comm)
+  {
+    std::uint64_t n_bytes = 0;
+    run_on_first([&]() { n_bytes = std::filesystem::file_size(file); }, comm);
+    n_bytes                 = Utilities::MPI::broadcast(comm, n_bytes);
+    const std::uint64_t sum = checksum_of_file(file, n_bytes, comm);
+    run_on_first(
+      [&]() {
+        errno = 0;
+        std::ofstream out(file, std::ios::binary | std::ios::app);
+        out << seal_of(n_bytes, sum) << std::flush;
+        AssertThrow(out, ExcMessage(write_error(file)));
+      },
+      comm);
+  }
+
+
+
+  void
+  check_seal(const std::string &file, const MPI_Comm comm)
+  {
+    std::uint64_t n_bytes = 0;
+    std::string   seal(seal_size, ' ');
+    run_on_first(
+      [&]() {
+        errno = 0;
+        std::ifstream in(file, std::ios::binary);
+        AssertThrow(in,
+                    ExcMessage("Cannot read <" + file +
+                               ">: " + std::strerror(errno) + "."));
+        n_bytes = std::filesystem::file_size(file);
+        if (n_bytes >= seal_size)
+          {
+            n_bytes -= seal_size;
+            in.seekg(n_bytes);
+            in.read(&seal[0], seal_size);
+          }
+        AssertThrow(seal.rfind(seal_begin, 0) == 0,
+                    ExcMessage("Cannot read <" + file +
+                               ">, which does not end with its checksum: it "
+                               "is truncated, is no file of HDF5 by this "
+                               "program, or comes from a version that wrote "
+                               "no such checksums."));
+      },
+      comm);
+    n_bytes                 = Utilities::MPI::broadcast(comm, n_bytes);
+    const std::uint64_t sum = checksum_of_file(file, n_bytes, comm);
+    run_on_first(
+      [&]() {
+        AssertThrow(seal == seal_of(n_bytes, sum),
+                    ExcMessage("Cannot read <" + file +
+                               ">, which has been changed: it does not have "
+                               "the checksum at its end."));
+      },
+      comm);
   }
 } // namespace greville

@@ -6,13 +6,12 @@
 #include <greville/base/tables.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <hdf5.h>
 #include <sstream>
-#include <unistd.h>
 
 namespace greville
 {
@@ -138,51 +137,13 @@ namespace greville
 
 
 
-    /**
-     * The finalizer of MurmurHash3: a bijection of 64 bits that spreads them.
-     */
     std::uint64_t
-    mix(std::uint64_t x)
-    {
-      x ^= x >> 33;
-      x *= 0xff51afd7ed558ccdull;
-      x ^= x >> 33;
-      x *= 0xc4ceb9fe1a85ec53ull;
-      return x ^ (x >> 33);
-    }
-
-
-
-    /**
-     * A sum over the numbers with their places, so that every process can add
-     * up its own.
-     */
-    std::uint64_t
-    checksum(const std::vector<double> &values, const std::uint64_t first)
-    {
-      std::uint64_t sum = 0;
-      for (std::size_t k = 0; k < values.size(); ++k)
-        {
-          std::uint64_t bits;
-          std::memcpy(&bits, &values[k], sizeof(bits));
-          sum += mix(bits + 0x9e3779b97f4a7c15ull * (first + k + 1));
-        }
-      return sum;
-    }
-
-
-
-    std::uint64_t
-    checksum(const std::map<std::string, std::string> &texts)
+    checksum_of(const std::map<std::string, std::string> &texts)
     {
       std::uint64_t sum = 0;
       for (const auto &[name, text] : texts)
         for (const std::string &word : {name, text})
-          {
-            sum = mix(sum + word.size());
-            for (const unsigned char c : word)
-              sum = mix(sum + c);
-          }
+          sum = checksum(word, sum);
       return sum;
     }
 
@@ -403,13 +364,8 @@ namespace greville
       check(H5Fget_filesize(file, &n_bytes));
       AssertThrow(size[0] <= n_bytes / (sizeof(double) * size[1]),
                   ExcMessage("the table " + name + " is longer than the file"));
-      const std::uint64_t n = Utilities::MPI::n_mpi_processes(comm);
-      const std::uint64_t r = Utilities::MPI::this_mpi_process(comm);
-      // Not size * r / n, which may be too large.
-      const auto begin = [&](const std::uint64_t k) {
-        return size[0] / n * k + std::min<std::uint64_t>(size[0] % n, k);
-      };
-      const hsize_t first = begin(r), own = begin(r + 1) - first;
+      const auto    share = share_of(size[0], comm);
+      const hsize_t first = share.first, own = share.second - first;
       table.values.resize(own * size[1]);
       if (size[0] > 0)
         transfer_rows(first,
@@ -444,6 +400,10 @@ namespace greville
     Handle
     parallel_access(const MPI_Comm comm)
     {
+      // A component of Open MPI 4.1 for files with one pointer of all
+      // processes, which HDF5 does not use, overflows by paths of 250 letters.
+      // Open MPI reads this when it opens its first file.
+      setenv("OMPI_MCA_sharedfp", "^lockedfile", 0);
       const hid_t list = H5Pcreate(H5P_FILE_ACCESS);
       if (list >= 0)
         {
@@ -530,7 +490,7 @@ namespace greville
           write_text(handle, name, text);
         write_text(handle,
                    checksum_name,
-                   std::to_string(checksum(content.texts)));
+                   std::to_string(checksum_of(content.texts)));
         for (const DistributedTable &table : content.tables)
           write_table(handle, table, comm);
         handle.finish();
@@ -541,6 +501,15 @@ namespace greville
                   ">: " + system_reason(unfinished) + message_of(error) + ".";
       }
     message = first_of_all(message, comm);
+    if (message.empty())
+      try
+        {
+          seal_file(unfinished, comm);
+        }
+      catch (const ErrorOnAll &error)
+        {
+          message = message_of(error);
+        }
     run_on_first(
       [&]() {
         if (message.empty())
@@ -563,16 +532,8 @@ namespace greville
   read_tables(const std::string &file, const MPI_Comm comm)
   {
     const Silence silence;
-    run_on_first(
-      [&]() {
-        AssertThrow(access(file.c_str(), R_OK) == 0,
-                    ExcMessage("Cannot read <" + file +
-                               ">: " + std::strerror(errno) + "."));
-        AssertThrow(H5Fis_hdf5(file.c_str()) > 0,
-                    ExcMessage("<" + file +
-                               "> is no file of HDF5, or is truncated."));
-      },
-      comm);
+    // HDF5 may crash on a damaged file.
+    check_seal(file, comm);
     TablesFile  content;
     std::string message;
     try
@@ -586,7 +547,7 @@ namespace greville
             sum = read_text(handle, name);
           else
             content.texts[name] = read_text(handle, name);
-        AssertThrow(sum == std::to_string(checksum(content.texts)),
+        AssertThrow(sum == std::to_string(checksum_of(content.texts)),
                     ExcMessage("its texts do not have their checksum"));
         for (const std::string &name : names_of_tables(handle))
           content.tables.push_back(read_table(handle, name, comm));

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 // Tables and texts in files: what is written is read on all processes, by rows
-// in their order; files that are truncated, foreign or changed are refused;
-// what fails to be written leaves the file of before.
+// in their order; files that are truncated, foreign or changed in any byte are
+// refused before HDF5 opens them; what fails to be written leaves the file of
+// before.
 
 #include <deal.II/base/mpi.h>
 
+#include <greville/base/disk.h>
 #include <greville/base/tables.h>
 
 #include "../tests.h"
@@ -173,7 +175,70 @@ main(int argc, char **argv)
   if (is_first)
     write_promises("promises.h5");
   MPI_Barrier(comm);
+  seal_file("promises.h5", comm);
   check_refused("promises.h5", "the table rows is longer than the file", comm);
+
+  // Each byte of a file counts, and each that is missing or added.
+  TablesFile small = example(comm, 1.);
+  small.texts.erase("long");
+  write_tables("small.h5", small, comm);
+  check_seal("small.h5", comm);
+  const auto is_refused = [&]() {
+    try
+      {
+        check_seal("small.h5", comm);
+        return false;
+      }
+    catch (const std::exception &)
+      {
+        return true;
+      }
+  };
+  const std::uint64_t n_bytes    = std::filesystem::file_size("small.h5");
+  std::uint64_t       n_accepted = 0;
+  // The first process alone has the file open for writing.
+  std::fstream stream;
+  if (is_first)
+    stream.open("small.h5", std::ios::binary | std::ios::in | std::ios::out);
+  for (std::uint64_t k = 0; k < n_bytes; ++k)
+    {
+      const auto flip = [&]() {
+        if (!is_first)
+          return;
+        stream.seekg(k);
+        const char byte = stream.get();
+        stream.seekp(k);
+        stream.put(byte ^ (1 << (k % 8))).flush();
+      };
+      flip();
+      MPI_Barrier(comm);
+      n_accepted += !is_refused();
+      flip();
+    }
+  stream.close();
+  check("bytes", n_bytes > 2000);
+  check("changed bytes that are accepted", n_accepted == 0);
+  MPI_Barrier(comm);
+  check("the file of before", !is_refused());
+  for (const std::uint64_t size :
+       {n_bytes + 1, n_bytes - 1, n_bytes - 64, n_bytes / 2, std::uint64_t(9)})
+    {
+      MPI_Barrier(comm);
+      if (is_first)
+        std::filesystem::resize_file("small.h5", size);
+      MPI_Barrier(comm);
+      check("refused with " + std::to_string(size) + " bytes", is_refused());
+    }
+
+  // Names of 300 letters and more.
+  const std::string folder =
+    std::string(150, 'a') + "/" + std::string(150, 'b');
+  if (is_first)
+    std::filesystem::create_directories(folder);
+  MPI_Barrier(comm);
+  write_tables(folder + "/tables.h5", written, comm);
+  check("a long name",
+        read_tables(folder + "/tables.h5", comm).texts == written.texts);
 
   // A file cannot take the place of a folder.
   if (is_first)

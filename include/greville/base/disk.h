@@ -3,8 +3,12 @@
 #ifndef greville_base_disk_h
 #define greville_base_disk_h
 
+#include <deal.II/base/mpi.h>
+
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace greville
 {
@@ -31,6 +35,47 @@ namespace greville
    */
   void
   write_to_disk(const std::string &file);
+
+
+
+  /**
+   * Collective. The first of @p n things that this process takes, and the one
+   * behind its last: each takes the same number, but for one.
+   */
+  std::pair<std::uint64_t, std::uint64_t>
+  share_of(const std::uint64_t n, const MPI_Comm comm);
+
+  /**
+   * A sum over numbers with their places, of which the first is @p first, so
+   * that every process can add up its own. It changes with each bit.
+   */
+  std::uint64_t
+  checksum(const std::vector<double> &values, const std::uint64_t first);
+
+  /**
+   * The same of one text behind others, whose checksum is @p before.
+   */
+  std::uint64_t
+  checksum(const std::string &text, const std::uint64_t before);
+
+
+
+  /**
+   * Collective. Append to a complete @p file the checksum of all of its bytes,
+   * as a line of 64 letters that HDF5 does not read. Each process reads its
+   * share of the file, piece by piece. Throws dealii::ExcMessage where that
+   * fails.
+   */
+  void
+  seal_file(const std::string &file, const MPI_Comm comm);
+
+  /**
+   * Collective. Throw dealii::ExcMessage where @p file cannot be read, or does
+   * not end with the checksum of what stands before it: where any of its bytes
+   * has been changed or is missing. Reads as seal_file().
+   */
+  void
+  check_seal(const std::string &file, const MPI_Comm comm);
 } // namespace greville
 
 #endif
