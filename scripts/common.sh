@@ -10,6 +10,9 @@ drawing_packages="python3-matplotlib python3-vtk9 python3-pil"
 # is used. With the others, clones of the project share what they have compiled.
 export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros,include_file_mtime,include_file_ctime}"
 
+# Compilers and tests at a time.
+JOBS=${JOBS:-$(nproc)}
+
 say() {
   echo "== $*"
 }
@@ -44,11 +47,23 @@ install_packages() {
     --no-install-recommends $missing
 }
 
+# is_configured FOLDER: whether it is a build tree of this project. In a copy of
+# the project, or where it was moved, the tree still has the paths of the
+# original and would build the sources there.
+is_configured() {
+  home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$1/CMakeCache.txt" 2>/dev/null)
+  [ -f "$1/build.ninja" ] && [ "$home" -ef . ]
+}
+
 # configure FOLDER TYPE [OPTION...]
 configure() {
   folder=$1
   type=$2
   shift 2
+  if [ -f "$folder/CMakeCache.txt" ] && ! is_configured "$folder"; then
+    rm -rf "$folder/CMakeCache.txt" "$folder/CMakeFiles" "$folder"/.ninja_* \
+      "$folder/build.ninja"
+  fi
   say "configuring $folder ($type)"
   mkdir -p "$folder"
   cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE="$type" "$@" \
@@ -82,7 +97,7 @@ build() {
   folder=$1
   shift
   say "building $folder"
-  cmake --build "$folder" -j "${JOBS:-2}" --target "$@"
+  cmake --build "$folder" -j "$JOBS" --target "$@"
 }
 
 # Open MPI refuses to run as root unless it is told twice, and more processes

@@ -18,7 +18,7 @@
 struct ShippedFile
 {
   std::string name;
-  /// Whether it is one of mass_benchmark.
+  /// Whether it is one of greville_benchmark.
   bool is_benchmark = false;
   /// The whole file, and what makes it small: later lines win.
   std::string content, small;

@@ -16,7 +16,7 @@ namespace
     const double     values[2] = {0.7, -1.};
     const double     value     = e(ArrayView<const double>(values, 2));
     check(formula, std::abs(value - expected), 1e-14);
-    // mass_benchmark has the same language.
+    // greville_benchmark has the same language.
     if (formula.find('t') == std::string::npos)
       check(formula + " as a function",
             std::abs(make_function<2>(formula, "P")->value(Point<2>(0.7, 0.)) -

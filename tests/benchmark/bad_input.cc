@@ -21,7 +21,7 @@ namespace
     }
     try
       {
-        Benchmark benchmark("mass_benchmark");
+        Benchmark benchmark("greville_benchmark");
         benchmark.run(file);
         print() << "accepted: " << content << std::endl;
       }

@@ -55,4 +55,24 @@ answers 2 1 "not <x>" scripts/fuzz x
 answers 2 1 "there is no parser <x>" scripts/fuzz 1 x
 answers 2 1 "there is no file <x.cc>" scripts/lint x.cc
 answers 2 1 "--tests takes" scripts/fresh_machine --tests
+
+# A build tree of another folder is configured anew, one of this folder is not.
+(
+  place=$(mktemp -d)
+  trap 'rm -rf "$place"' EXIT
+  mkdir "$place/original"
+  echo 'cmake_minimum_required(VERSION 3.18)
+    project(none NONE)' >"$place/original/CMakeLists.txt"
+  . scripts/common.sh
+  cd "$place/original" || exit 1
+  configure build Release && is_configured build || exit 1
+  cp -r "$place/original" "$place/copy"
+  cd "$place/copy" || exit 1
+  ! is_configured build && configure build Release && is_configured build &&
+    ! grep -q "$place/original" build/build.ninja
+) >"$out" 2>&1 || {
+  echo "FAILED: a build tree in a copy of the project:"
+  cat "$out"
+  status=1
+}
 exit $status
