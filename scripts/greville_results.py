@@ -46,6 +46,12 @@ def how_to_install(*modules):
             f"(sudo apt install {PACKAGES[modules[0]]}), or use this Python's own package manager.")
 
 
+def parts_in_range(field):
+    """Percentiles of values between which a scale of colours lies. The plastic strain of a thin sheared layer is many
+    times that of the body above it."""
+    return (0., 97.) if field == "plastic_strain" else (0.2, 99.8)
+
+
 def range_of_colours(field, low, high):
     """The range of a scale that fits the values from low to high."""
     return low, max(high, LEAST_UPPER_ENDS.get(field, high))
@@ -491,6 +497,15 @@ class Run:
         work = sum((table[name] for name in self.work), np.zeros(len(energy)))
         change = energy - energy[0]
         return change, work, change - work
+
+
+def main_field(run):
+    """The field that says most about a run: the plastic strain of soil, where there is any, and else the speed."""
+    models = {run.parameters.get(f"Material {run.parameters.get(f'Body {name}/Material')}/Model") for name in run.bodies}
+    if models & {"drucker-prager", "mohr-coulomb"} and "plastic_strain" in run.point_fields \
+            and run.points(-1, ["plastic_strain"])["plastic_strain"].max() > 0:
+        return "plastic_strain"
+    return "speed"
 
 
 def runs_in(folder):
