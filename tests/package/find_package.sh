@@ -2,7 +2,8 @@
 # find_package.sh CMAKE BUILD_TREE STEP MPIEXEC FLAG NUMDIFF: install the build tree,
 # build the step program in the folder STEP against what is installed, run it on
 # one and on two processes, and compare what it prints with the block @code in
-# its results.dox.
+# its results.dox. The same with the program in doc/examples/own_law, whose law is
+# one of the library under another name.
 set -e
 cmake=$1
 folder=$2/package_test
@@ -19,9 +20,15 @@ linker=
 if command -v ld.lld >/dev/null; then
   linker=-fuse-ld=lld
 fi
-"$cmake" -S "$step" -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
-  -DCMAKE_PREFIX_PATH="$folder/prefix" -DCMAKE_EXE_LINKER_FLAGS=$linker
-"$cmake" --build "$folder/build"
+# build_in FOLDER SOURCE
+build_in() {
+  "$cmake" -S "$2" -B "$1" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_PREFIX_PATH="$folder/prefix" -DCMAKE_EXE_LINKER_FLAGS=$linker
+  "$cmake" --build "$1"
+}
+law=$step/../examples/own_law
+build_in "$folder/build" "$step"
+build_in "$folder/build_law" "$law"
 
 # Iterations may differ by two, where processes or round-off do. Other numbers
 # have to agree to 0.2 %, or to the last printed digit.
@@ -46,4 +53,17 @@ for n in 1 2; do
   "$mpiexec" "$np" $n "$folder/build/step-greville" | sed 's/ *$//' >printed
   cat printed
   compare $n
+
+  # The last time, mass, momenta and energies.
+  "$mpiexec" "$np" $n "$folder/build_law/own_law" "$law/sponge.prm"
+  sed 's/= sponge$/= neo-hookean/; s/Shear modulus = 50 /Young modulus = 100\nset Poisson ratio = 0/' \
+    "$law/sponge.prm" >neo-hookean.prm
+  "$mpiexec" "$np" $n "$folder/prefix/bin/greville" neo-hookean.prm \
+    --set Output/Directory=output/neo-hookean >/dev/null
+  for name in sponge neo-hookean; do
+    tail -n 1 output/$name/statistics.csv | cut -d, -f1-8 | tr , ' ' >$name
+    [ -s $name ]
+    [ "$(grep -c "points_[0-9]*.pvtu" output/$name/points.pvd)" = 3 ]
+  done
+  "$numdiff" -a 1e-12 -r 1e-8 neo-hookean sponge
 done
