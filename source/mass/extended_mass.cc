@@ -341,7 +341,7 @@ namespace greville
         });
     };
 
-    // B = M E in the rows of this->extended functions.
+    // B = M E in the rows of extended functions.
     std::vector<std::size_t> B_begin(1, 0);
     std::vector<Entry>       B;
     for (const unsigned int place : this->extended)
@@ -354,7 +354,7 @@ namespace greville
         B_begin.push_back(B.size());
       }
 
-    // The this->extended functions of each unknown.
+    // The extended functions of each unknown.
     std::vector<std::size_t> transpose_begin(n + 1, 0);
     for (const auto &entry : this->extended_entries)
       ++transpose_begin[entry.unknown + 1];
@@ -372,7 +372,7 @@ namespace greville
             k, this->extended_entries[e].weight};
     }
 
-    // Unknowns that no this->extended function meets have the entries of M.
+    // Unknowns that no extended function meets have the entries of M.
     std::vector<bool> is_plain(n, true);
     for (unsigned int u = 0; u < n; ++u)
       is_plain[u] =
