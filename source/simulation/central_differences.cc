@@ -191,7 +191,13 @@ namespace greville
                         discretization.transfer(),
                         state.velocity_time,
                         state.velocity_time + trial.velocity_step);
-    fail_with([&]() { loads.gravity(state.time); }, false);
+    // Both ends do work.
+    fail_with(
+      [&]() {
+        loads.gravity(state.time);
+        loads.gravity(state.time + trial.step);
+      },
+      false);
     {
       const PartTimer timer(log, "loads");
       const auto      set = [&]() {

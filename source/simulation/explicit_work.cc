@@ -11,8 +11,10 @@ namespace greville
   void
   CentralDifferences<dim>::add_work(State<dim> &state)
   {
+    // The potential of gravity belongs to positions: its mean over the step.
     const VectorType    &lumped = discretization.lumped_mass();
-    const Tensor<1, dim> g      = loads.gravity(state.time);
+    const Tensor<1, dim> g      = 0.5 * (loads.gravity(state.time) +
+                                    loads.gravity(state.time + trial.step));
     double               power  = 0.;
     for (unsigned int d = 0; d < dim; ++d)
       if (g[d] != 0.)
