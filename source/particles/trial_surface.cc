@@ -42,18 +42,20 @@ namespace greville
     void
     set_derivatives(TrialSurfacePoint<dim>   &trial,
                     const LoadedSurface<dim> &surface,
+                    const ConstPointRef<dim>  p,
                     const SurfaceState<dim>  &begin,
                     const SurfaceMotion<dim> &motion,
                     const Tensor<1, dim>     &v,
                     const Tensor<1, dim>     &u,
                     const Tensor<2, dim>     &gradient,
                     const double              h,
-                    const bool                is_total)
+                    const bool                is_total,
+                    const bool                has_normal)
     {
       const auto load = [&](const Tensor<1, dim> &at,
                             const Tensor<2, dim> &gradient_at) {
         return surface.load(
-          moved_state<dim>(begin, motion, v, at, gradient_at, is_total));
+          p, moved_state<dim>(begin, motion, v, at, gradient_at, is_total));
       };
       for (unsigned int k = 0; k < dim; ++k)
         {
@@ -64,7 +66,7 @@ namespace greville
             (2. * step[k]);
           for (unsigned int i = 0; i < dim; ++i)
             trial.by_displacement[i][k] = derivative[i];
-          for (unsigned int L = 0; L < dim; ++L)
+          for (unsigned int L = 0; has_normal && L < dim; ++L)
             {
               Tensor<2, dim> change;
               change[k][L] = difference;
@@ -88,10 +90,11 @@ namespace greville
                     const bool                                 derivatives,
                     const typename TrialSurfaces<dim>::Action &action)
     {
-      const MaterialPoints<dim> &points   = *surface.points;
-      const PointLayout<dim>    &layout   = points.layout();
-      const bool                 is_total = layout.is_total_lagrangian();
-      const unsigned int         n_fields = motion.v ? 2 * dim : dim;
+      const MaterialPoints<dim> &points     = *surface.points;
+      const PointLayout<dim>    &layout     = points.layout();
+      const bool                 is_total   = layout.is_total_lagrangian();
+      const bool                 has_normal = layout.find("normal");
+      const unsigned int         n_fields   = motion.v ? 2 * dim : dim;
       std::vector<TrialSurfacePoint<dim>> trials;
       for (const unsigned int cell : points.cells())
         {
@@ -119,17 +122,19 @@ namespace greville
               }
             const SurfaceState<dim> begin = surface_state<dim>(p, layout);
             trial.load                    = surface.load(
-              moved_state<dim>(begin, motion, v, u, gradient, is_total));
+              p, moved_state<dim>(begin, motion, v, u, gradient, is_total));
             if (derivatives)
               set_derivatives<dim>(trial,
                                    surface,
+                                   p,
                                    begin,
                                    motion,
                                    v,
                                    u,
                                    gradient,
                                    1. / geometry.inverse_h[0],
-                                   is_total);
+                                   is_total,
+                                   has_normal);
             trials.push_back(trial);
           });
           action(cell, trials);

@@ -220,15 +220,27 @@ namespace greville
     // the begin, old_loads has those on surfaces, too, and walls give what M a
     // needs beyond them and the stresses, where a is known. The reaction is
     // that of the balance.
-    const bool        is_mean = scheme.load_time == 1.;
-    const double      share   = is_mean ? 0.5 : 1.;
-    const bool        knows_a = scheme.alpha_a != 0. || scheme.alpha_m != 0.;
+    const bool        is_mean        = scheme.load_time == 1.;
+    const double      share          = is_mean ? 0.5 : 1.;
+    const bool        knows_a        = scheme.needs_acceleration();
     const double      share_of_walls = is_mean && (scheme.is_static || knows_a)
                                          ? 0.5 / (1. - scheme.alpha_f)
                                          : 1.;
     VectorField<dim> &old_rows       = work;
     if (!scheme.is_static)
-      system.finest().extended().multiply_at_held(old_rows, acceleration);
+      {
+        // One that has been kept belongs to another time.
+        VectorField<dim> a = acceleration;
+        const double     late =
+          scheme.keeps_acceleration ? scheme.alpha_f - scheme.alpha_m : 0.;
+        if (late != 0.)
+          {
+            find_new_acceleration(old_rows, dt);
+            for (unsigned int d = 0; d < dim; ++d)
+              a[d].sadd(1. - late, late, old_rows[d]);
+          }
+        system.finest().extended().multiply_at_held(old_rows, a);
+      }
     const Tensor<1, dim> new_g =
       loads.gravity(state.time + scheme.load_time * dt);
     const Tensor<1, dim> old_g     = loads.gravity(state.time);
@@ -264,20 +276,25 @@ namespace greville
       state.energy.add_work(EnergyBalance::loads, on_points);
     state.energy.add_work(EnergyBalance::walls, by_walls);
 
-    // Those on surfaces one by one.
-    const auto add_power = [&](const unsigned int      k,
+    // Those on surfaces one by one, and then those that follow the points of
+    // bodies, which are among the loads on points at the begin.
+    const unsigned int n_surfaces = state.surfaces.size();
+    const auto         add_power  = [&](const unsigned int      k,
                                const VectorField<dim> &load,
                                const double            factor) {
       double sum = 0.;
       for (unsigned int d = 0; d < dim; ++d)
         for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
           sum += load[d].local_element(i) * displacement[d].local_element(i);
-      state.energy.add_work(EnergyBalance::surfaces + k, factor * sum);
+      state.energy.add_work(k < n_surfaces ? EnergyBalance::surfaces + k
+                                           : unsigned(EnergyBalance::loads),
+                            factor * sum);
     };
     if (surfaces.size() == 1)
       {
         add_power(0, new_surface_loads, share);
-        add_power(0, old_surface_loads, 1. - share);
+        if (n_surfaces == 1)
+          add_power(0, old_surface_loads, 1. - share);
         return;
       }
     SurfaceMotion<dim> begin;
@@ -292,6 +309,8 @@ namespace greville
         system.add_surfaces(
           {surfaces[k]}, displacement, surface_motion, false, load);
         add_power(k, load, share);
+        if (k >= n_surfaces)
+          continue;
         system.add_surfaces({before[k]}, at_rest, begin, false, load);
         add_power(k, load, 1. - share);
       }

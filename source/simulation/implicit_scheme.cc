@@ -22,8 +22,9 @@ namespace greville
                       Patterns::Double(0., 1.));
     prm.add_parameter("Spectral radius",
                       spectral_radius,
-                      "generalized-alpha: what a step leaves of the highest "
-                      "modes; 1: all of them, 0: nothing. Unit: none.",
+                      "generalized-alpha: the factor by which a step changes "
+                      "the amplitude of the highest modes; 1 keeps them, 0 "
+                      "removes them. Unit: none.",
                       Patterns::Double(0., 1.));
     prm.add_parameter("Smallest step",
                       smallest_step,
@@ -80,6 +81,7 @@ namespace greville
         scheme.alpha_f   = rho / (rho + 1.);
         const double sum = 1. - scheme.alpha_m + scheme.alpha_f;
         newmark(0.25 * sum * sum, sum - 0.5);
+        scheme.keeps_acceleration = true;
       }
     else if (name == "implicit-midpoint")
       {

@@ -88,6 +88,7 @@ namespace greville
   void
   ImplicitSteps<dim>::sum_loads(State<dim>       &state,
                                 const double      t,
+                                const bool        with_following,
                                 VectorField<dim> &sums)
   {
     Tensor<1, dim> g;
@@ -96,8 +97,12 @@ namespace greville
       {
         fail_with(
           [&]() {
-            run_on_all([&]() { loads.set(state.bodies, t); },
-                       discretization.communicator());
+            run_on_all(
+              [&]() {
+                with_following ? loads.set(state.bodies, t)
+                               : loads.set_others(state.bodies, t);
+              },
+              discretization.communicator());
           },
           false);
         discretization.sum(state, &sums);
@@ -137,8 +142,8 @@ namespace greville
     loads.clear(state.bodies);
     loads.surfaces().clear(state.surfaces);
     discretization.sum(state, &old_force);
-    sum_loads(state, state.time, old_loads);
-    sum_loads(state, state.time + scheme.load_time * dt, new_loads);
+    sum_loads(state, state.time, true, old_loads);
+    sum_loads(state, state.time + scheme.load_time * dt, false, new_loads);
 
     velocity = state.velocity;
     // The velocity of walls at the begin, and at the end, from displacements
@@ -157,29 +162,20 @@ namespace greville
         start_surfaces(state, dt);
         return;
       }
-    const PartTimer timer(log, "solve");
-    const auto solve = [&](VectorField<dim> &x, const VectorField<dim> &b) {
-      const SolveResult result = system.solve_mass(x, b);
-      if (!result.converged)
-        throw StepFailed("the solver of the mass matrix " + result.reason);
-    };
-    solve(velocity, discretization.momentum());
+    solve_mass(velocity, discretization.momentum());
     system.finest().extended().rows_of_held(held_momentum,
                                             velocity,
                                             discretization.momentum());
     start_surfaces(state, dt);
-    if (scheme.alpha_a != 0. || scheme.alpha_m != 0.)
+    if (scheme.needs_acceleration())
       {
+        if (scheme.keeps_acceleration && state.history.n > 0)
+          acceleration = state.history.accelerations[0];
         discretization.walls().hold_acceleration(acceleration,
                                                  before,
                                                  after,
                                                  dt);
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            work[d] = old_force[d];
-            work[d] += old_loads[d];
-          }
-        solve(acceleration, work);
+        find_acceleration(state);
       }
     // v + share (v' - v) without u.
     const double share = scheme.load_time;
@@ -197,26 +193,124 @@ namespace greville
 
   template <int dim>
   void
+  ImplicitSteps<dim>::solve_mass(VectorField<dim> &x, const VectorField<dim> &b)
+  {
+    const PartTimer   timer(log, "solve");
+    const SolveResult result = system.solve_mass(x, b);
+    if (!result.converged)
+      throw StepFailed("the solver of the mass matrix " + result.reason);
+  }
+
+
+
+  namespace
+  {
+    /**
+     * Let the accelerations that points keep and their velocities change
+     * places, so that transfers take the ones for the others.
+     */
+    template <int dim>
+    void
+    exchange_with_velocity(std::vector<Body<dim>> &bodies)
+    {
+      for (Body<dim> &body : bodies)
+        {
+          const unsigned int kept = body.points.layout().first("acceleration");
+          body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+            for (unsigned int d = 0; d < dim; ++d)
+              std::swap(p.velocity(d), p[kept + d]);
+          });
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::find_acceleration(State<dim> &state)
+  {
+    if (scheme.keeps_acceleration && state.history.n > 0)
+      {
+        if (parameters.scheme.is_total_lagrangian())
+          return;
+        std::vector<const MaterialPoints<dim> *> points;
+        for (const Body<dim> &body : state.bodies)
+          points.push_back(&body.points);
+        VectorType mass = discretization.lumped_mass();
+        exchange_with_velocity(state.bodies);
+        discretization.transfer().points_to_grid(points, &mass, &work, nullptr);
+        exchange_with_velocity(state.bodies);
+      }
+    else
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          work[d] = old_force[d];
+          work[d] += old_loads[d];
+        }
+    solve_mass(acceleration, work);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::find_new_acceleration(VectorField<dim> &result,
+                                            const double      dt) const
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        result[d].equ(scheme.alpha_u / (dt * dt), displacement[d]);
+        result[d].add(-scheme.alpha_v / dt,
+                      velocity[d],
+                      -scheme.alpha_a,
+                      acceleration[d]);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::keep_acceleration(State<dim> &state, const double dt)
+  {
+    VectorField<dim> &kept = state.history.accelerations[0];
+    kept                   = acceleration;
+    find_new_acceleration(kept, dt);
+    state.history.n = 1;
+    if (parameters.scheme.is_total_lagrangian())
+      return;
+    PointUpdate<dim> update;
+    update.acceleration = update.velocity = &kept;
+    update.flip                           = 0.;
+    exchange_with_velocity(state.bodies);
+    update_points(state.bodies, discretization.transfer(), update, state.time);
+    exchange_with_velocity(state.bodies);
+  }
+
+
+
+  template <int dim>
+  void
   ImplicitSteps<dim>::start_surfaces(const State<dim> &state, const double dt)
   {
-    if (state.surfaces.empty())
+    const double t = state.time + scheme.load_time * dt;
+    surfaces       = loads.surfaces().loaded(state.surfaces, t);
+    for (LoadedSurface<dim> &body : loads.following(state.bodies, t))
+      surfaces.push_back(std::move(body));
+    if (surfaces.empty())
       return;
     SurfaceMotion<dim> begin;
     begin.v = scheme.is_static ? nullptr : &velocity;
     for (VectorType &component : displacement)
       component = 0.;
-    const auto find_loads = [&]() {
-      system.add_surfaces(loads.surfaces().loaded(state.surfaces, state.time),
-                          displacement,
-                          begin,
-                          false,
-                          old_surface_loads);
-    };
-    find_loads();
+    system.add_surfaces(loads.surfaces().loaded(state.surfaces, state.time),
+                        displacement,
+                        begin,
+                        false,
+                        old_surface_loads);
     for (unsigned int d = 0; d < dim; ++d)
       old_loads[d] += old_surface_loads[d];
-    surfaces             = loads.surfaces().loaded(state.surfaces,
-                                       state.time + scheme.load_time * dt);
     surface_motion.share = scheme.load_time;
     surface_motion.v     = scheme.is_static ? nullptr : &surface_velocity;
     surface_motion.v_by_u =
@@ -237,16 +331,22 @@ namespace greville
     std::string problem = system.evaluate(
       bodies, displacement, dt, scheme.stress, with_stiffness, force);
     has_stiffness = with_stiffness;
+    // Formulas may have no value where the step would bring the points.
     if (!surfaces.empty())
-      {
-        const bool symmetric = system.add_surfaces(surfaces,
-                                                   displacement,
-                                                   surface_motion,
-                                                   with_stiffness,
-                                                   new_surface_loads);
-        if (with_stiffness)
-          surfaces_are_symmetric = symmetric;
-      }
+      try
+        {
+          const bool symmetric = system.add_surfaces(surfaces,
+                                                     displacement,
+                                                     surface_motion,
+                                                     with_stiffness,
+                                                     new_surface_loads);
+          if (with_stiffness)
+            surfaces_are_symmetric = symmetric;
+        }
+      catch (const ErrorOnAll &error)
+        {
+          problem = message_of(error);
+        }
     problem = first_of_all(problem, discretization.communicator());
     if (!problem.empty())
       return problem;
@@ -449,6 +549,8 @@ namespace greville
   ImplicitSteps<dim>::advance(State<dim> &state, const double dt)
   {
     find_reactions(state, dt);
+    if (scheme.keeps_acceleration)
+      keep_acceleration(state, dt);
 
     // v', and what the points get.
     for (unsigned int d = 0; d < dim; ++d)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/load_balance.h>
 
@@ -177,6 +178,12 @@ namespace greville
           parameters.enter_stage(k);
           if (parameters.scheme.transfer == "APIC")
             layout.add("affine", dim * dim);
+          const std::string &name = parameters.scheme.stress_update;
+          if (is_implicit_scheme(name) &&
+              make_implicit_scheme(name, parameters.implicit)
+                .keeps_acceleration &&
+              !parameters.scheme.is_total_lagrangian())
+            layout.add("acceleration", dim);
           Loads<dim>(parameters).add_fields(layout);
         }
     }

@@ -123,9 +123,12 @@ namespace greville
 
   template <int dim>
   void
-  Loads<dim>::set(std::vector<Body<dim>> &bodies, const double t)
+  Loads<dim>::set(std::vector<Body<dim>> &bodies,
+                  const double            t,
+                  const bool              with_following)
   {
-    largest = 0.;
+    if (with_following)
+      largest = 0.;
     if (!act_on_points())
       return;
     clear(bodies);
@@ -133,7 +136,8 @@ namespace greville
       {
         const unsigned int first = body.points.layout().first("load");
         for (const auto &load : point_loads)
-          load->add_acceleration(body.points, first, t);
+          if (with_following || !load->at_position(body.points.layout(), t))
+            load->add_acceleration(body.points, first, t);
         body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
           const double size = p.vector(first).norm();
           if (!(size <= 1e100))
@@ -148,6 +152,33 @@ namespace greville
             largest = std::max(largest, size);
         });
       }
+  }
+
+
+
+  template <int dim>
+  std::vector<LoadedSurface<dim>>
+  Loads<dim>::following(const std::vector<Body<dim>> &bodies,
+                        const double                  t) const
+  {
+    std::vector<LoadedSurface<dim>> result;
+    for (const Body<dim> *body : deformable_bodies(bodies))
+      {
+        std::vector<typename PointLoad<dim>::AtPosition> accelerations;
+        for (const auto &load : point_loads)
+          if (auto acceleration = load->at_position(body->points.layout(), t))
+            accelerations.push_back(std::move(acceleration));
+        if (!accelerations.empty())
+          result.push_back({&body->points,
+                            [accelerations](const ConstPointRef<dim> p,
+                                            const SurfaceState<dim> &state) {
+                              Tensor<1, dim> sum;
+                              for (const auto &acceleration : accelerations)
+                                sum += acceleration(p, state.x);
+                              return sum;
+                            }});
+      }
+    return result;
   }
 
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/load_balance.h>
 #include <greville/simulation/simulation.h>
@@ -141,8 +142,13 @@ namespace greville
         current.step = current.velocity_step = 0.;
       }
     current.reactions = {};
+    // What an implicit scheme keeps is part of its solution.
+    AccelerationHistory<dim> kept;
+    if (goes_on && is_implicit_scheme(scheme))
+      kept = current.history;
     enter_stage(current.stage + 1);
     start_stage();
+    current.history = kept;
   }
 
 

@@ -352,9 +352,9 @@ namespace greville
   {
     /**
      * The rows of a table with the columns of another layout. Numbers that the
-     * loads and the transfer of a run keep at points are zero where the table
-     * does not have them: loads find their points again, and APIC begins
-     * without an affine velocity.
+     * loads and the scheme of a run keep at points are zero where the table
+     * does not have them: loads find their points again, APIC begins without an
+     * affine velocity, and generalized-alpha finds its first acceleration.
      */
     template <int dim>
     std::vector<double>

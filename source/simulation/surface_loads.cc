@@ -359,7 +359,8 @@ namespace greville
     for (unsigned int k = 0; k < loads.size(); ++k)
       result.push_back(
         {&surfaces[k].points,
-         [load = loads[k].get(), t](const SurfaceState<dim> &state) {
+         [load = loads[k].get(), t](const ConstPointRef<dim>,
+                                    const SurfaceState<dim> &state) {
            return load->load(state, t);
          }});
     return result;

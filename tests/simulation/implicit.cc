@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Implicit and quasi-static steps: free fall, orders in time, conservation of
-// energy and momentum, equilibrium, and steps that are cut.
+// Implicit and quasi-static steps: free fall, orders in time, damping of high
+// modes, loads that depend on the position of points, conservation of energy
+// and momentum, equilibrium, and steps that are cut.
 #include "simulation.h"
 
 namespace
@@ -34,7 +35,9 @@ namespace
    * The error of a bar in its first mode, with large steps in time.
    */
   double
-  bar_error(const std::string &scheme, const double step)
+  bar_error(const std::string              &scheme,
+            const std::vector<std::string> &constants,
+            const double                    step)
   {
     return Simulated<2>(
              block_2d("box(0, 0, 25, 1)")
@@ -43,6 +46,7 @@ namespace
                .with("Material solid", {"Poissons ratio = 0"})
                .with("Scheme",
                      {"Mass = consistent", "Stress update = " + scheme})
+               .with("Implicit", constants)
                .with("Walls",
                      {"Left = sliding",
                       "Right = sliding",
@@ -64,14 +68,207 @@ namespace
 
 
   void
-  check_order_in_time(const std::string &scheme, const double wanted)
+  check_order_in_time(const std::string              &scheme,
+                      const std::vector<std::string> &constants,
+                      const double                    wanted,
+                      const double                    step = 0.1)
   {
-    const double order =
-      std::log2(bar_error(scheme, 0.1) / bar_error(scheme, 0.05));
-    check(scheme + ": order " + std::to_string(int(wanted)) + " in time",
+    const double order = std::log2(bar_error(scheme, constants, step) /
+                                   bar_error(scheme, constants, 0.5 * step));
+    check(scheme + (constants.empty() ? "" : ", " + constants[0]) + ": order " +
+            std::to_string(int(wanted)) + " in time",
           order > wanted - 0.15 && order < wanted + 1.);
     if (!(order > wanted - 0.15 && order < wanted + 1.))
       print() << order << std::endl;
+  }
+
+
+
+  /**
+   * A bar of one cell in steps of omega dt = 1e4: the velocities of the scheme
+   * of Chung and Hulbert are (a + b n) (-rho)^n, so that
+   * v_n + 2 rho v_n-1 + rho^2 v_n-2 vanishes.
+   */
+  void
+  check_damping(const std::string &formulation, const std::string &rho)
+  {
+    const double dt = 1e4 / std::sqrt(3. * 100.);
+    Simulated<2> run(
+      block_2d("box(0, 0, 1, 1)", 1)
+        .with("Material solid", {"Poissons ratio = 0"})
+        .with("Walls", {"Left = sliding", "Bottom = sliding"})
+        .with("Body body", {"Velocity = 1e-4 * x; 0"})
+        .with("Scheme",
+              {"Mass = consistent",
+               "Formulation = " + formulation,
+               "Stress update = generalized-alpha"})
+        .with("Implicit", {"Spectral radius = " + rho})
+        .with("Newton", {"Tolerance = 1e-6", "Absolute tolerance = 1e-12"})
+        .with("Time",
+              {"Step = " + std::to_string(dt),
+               "End = " + std::to_string(10. * dt)}));
+    std::vector<double> v    = {run->statistics().momentum[0]};
+    const double        r    = std::stod(rho);
+    double              left = 0.;
+    for (unsigned int n = 1; n <= 6; ++n)
+      {
+        run->step();
+        v.push_back(run->statistics().momentum[0]);
+        if (n >= 2)
+          left = std::max(
+            left, std::abs(v[n] + 2. * r * v[n - 1] + r * r * v[n - 2]) / v[0]);
+      }
+    check("generalized-alpha, " + formulation + ", rho = " + rho +
+            ": amplification",
+          left,
+          5e-5);
+  }
+
+
+
+  const std::string total   = "Formulation = total Lagrangian",
+                    updated = "Formulation = updated Lagrangian";
+
+  /**
+   * A block that a force of x and X on its points moves as a whole, and the
+   * iterations of Newton's method in a step at most.
+   */
+  void
+  check_body_force(const std::string &scheme, const std::string &formulation)
+  {
+    unsigned int most  = 0;
+    const auto   error = [&](const std::string &force,
+                           const std::string &u,
+                           const std::string &v,
+                           const double       step) {
+      Simulated<2> run(
+        block_2d("box(0.2, 0.2, 0.7, 0.7)", 5)
+          .with("Body body", {"Velocity = " + v})
+          .with("Scheme",
+                {"Mass = consistent", formulation, "Stress update = " + scheme})
+          .with("Loads", {"Body force = " + force})
+          .with("Newton", {"Tolerance = 1e-9"})
+          .with("Time", {"End = 1", "Step = " + std::to_string(step)})
+          .with("Exact solution", {"Displacement = " + u}));
+      run.run();
+      for (const NewtonRecord &record : run->take_newton())
+        most = std::max(most, record.result.n_iterations());
+      return run.displacement_error().l2;
+    };
+    const auto check_order = [&](const std::string &name,
+                                 const std::string &force,
+                                 const std::string &u,
+                                 const std::string &v) {
+      most               = 0;
+      const double large = error(force, u, v, 0.1),
+                   small = error(force, u, v, 0.05),
+                   order = std::log2(large / small);
+      const std::string text =
+        scheme + ", " + formulation + ", " + name + " of x: ";
+      check(text + "order 2", order > 1.85 && order < 2.2);
+      check(text + "tangent", most <= 3);
+      if (!(order > 1.85 && order < 2.2 && most <= 3))
+        print() << large << ' ' << small << ' ' << most << std::endl;
+    };
+    check_order("force",
+                "-4 * (x - X); 0",
+                "1e-2 / 2 * sin(2 * t); 0",
+                "1e-2; 0");
+    // Its tangent is not symmetric; d_1 + i d_2 is sinh((1 + 2 i) t) / (1 + 2
+    // i).
+    check_order("force without a potential",
+                "-3 * (x - X) - 4 * (y - Y); 4 * (x - X) - 3 * (y - Y)",
+                "2e-3 * (sinh(t) * cos(2 * t) + 2 * cosh(t) * sin(2 * t)); "
+                "2e-3 * (cosh(t) * sin(2 * t) - 2 * sinh(t) * cos(2 * t))",
+                "1e-2; 0");
+  }
+
+
+
+  /**
+   * Forces of x on points and of y on some of them, to equilibrium: it does not
+   * depend on the number of steps in which they grow.
+   */
+  template <int dim>
+  void
+  check_equilibrium()
+  {
+    const std::string zero = dim == 2 ? "" : "; 0";
+    const auto        end  = [&](const std::string &step) {
+      Simulated<dim> run(
+        (dim == 2 ? block_2d("box(0, 0, 0.5, 0.5)", 5)
+                          : block_3d("box(0, 0, 0, 0.5, 0.5, 0.5)", 4))
+          .with("Simulation", {"Tractions = pull"})
+          .with("Material solid", {"Model = neo-hookean"})
+          .with("Scheme",
+                {"Mass = consistent", total, "Stress update = quasi-static"})
+          .with("Walls", {"Left = sliding", "Bottom = sliding"})
+          .with("Walls",
+                dim == 2 ? std::vector<std::string>()
+                                 : std::vector<std::string>{"Back = sliding"})
+          .with("Loads", {"Body force = 60 * t * x; 40 * t * x * y" + zero})
+          .with("Traction pull",
+                {dim == 2 ? "Shape = half_space(-1, 0, -0.4)"
+                                  : "Shape = half_space(-1, 0, 0, -0.4)",
+                 "Traction = 0; 20 * t * y" + zero,
+                 "Area = 0.5"})
+          .with("Newton", {"Tolerance = 1e-10"})
+          .with("Time", {"End = 1", "Step = " + step}));
+      run.run();
+      return run->statistics();
+    };
+    const Statistics<dim> one = end("1"), four = end("0.25");
+    check("equilibrium with loads of x, energy",
+          std::abs(one.strain / four.strain - 1.),
+          1e-8);
+    check("equilibrium with loads of x, center",
+          (one.center - four.center).norm(),
+          1e-9);
+  }
+
+
+
+  /**
+   * A block in a potential, m (x - c) . K (x - c) / 2, has the energy that it
+   * had, and so says the balance.
+   */
+  void
+  check_potential(const std::string &formulation)
+  {
+    Simulated<2> run(
+      block_2d("ball(0.45, 0.45, 0.3)", 14)
+        .with("Scheme",
+              {"Mass = consistent",
+               formulation,
+               "Stress update = implicit-midpoint"})
+        .with("Body body",
+              {"Velocity = 0.3 + (y - 0.4); 0.2", "Points per direction = 3"})
+        .with("Loads",
+              {"Body force = -20 * (x - 0.5) + 5 * (y - 0.4); "
+               "5 * (x - 0.5) - 10 * (y - 0.4)"})
+        .with("Newton", {"Tolerance = 1e-11"})
+        .with("Time", {"End = 0.5", "Step = 0.02"}));
+    const auto potential = [&]() {
+      double sum = 0.;
+      for (const auto &body : run->bodies())
+        body.points.for_each([&](const unsigned int, const auto p) {
+          const double x = p.position(0) - 0.5, y = p.position(1) - 0.4;
+          sum += p.mass() * (10. * x * x - 5. * x * y + 5. * y * y);
+        });
+      return Utilities::MPI::sum(sum, MPI_COMM_WORLD);
+    };
+    const Statistics<2> before = run->statistics();
+    const double        begin  = potential();
+    run.run();
+    const Statistics<2> after = run->statistics();
+    const double        gained =
+      after.kinetic + after.strain - before.kinetic - before.strain;
+    check("implicit-midpoint, " + formulation + ": energy in a potential",
+          std::abs(gained + potential() - begin) / begin,
+          1e-9);
+    check("and the work of the potential",
+          std::abs(gained - after.work.loads) / begin,
+          1e-9);
   }
 
 
@@ -152,9 +349,25 @@ main(int argc, char **argv)
       check_free_fall<2>(block_2d("box(0.31, 0.4, 0.72, 0.9)", 12), scheme);
       check_free_fall<3>(block_3d("box(0.31, 0.2, 0.4, 0.72, 0.7, 0.9)", 6),
                          scheme);
-      check_order_in_time(scheme, 2.);
+      check_order_in_time(scheme, {}, 2.);
+      for (const std::string &formulation : {updated, total})
+        check_body_force(scheme, formulation);
     }
-  check_order_in_time("backward-euler", 1.);
+  check_order_in_time("backward-euler", {}, 1.);
+  check_order_in_time("newmark", {"Newmark beta = 0.5"}, 2.);
+  for (const std::string rho : {"0", "0.5", "1"})
+    check_order_in_time("generalized-alpha",
+                        {"Spectral radius = " + rho},
+                        2.,
+                        0.05);
+  for (const std::string formulation :
+       {"updated Lagrangian", "total Lagrangian"})
+    for (const std::string rho : {"0", "0.5", "0.8", "1"})
+      check_damping(formulation, rho);
+  check_equilibrium<2>();
+  check_equilibrium<3>();
+  check_potential(updated);
+  check_potential(total);
 
   // A disk that spins and is compressed, with steps of 3 h / c.
   Simulated<2> spin(

@@ -273,9 +273,10 @@ main(int argc, char **argv)
           flying.with("Scheme", {"Points outside = remove"})
             .with("Body body", {"Velocity = 12; 0"})
             .with("Walls", {"Right = free"}));
-  test<2>("newmark",
+  test<2>("generalized-alpha",
           flying
-            .with("Scheme", {"Mass = consistent", "Stress update = newmark"})
+            .with("Scheme",
+                  {"Mass = consistent", "Stress update = generalized-alpha"})
             .with("Body body", {"Velocity = 4; -3 * y"})
             .with("Walls", {"Bottom = sliding", "Bottom friction = 0"})
             .with("Time", {"Step = 0.005", "Maximum steps = 24"})

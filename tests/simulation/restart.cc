@@ -128,10 +128,17 @@ main(int argc, char **argv)
                       .with("Output", {"Probes = 0.3, 0.3"})
                       .with("Checkpoints", {"Every steps = 10"});
   test_same_files("lumped", text);
-  test_same_files(
-    "implicit",
-    text.with("Scheme", {"Mass = consistent", "Stress update = newmark"})
-      .with("Time", {"Step = 0.01"}));
+  // The acceleration goes on at points, and on the grid.
+  for (const std::string formulation :
+       {"updated Lagrangian", "total Lagrangian"})
+    test_same_files("implicit, " + formulation,
+                    text
+                      .with("Scheme",
+                            {"Mass = consistent",
+                             "Formulation = " + formulation,
+                             "Stress update = generalized-alpha"})
+                      .with("Loads", {"Body force = x - X; 0"})
+                      .with("Time", {"Step = 0.01"}));
   test_same_files("a grid per body",
                   text.with("Simulation", {"Bodies = body, other"})
                     .with("Body other",
@@ -146,7 +153,7 @@ main(int argc, char **argv)
   const Text few = text.with("Time", {"Maximum steps = 12"});
   check("another run", run(few, "parts").empty());
   check("moved aside",
-        std::filesystem::exists("parts/earlier_3/checkpoint_0000000040.h5"));
+        std::filesystem::exists("parts/earlier_4/checkpoint_0000000040.h5"));
   check("other files stay", content_of("parts/notes.txt") == "mine");
   check_message("refused",
                 run(few.with("Output", {"Earlier results = refuse"}), "parts"),
@@ -154,7 +161,7 @@ main(int argc, char **argv)
   check(
     "removed",
     run(few.with("Output", {"Earlier results = remove"}), "parts").empty() &&
-      !std::filesystem::exists("parts/earlier_4"));
+      !std::filesystem::exists("parts/earlier_5"));
 
   // What may change, and what may not.
   const Text more = text.with("Time", {"Maximum steps = 16"});

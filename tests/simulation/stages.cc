@@ -434,13 +434,12 @@ main(int argc, char **argv)
       check_no_seam(order + ", lumped", {"Mass = lumped"}, order);
       check_no_seam(order + ", consistent", {"Mass = consistent"}, order);
     }
-  check_no_seam("implicit-midpoint",
-                {"Mass = consistent"},
-                "implicit-midpoint");
+  for (const std::string order : {"implicit-midpoint", "generalized-alpha"})
+    check_no_seam(order, {"Mass = consistent"}, order);
   for (const std::string explicit_one : {"USL", "USF", "MUSL"})
     {
       check_free_fall(explicit_one, "newmark");
-      check_free_fall("newmark", explicit_one);
+      check_free_fall("generalized-alpha", explicit_one);
     }
   check_free_fall("USL", "MUSL");
   check_going_back();

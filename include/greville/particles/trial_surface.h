@@ -18,9 +18,9 @@ namespace greville
   {
     /// Where the basis functions are taken, m.
     dealii::Point<dim> x;
-    /// The initial area, m^2 (in 2D m).
+    /// The initial area, m^2 (in 2D m), or the mass of a point of a body.
     double area;
-    /// Force per initial area, Pa.
+    /// Force per initial area, Pa, or per mass.
     dealii::Tensor<1, dim> load;
     /// Its derivatives by the displacement, [i][k], and by the gradient of the
     /// displacement with respect to x, [i][k][L], where they are asked for.
@@ -31,15 +31,17 @@ namespace greville
 
 
   /**
-   * A surface and the force per initial area on its points. The points of a
-   * body serve as well: they have no normal, and a mass in place of the area,
-   * so that the load is a force per mass.
+   * A surface and the force per initial area on its points; or the points of a
+   * body, which have a mass in place of the area and no normal, and the force
+   * per mass, which depends on their position and velocity only.
    */
   template <int dim>
   struct LoadedSurface
   {
-    const MaterialPoints<dim>                                       *points;
-    std::function<dealii::Tensor<1, dim>(const SurfaceState<dim> &)> load;
+    const MaterialPoints<dim> *points;
+    std::function<dealii::Tensor<1, dim>(const ConstPointRef<dim> p,
+                                         const SurfaceState<dim> &state)>
+      load;
   };
 
 
@@ -59,9 +61,9 @@ namespace greville
 
 
   /**
-   * Loads on surfaces that a displacement u of the grid has moved. The
-   * derivatives are central differences, which are exact up to round-off for
-   * loads that are quadratic in F, x and v, as pressure is.
+   * Loads on surfaces, and on points of bodies, that a displacement u of the
+   * grid has moved. The derivatives are central differences, which are exact up
+   * to round-off for loads that are quadratic in F, x and v, as pressure is.
    */
   template <int dim>
   class TrialSurfaces

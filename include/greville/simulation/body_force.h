@@ -39,10 +39,19 @@ namespace greville
                      const double         t) const override
     {
       points.for_each([&](const unsigned int, PointRef<dim> p) {
-        const dealii::Tensor<1, dim> b = force(p, t);
+        const dealii::Tensor<1, dim> b = force(p, p.position(), t);
         for (unsigned int d = 0; d < dim; ++d)
           p[first + d] += b[d];
       });
+    }
+
+    typename PointLoad<dim>::AtPosition
+    at_position(const PointLayout<dim> &, const double t) const override
+    {
+      if (!force.use_position())
+        return {};
+      return [this, t](const ConstPointRef<dim>  p,
+                       const dealii::Point<dim> &x) { return force(p, x, t); };
     }
 
   private:

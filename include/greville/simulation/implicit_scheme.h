@@ -53,11 +53,17 @@ namespace greville
    *   \alpha_f (f - F) = 0
    * @f]
    * with the internal forces f and the loads F at the begin and F' at the end.
+   * The acceleration at the begin satisfies M a = F - f, unless the scheme
+   * keeps the a' of the step before: where both alphas are not zero, that one
+   * belongs to the time (alpha_f - alpha_m) dt before the end of its step, and
+   * order 2 rests on it.
    */
   struct ImplicitScheme
   {
     double alpha_u = 0., alpha_v = 0., alpha_a = 0., gamma = 1.;
     double alpha_m = 0., alpha_f = 0.;
+    /// Whether a is the a' of the step before.
+    bool keeps_acceleration = false;
     /// No inertia: alpha_u = 0, and velocities stay zero.
     bool       is_static = false;
     StepStress stress    = StepStress::end;
@@ -66,6 +72,15 @@ namespace greville
     /// What the velocity, which is held at walls, leaves out of the momentum of
     /// the points stays there: to take it would take energy, too.
     bool keeps_held_momentum = false;
+
+    /**
+     * Whether a occurs in the equations.
+     */
+    bool
+    needs_acceleration() const
+    {
+      return alpha_a != 0. || alpha_m != 0. || gamma != 1.;
+    }
   };
 
   /**

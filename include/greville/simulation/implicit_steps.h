@@ -17,13 +17,16 @@ namespace greville
    * those at the x_n of the points, and the unknowns the displacement u of the
    * grid. With the velocity v of the grid, M v = P, and its acceleration a, M a
    * = F - f, at x_n, u solves the equations of an ImplicitScheme by Newton's
-   * method. Then points take
+   * method. Loads F that depend on the position of points follow u. Then points
+   * take
    * @f[
    *   x_p \leftarrow x_p + u(x_p), \qquad F_p \leftarrow (1 + \nabla u) F_p,
    *   \qquad v_p \leftarrow v_p + (v' - v)(x_p),
    * @f]
-   * or with PIC v_p = v'(x_p). M is the consistent mass on extended B-splines
-   * or, with Scheme/Mass = lumped, its row sums before the extension.
+   * or with PIC v_p = v'(x_p). A scheme that keeps its acceleration gives it to
+   * them, too, a_p = a'(x_p), and M a = sum_p m_p a_p N in the next step; total
+   * Lagrangian steps keep it on the grid. M is the consistent mass on extended
+   * B-splines or, with Scheme/Mass = lumped, its row sums before the extension.
    *
    * A step that Newton's method does not solve is tried again with half of the
    * length; after easy steps the length doubles up to the given one. Nothing is
@@ -71,16 +74,44 @@ namespace greville
     check_support(const State<dim> &state) const;
 
     /**
-     * The loads at a time, as forces on the functions.
+     * The loads at a time, as forces on the functions; with those that depend
+     * on the position of points where they are at the begin, or without.
      */
     void
-    sum_loads(State<dim> &state, const double t, VectorField<dim> &loads);
+    sum_loads(State<dim>       &state,
+              const double      t,
+              const bool        with_following,
+              VectorField<dim> &loads);
 
     /**
      * Velocity and acceleration of the grid at the begin.
      */
     void
     start_step(State<dim> &state, const double dt);
+
+    /**
+     * The acceleration of the grid at the begin: that which the scheme has
+     * kept, or else, as in its first step, that of the forces. Held
+     * coefficients are given.
+     */
+    void
+    find_acceleration(State<dim> &state);
+
+    /**
+     * a' of the ImplicitScheme.
+     */
+    void
+    find_new_acceleration(VectorField<dim> &result, const double dt) const;
+
+    /**
+     * Hand the new acceleration to the next step: as the history of the state,
+     * and in updated Lagrangian steps as the field "acceleration" of points.
+     */
+    void
+    keep_acceleration(State<dim> &state, const double dt);
+
+    void
+    solve_mass(VectorField<dim> &x, const VectorField<dim> &b);
 
     /**
      * The residual at x, and the stiffness there. Returns what is wrong with a
@@ -94,7 +125,7 @@ namespace greville
 
     /**
      * The loads on surfaces at the begin, and what find_residual() needs for
-     * those in the step.
+     * those in the step, and for loads on points that depend on their position.
      */
     void
     start_surfaces(const State<dim> &state, const double dt);
@@ -165,7 +196,9 @@ namespace greville
     VectorField<dim> velocity, acceleration, displacement;
     VectorField<dim> held_momentum; // that walls give to the mapped velocity
     VectorField<dim> old_force, old_loads, new_loads, force, work;
-    // Of surfaces: the velocity without what follows from the displacement.
+    // Of surfaces, and of bodies behind them where loads depend on the position
+    // of points: the velocity without what follows from the displacement, and
+    // loads. At the begin, the bodies are not among them.
     VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;
     VectorType       last_residual;
     double           force_scale   = 0.;

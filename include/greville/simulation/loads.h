@@ -57,7 +57,27 @@ namespace greville
      * Set the accelerations of points at time @p t, s.
      */
     void
-    set(std::vector<Body<dim>> &bodies, const double t);
+    set(std::vector<Body<dim>> &bodies, const double t)
+    {
+      set(bodies, t, true);
+    }
+
+    /**
+     * Likewise by loads that following() leaves out.
+     */
+    void
+    set_others(std::vector<Body<dim>> &bodies, const double t)
+    {
+      set(bodies, t, false);
+    }
+
+    /**
+     * The bodies with the sum of those point loads at time @p t that depend on
+     * where the points are, for TangentSystem; none where there is no such
+     * load. What it returns refers to both.
+     */
+    std::vector<LoadedSurface<dim>>
+    following(const std::vector<Body<dim>> &bodies, const double t) const;
 
     /**
      * Set them to zero.
@@ -87,6 +107,11 @@ namespace greville
     }
 
   private:
+    void
+    set(std::vector<Body<dim>> &bodies,
+        const double            t,
+        const bool              with_following);
+
     /**
      * The parameters of the loads that there are.
      */

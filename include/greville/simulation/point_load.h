@@ -5,6 +5,7 @@
 
 #include <greville/simulation/parameters.h>
 
+#include <cctype>
 #include <functional>
 #include <memory>
 #include <string>
@@ -56,6 +57,24 @@ namespace greville
     add_acceleration(MaterialPoints<dim> &points,
                      const unsigned int   first,
                      const double         t) const = 0;
+
+    /**
+     * The acceleration of a point that is at @p x, m / s^2.
+     */
+    using AtPosition =
+      std::function<dealii::Tensor<1, dim>(const ConstPointRef<dim>  p,
+                                           const dealii::Point<dim> &x)>;
+
+    /**
+     * For a load that depends on where points are: its acceleration at time
+     * @p t (s) of points of this @p layout, which implicit steps take where the
+     * step brings the points. Other loads give an empty function.
+     */
+    virtual AtPosition
+    at_position(const PointLayout<dim> &, const double) const
+    {
+      return {};
+    }
   };
 
   template <int dim>
@@ -90,23 +109,49 @@ namespace greville
                  dim == 2 ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
                           : std::vector<std::string>{
                               "x", "y", "z", "X", "Y", "Z", "t"})
-    {}
+    {
+      std::string word;
+      for (const char c : text + ' ')
+        if (std::isalnum(static_cast<unsigned char>(c)) || c == '_')
+          word += c;
+        else
+          {
+            for (const std::string &name : coordinate_names<dim>())
+              with_position = with_position || word == name;
+            word.clear();
+          }
+    }
 
+    /**
+     * The value for a point that is at @p x.
+     */
     dealii::Tensor<1, dim>
-    operator()(const ConstPointRef<dim> p, const double t) const
+    operator()(const ConstPointRef<dim>  p,
+               const dealii::Point<dim> &x,
+               const double              t) const
     {
       double arguments[2 * dim + 1];
       for (unsigned int d = 0; d < dim; ++d)
         {
-          arguments[d]       = p.position(d);
+          arguments[d]       = x[d];
           arguments[dim + d] = p.reference(d);
         }
       arguments[2 * dim] = t;
       return formulas(dealii::ArrayView<const double>(arguments, 2 * dim + 1));
     }
 
+    /**
+     * Whether x, y or z occurs.
+     */
+    bool
+    use_position() const
+    {
+      return with_position;
+    }
+
   private:
     VectorExpression<dim> formulas;
+    bool                  with_position = false;
   };
 } // namespace greville
 

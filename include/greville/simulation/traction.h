@@ -82,11 +82,24 @@ namespace greville
       points.for_each([&](const unsigned int, PointRef<dim> p) {
         if (p[field] > 0.)
           {
-            const dealii::Tensor<1, dim> s = traction(p, t);
+            const dealii::Tensor<1, dim> s = traction(p, p.position(), t);
             for (unsigned int d = 0; d < dim; ++d)
               p[first + d] += p[field] * s[d];
           }
       });
+    }
+
+    typename PointLoad<dim>::AtPosition
+    at_position(const PointLayout<dim> &layout, const double t) const override
+    {
+      if (!traction.use_position())
+        return {};
+      return
+        [this, t, field = layout.first(section)](const ConstPointRef<dim>  p,
+                                                 const dealii::Point<dim> &x) {
+          return p[field] > 0. ? p[field] * traction(p, x, t)
+                               : dealii::Tensor<1, dim>();
+        };
     }
 
   private:
