@@ -88,7 +88,8 @@ namespace greville
            {"Output/", "Checkpoints/", "Load balance/"})
         if (parameter.rfind(section, 0) == 0)
           return parameter != "Output/Probes";
-      return is("Time/End") || is("Time/Maximum steps");
+      return is("Time/End") || is("Time/Maximum steps") ||
+             is("Time/Largest displacement");
     }
   } // namespace
 

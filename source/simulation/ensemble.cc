@@ -51,8 +51,20 @@ namespace greville
   bool
   Ensemble<dim>::is_finished() const
   {
-    return std::all_of(parts.begin(), parts.end(), [](const auto &part) {
-      return part->is_finished();
+    return exceeds_displacement() ||
+           std::all_of(parts.begin(), parts.end(), [](const auto &part) {
+             return part->is_finished();
+           });
+  }
+
+
+
+  template <int dim>
+  bool
+  Ensemble<dim>::exceeds_displacement() const
+  {
+    return std::any_of(parts.begin(), parts.end(), [](const auto &part) {
+      return part->exceeds_displacement();
     });
   }
 

@@ -120,6 +120,11 @@ namespace greville
       "order) or to its end (symplectic Euler, first order).");
     add_parameter(prm, "Maximum steps", max_steps, Integer(0))(
       "A run ends after this number of steps; 0: no limit. Unit: steps.");
+    add_parameter(prm, "Largest displacement", most_displacement, Double(0.))(
+      "A run ends after the step in which a point of a body that is not moved "
+      "as a rigid one is further than this from its initial position (with "
+      "'Stage/Reset displacements': from where it was at the begin of the "
+      "stage); 0: no limit. Unit: m.");
   }
 
 

@@ -102,6 +102,9 @@ namespace greville
       out << "; " << n_redone << (n_redone == 1 ? " step was" : " steps were")
           << " done again with a shorter length";
     out << '\n';
+    if (ensemble.exceeds_displacement())
+      out << "  ended early: a point has moved further than 'Time/Largest "
+             "displacement'\n";
     if (ensemble.first().consistent_mass() && state.n_steps > 0)
       {
         typename Extension<dim>::Counts functions;
@@ -212,6 +215,13 @@ namespace greville
                                comm));
     if (std::isfinite(critical) && critical > 0.)
       json.add("critical_step", critical);
+    if (!parameters.stages.empty())
+      {
+        json.begin("stages");
+        for (const StageParameters &stage : parameters.stages)
+          json.add(stage.name, stage.scheme.mass);
+        json.end();
+      }
     json.add("front", summary.front).begin("parts");
     for (const auto &part : ensemble.part_times())
       json.add(part.first, part.second);

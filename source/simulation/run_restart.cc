@@ -51,10 +51,10 @@ namespace greville
     AssertThrow(changes.empty(),
                 ExcMessage("these parameters have changed: " + changes +
                            ". A run goes on with others in 'Output', "
-                           "'Checkpoints', 'Load balance', 'Time/End' and "
-                           "'Time/Maximum "
-                           "steps' only; with --from a new one begins from "
-                           "its end"));
+                           "'Checkpoints', 'Load balance', 'Time/End', "
+                           "'Time/Maximum steps' and 'Time/Largest "
+                           "displacement' only; with --from a new one begins "
+                           "from its end"));
   }
 
 

@@ -77,9 +77,19 @@ namespace greville
   {
     return (is_stage_finished() &&
             current.stage + 1 == parameters.n_stages()) ||
-           current.n_free == 0 ||
+           current.n_free == 0 || exceeds_displacement() ||
            (parameters.time.max_steps > 0 &&
             current.n_steps >= parameters.time.max_steps);
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::exceeds_displacement() const
+  {
+    const double most = parameters.time.most_displacement;
+    return most > 0. && current.displacement > most;
   }
 
 

@@ -200,6 +200,16 @@ namespace greville
 
 
 
+  SimulationParameters
+  SimulationParameters::with(const std::string &changes) const
+  {
+    SimulationParameters result;
+    result.read("", parameter_lines_of(used_text + changes, general.name));
+    return result;
+  }
+
+
+
   void
   SimulationParameters::read(const std::string                &file,
                              const std::vector<ParameterLine> &lines)

@@ -106,6 +106,8 @@ namespace greville
                    discretization.transfer(),
                    discretization.cell_size());
     }
+    if (parameters.time.most_displacement > 0.)
+      current.displacement = largest_displacement(current.bodies, comm);
     if (is_first_step_of_stage)
       check_fragments();
     guard.check(current, is_finished());

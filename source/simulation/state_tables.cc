@@ -30,6 +30,7 @@ namespace greville
       all("n_steps", state.n_steps);
       all("n_removed", state.n_removed);
       all("n_free", state.n_free);
+      all("displacement", state.displacement);
       sum("n_sent", state.n_sent);
       all("n_iterations", state.n_iterations);
       all("n_all_iterations", state.n_all_iterations);

@@ -318,10 +318,28 @@ namespace greville
 
 
 
+  template <int dim>
+  double
+  largest_displacement(const std::vector<Body<dim>> &bodies,
+                       const MPI_Comm                comm)
+  {
+    double square = 0.;
+    for (const Body<dim> *body : deformable_bodies(bodies))
+      body->points.for_each([&](const unsigned int,
+                                const ConstPointRef<dim> p) {
+        square = std::max(square, p.position().distance_square(p.reference()));
+      });
+    return std::sqrt(Utilities::MPI::max(square, comm));
+  }
+
+
+
   template struct Statistics<2>;
   template struct Statistics<3>;
-  template decltype(compute_statistics<2>) compute_statistics<2>;
-  template decltype(compute_statistics<3>) compute_statistics<3>;
-  template decltype(free_energy<2>)        free_energy<2>;
-  template decltype(free_energy<3>)        free_energy<3>;
+  template decltype(compute_statistics<2>)   compute_statistics<2>;
+  template decltype(compute_statistics<3>)   compute_statistics<3>;
+  template decltype(free_energy<2>)          free_energy<2>;
+  template decltype(free_energy<3>)          free_energy<3>;
+  template decltype(largest_displacement<2>) largest_displacement<2>;
+  template decltype(largest_displacement<3>) largest_displacement<3>;
 } // namespace greville

@@ -97,41 +97,60 @@ namespace greville
                          const std::string &quadrature,
                          const unsigned int degree,
                          const unsigned int n) {
-      SweepRow row;
-      row.parameters             = parameters;
-      row.cells                  = n;
-      row.parameters.grid.degree = degree;
-      // Lists that are empty leave stages what they have.
-      const auto set = [&](SchemeParameters &scheme, const bool all) {
-        if (all || !sweep.formulations.empty())
-          scheme.formulation = formulation;
-        if (all || !sweep.masses.empty())
-          scheme.mass = mass;
-        if (all || !sweep.quadratures.empty())
-          scheme.quadrature = quadrature;
+      SweepRow    row;
+      std::string changes;
+      const auto  set = [&](const std::string &section,
+                           const std::string &name,
+                           const std::string &value) {
+        std::string end;
+        for (const std::string &part :
+             Utilities::split_string_list(section, '/'))
+          {
+            changes += "subsection " + part + "\n";
+            end += "end\n";
+          }
+        changes += "set " + name + " = " + value + "\n" + end;
       };
-      set(row.parameters.scheme, true);
-      for (StageParameters &stage : row.parameters.stages)
-        set(stage.scheme, false);
-      const auto scale = [&](std::vector<unsigned int> &all,
-                             const std::string         &parameter) {
-        for (unsigned int &cells : all)
+      // Lists that are empty leave stages what they have.
+      const auto set_scheme = [&](const std::string &section, const bool all) {
+        if (all || !sweep.formulations.empty())
+          set(section, "Formulation", formulation);
+        if (all || !sweep.masses.empty())
+          set(section, "Mass", mass);
+        if (all || !sweep.quadratures.empty())
+          set(section, "Quadrature", quadrature);
+      };
+      set_scheme("Scheme", true);
+      for (const StageParameters &stage : parameters.stages)
+        set_scheme("Stage " + stage.name + "/Scheme", false);
+      const auto scale = [&](const std::vector<unsigned int> &all,
+                             const std::string               &section) {
+        std::string text;
+        for (const unsigned int cells : all)
           {
             const std::uint64_t product = std::uint64_t(cells) * n;
             AssertThrow(cells == 1 || (product % most == 0 &&
                                        product / most < (1ull << 31)),
                         ExcMessage(
                           "The parameter 'Sweep/Cells' has the entry " +
-                          std::to_string(n) + ", with which '" + parameter +
-                          "' cannot keep their ratio, or are too many."));
-            if (cells > 1)
-              cells = product / most;
+                          std::to_string(n) + ", with which '" + section +
+                          "/Cells' cannot keep their ratio, or are too many."));
+            text += (text.empty() ? "" : ", ") +
+                    std::to_string(cells > 1 ? product / most : cells);
           }
+        if (!all.empty())
+          set(section, "Cells", text);
       };
-      scale(row.parameters.grid.cells, "Grid/Cells");
-      for (auto &[name, grid] : row.parameters.body_grids)
-        scale(grid.cells, "Body " + name + "/Grid/Cells");
-      row.parameters.check();
+      scale(parameters.grid.cells, "Grid");
+      for (const auto &[name, grid] : parameters.body_grids)
+        scale(grid.cells, "Body " + name + "/Grid");
+      set("Grid", "Order", std::to_string(degree));
+      for (const std::string list :
+           {"Cells", "Orders", "Formulations", "Masses", "Quadratures"})
+        set("Sweep", list, "");
+      row.parameters       = parameters.with(changes);
+      row.parameters.sweep = sweep;
+      row.cells            = n;
       rows.push_back(row);
     };
     for (const std::string &formulation : formulations)
@@ -156,6 +175,23 @@ namespace greville
              : word == "move aside" ? EarlierResults::move_aside
              : word == "refuse"     ? EarlierResults::refuse
                                     : EarlierResults::remove;
+    }
+
+
+
+    /**
+     * What the run in a folder goes on with, and what others read of it.
+     */
+    void
+    write_parameters(const SimulationParameters &parameters,
+                     const std::string          &folder,
+                     const MPI_Comm              comm)
+    {
+      run_on_first(
+        [&]() {
+          write_atomically(folder + "/parameters.prm", parameters.used());
+        },
+        comm);
     }
 
 
@@ -244,6 +280,11 @@ namespace greville
             if (k == 0)
               options.prepare_folder();
             own.make_room();
+            write_parameters(row.parameters.with(
+                               "subsection Output\n  set Directory = " +
+                               folder + "\nend\n"),
+                             folder,
+                             comm);
           };
           SimulationRun<dim> run(
             row.parameters, folder, out, comm, own_options);
@@ -325,11 +366,7 @@ namespace greville
     RunOptions          options_of_run = options;
     options_of_run.prepare_folder      = [&]() {
       folder.make_room();
-      run_on_first(
-        [&]() {
-          write_atomically(directory + "/parameters.prm", parameters.used());
-        },
-        comm);
+      write_parameters(parameters, directory, comm);
     };
     if (parameters.general.dimension == 2)
       run_all<2>(parameters, directory, out, comm, options_of_run);

@@ -159,6 +159,47 @@ def check_report(run, has_points):
             check("positions in the report", abs(np.sort(x[k]) - np.sort(points.x[:, d])).max() < 1e-4)
 
 
+def report_of(folder, case, settings):
+    """The runs of the report of a run of the case with other parameters."""
+    sets = [word for setting in settings for word in ("--set", setting)]
+    result = subprocess.run([PROGRAM, case, *sets, "--set", f"Output/Directory={folder}"], capture_output=True, text=True)
+    check(f"the run: {result.stderr}", result.returncode == 0)
+    result = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / "report", "--no-points", folder], capture_output=True, text=True)
+    check(f"report: {result.stderr}", result.returncode == 0)
+    page = (folder / "report.html").read_text()
+    return json.loads(re.search(r"^const DATA = (.*);$", page, re.MULTILINE).group(1))["runs"]
+
+
+def check_facts(place, case):
+    """Reports of sweeps and of stages say what each of them did."""
+    sweep = report_of(place / "sweep", case, ["Sweep/Cells=8, 16", "Sweep/Orders=1, 2", "Sweep/Masses=lumped, consistent",
+                                              "Scheme/Stress update=USL", "Time/Step=0.005"])
+    facts = [dict(run["facts"]) for run in sweep]
+    check(f"a sweep: {facts}", [(fact["grid"], fact["order of splines"], fact["mass"]) for fact in facts] == [
+        (f"{n} × {n // 2} cells", str(p), mass) for mass in ("consistent", "lumped") for p in (1, 2) for n in (8, 16)])
+    again = subprocess.run([PROGRAM, "consistent_points_p1_8/parameters.prm", "--resume"], cwd=place / "sweep", capture_output=True, text=True)
+    check(f"a run of a sweep goes on alone: {again.stderr}", again.returncode == 0)
+    stages = report_of(place / "stages", case, [
+        "Simulation/Stages=implicit, explicit", "Stage implicit/Time/End=0.02", "Stage explicit/Time/End=0.04",
+        "Stage explicit/Scheme/Stress update=MUSL", "Stage explicit/Scheme/Mass=lumped"])
+    facts = dict(stages[0]["facts"])
+    check(f"stages: {facts}", facts.get("stage 1: implicit") == "to 0.02 s: updated Lagrangian, newmark, mass consistent"
+          and facts.get("stage 2: explicit") == "to 0.04 s: updated Lagrangian, MUSL, mass lumped"
+          and not {"mass", "steps in time", "formulation"} & set(facts))
+
+
+def check_factor_of_safety(place):
+    """Height, weight and stiffness are those of the run; coarse steps and points."""
+    folder = place / "slope"
+    sets = [word for setting in ("Grid/Cells=44, 13", "Body slope/Points per direction=2", "Stage reduction/Time/Step=0.2",
+                                 "Stage weight/Time/Step=0.5", f"Output/Directory={folder}") for word in ("--set", setting)]
+    result = subprocess.run([PROGRAM, PROJECT / "doc/user/examples/factor_of_safety.prm", *sets], capture_output=True, text=True)
+    check(f"factor of safety: {result.stderr}", result.returncode == 0 and "ended early" in result.stdout)
+    text = subprocess.run([sys.executable, "-B", PROJECT / "scripts/slope_stability", folder], capture_output=True, text=True).stdout
+    found = re.match(r"gamma H\^2 / E = 0.0119 m: gamma = 1.864e\+04 N/m³, H = 8 m, E = 1e\+08 Pa\nfactor of safety ([\d.]+),", text)
+    check(f"factor of safety: {text}", found and 1.5 < float(found.group(1)) < 1.7)
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         (Path(name) / "case.prm").write_text(CASE)
@@ -173,6 +214,9 @@ def main():
         result = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / "paraview", run.folder], capture_output=True, text=True)
         check(f"paraview: {result.stderr}", result.returncode == 0)
         compile((run.folder / "view.py").read_text(), "view.py", "exec")
+        check_facts(Path(name), Path(name) / "case.prm")
+        if has_points:
+            check_factor_of_safety(Path(name))
     print("with points" if has_points else "without points: neither VTK nor meshio is there")
     sys.exit(failed > 0)
 

@@ -38,6 +38,12 @@ namespace greville
     bool
     is_finished() const;
 
+    /**
+     * See Simulation::exceeds_displacement(): of one part, which ends the run.
+     */
+    bool
+    exceeds_displacement() const;
+
     unsigned int
     n_parts() const
     {

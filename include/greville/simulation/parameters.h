@@ -313,6 +313,13 @@ namespace greville
       return used_text;
     }
 
+    /**
+     * What was read, with the lines of @p changes, the text of a parameter
+     * file, in the place of some. Throws as the constructor.
+     */
+    SimulationParameters
+    with(const std::string &changes) const;
+
   private:
     /**
      * Take what @p lines say, which are those of @p file.

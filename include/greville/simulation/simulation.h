@@ -62,6 +62,12 @@ namespace greville
     is_finished() const;
 
     /**
+     * Whether a point has moved by more than 'Time/Largest displacement'.
+     */
+    bool
+    exceeds_displacement() const;
+
+    /**
      * Whether the stage has come to its end: the next step is the first of the
      * next stage, if there is one.
      */
@@ -118,7 +124,7 @@ namespace greville
     }
 
     /**
-     * Collective.
+     * Collective. One row of statistics.csv, of the state as it is.
      */
     Statistics<dim>
     statistics() const;

@@ -24,12 +24,13 @@ namespace greville
     double       start = 0.;
     double       end   = 1.;
     std::string  step;
-    double       cfl            = 0.5;
-    double       safety         = 0.7;
-    std::string  too_large_step = "refuse";
-    unsigned int estimate_every = 20;
-    std::string  velocities     = "half steps";
-    unsigned int max_steps      = 0;
+    double       cfl               = 0.5;
+    double       safety            = 0.7;
+    std::string  too_large_step    = "refuse";
+    unsigned int estimate_every    = 20;
+    std::string  velocities        = "half steps";
+    unsigned int max_steps         = 0;
+    double       most_displacement = 0.;
   };
 
 

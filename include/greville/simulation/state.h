@@ -99,6 +99,10 @@ namespace greville
     std::uint64_t n_sent    = 0; // points that left this process
     std::uint64_t n_points  = 0; // those of all bodies after the last step
 
+    /// largest_displacement() of the points where 'Time/Largest displacement'
+    /// asks for it, and else 0, m.
+    double displacement = 0.;
+
     /// Mass that the points had at first, of those that have been removed
     /// before the last step, and in it, kg (2D: kg / m).
     double mass = 0., removed_mass = 0., mass_removed_last = 0.;

@@ -132,6 +132,15 @@ namespace greville
               const PointTransfer<dim>     &transfer,
               const MPI_Comm                comm,
               const bool                    only_kinetic = false);
+
+  /**
+   * Collective. The largest distance of a point of these bodies from its
+   * initial position, m.
+   */
+  template <int dim>
+  double
+  largest_displacement(const std::vector<Body<dim>> &bodies,
+                       const MPI_Comm                comm);
 } // namespace greville
 
 #endif
