@@ -6,6 +6,7 @@
 #include <greville/base/csv.h>
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/base/text_file.h>
 
 #include <cerrno>
 #include <cmath>
@@ -43,22 +44,21 @@ namespace greville
   {
     const std::string of =
       "<" + file + "> of the parameter '" + parameter + "'";
-    const bool    is_folder = std::filesystem::is_directory(file);
-    std::ifstream stream(file);
-    AssertThrow(stream && !is_folder,
-                ExcMessage("Cannot read the file " + of +
-                           (is_folder ? ": it is a folder." : ".")));
+    const std::string cannot_read = "Cannot read the file " + of;
+    std::ifstream     stream      = open_text_file(file, cannot_read);
+    AssertThrow(stream, ExcMessage(cannot_read + "."));
     CsvLine      line{true, "", {}, ""};
     bool         has_lines   = false;
     unsigned int line_number = 0;
-    while (std::getline(stream, line.text))
+    while (read_text_line(stream, line.text, line_number))
       {
-        ++line_number;
         line.text = Utilities::trim(line.text);
         if (line.text.empty() || line.text[0] == '#')
           continue;
+        const std::string place = of + ", line " + std::to_string(line_number);
+        check_utf8(line.text, place);
         line.words = Utilities::split_string_list(line.text, ',');
-        line.where = of + ", line " + std::to_string(line_number) + ": ";
+        line.where = place + ": ";
         visit(line);
         has_lines      = !line.is_header;
         line.is_header = false;

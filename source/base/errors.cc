@@ -29,6 +29,13 @@ namespace greville
     std::string        word, result;
     while (words >> word)
       result += (result.empty() ? "" : " ") + word;
+    // A value may be as long as its file is.
+    constexpr std::size_t begin = 2000, end = 1000;
+    if (result.size() > 2 * begin)
+      result = result.substr(0, begin) + " ... (" +
+               std::to_string(result.size() - begin - end) +
+               " letters are left out) ... " +
+               result.substr(result.size() - end);
     return result;
   }
 

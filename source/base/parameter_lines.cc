@@ -4,6 +4,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/base/text_file.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -30,7 +31,8 @@ namespace greville
       AssertThrow(std::filesystem::exists(file),
                   ExcMessage("There is no parameter file <" + file + ">."));
       errno = 0;
-      std::ifstream stream(file);
+      std::ifstream stream =
+        open_text_file(file, "Cannot read the parameter file <" + file + ">");
       AssertThrow(stream,
                   ExcMessage("The parameter file <" + file +
                              "> cannot be read: " + std::strerror(errno) +
@@ -81,14 +83,16 @@ namespace greville
       unsigned int number = 0, first = 0;
       const auto   depth = sections.size();
       std::string  place;
-      while (std::getline(stream, text))
+      while (read_text_line(stream, text, number))
         {
-          ++number;
           text = text.substr(0, text.find('#'));
           std::replace(text.begin(), text.end(), '\t', ' ');
           text = Utilities::trim(text);
           if (line.empty())
             first = number;
+          // Comments may have what they like.
+          check_utf8(text,
+                     "Line " + std::to_string(number) + " of <" + file + ">");
           const bool goes_on = !text.empty() && text.back() == '\\';
           if (goes_on)
             text.pop_back();
@@ -163,8 +167,9 @@ namespace greville
     line_of(const std::string &setting, const std::vector<ParameterLine> &lines)
     {
       ParameterLine line;
-      line.place       = "The option --set <" + setting + ">";
-      line.is_setting  = true;
+      line.place      = "The option --set <" + setting + ">";
+      line.is_setting = true;
+      check_utf8(setting, "The option --set");
       const auto equal = setting.find('=');
       const auto slash = setting.substr(0, equal).rfind('/');
       AssertThrow(equal != std::string::npos && slash != std::string::npos,

@@ -218,6 +218,14 @@ namespace greville
                law_names      = names_of(lines, "Materials"),
                traction_names = names_of(lines, "Tractions"),
                load_names     = names_of(lines, "Surface loads");
+    if (body_names.empty())
+      for (const ParameterLine &line : lines)
+        {
+          const std::string hint = did_you_mean(line.section, {"Simulation"});
+          AssertThrow(hint.empty() || line.section == "Simulation",
+                      ExcMessage(line.place + ": there is no section '" +
+                                 line.section + "'." + hint));
+        }
     AssertThrow(!body_names.empty(),
                 ExcMessage("The parameter 'Simulation/Bodies' is empty: a "
                            "simulation needs a body."));
@@ -518,6 +526,12 @@ namespace greville
                            general.name +
                            ">: a name has no slashes; 'Output/Directory' is "
                            "for other folders."));
+    AssertThrow(output.directory != "~" &&
+                  output.directory.compare(0, 2, "~/") != 0,
+                ExcMessage("The parameter 'Output/Directory' is <" +
+                           output.directory +
+                           ">: shells know what ~ means, parameter files do "
+                           "not. Write the full path."));
     for (const auto &part : std::filesystem::path(output.directory))
       AssertThrow(part != "..",
                   ExcMessage("The parameter 'Output/Directory' is <" +

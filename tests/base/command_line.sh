@@ -3,6 +3,7 @@
 # programs that run no simulation, or a tiny one.
 greville=$1
 benchmark=$2
+scripts=$(cd "$(dirname "$0")/../../scripts" && pwd)
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder" || exit 1
@@ -115,6 +116,22 @@ accept "'Material soil' is weak" -- "$greville" slope.prm --check --set "Materia
 accept -- "$benchmark" benchmark.prm --set Benchmark/Cells=4 --set Benchmark/Degrees=2 \
   --set "Benchmark/Output directory=solved"
 grep -q 'set Orders *= 2' solved/parameters.prm || fail "the setting is not in parameters.prm"
+
+# scripts/run asks the program which one a file is for. Here it builds nothing.
+mkdir -p tree/scripts tree/build
+cp "$scripts/run" "$scripts/common.sh" tree/scripts
+echo 'install_packages() { :; }; is_configured() { :; }; build() { :; }' >>tree/scripts/common.sh
+ln -s "$greville" tree/build/greville
+ln -s "$benchmark" tree/build/greville_benchmark
+printf 'include slope.prm\n' >included.prm
+printf '\357\273\277' | cat - slope.prm >marked.prm
+printf 'include benchmark.prm\n' >other.prm
+for file in included.prm marked.prm; do
+  accept 'number of steps: about' -- sh tree/scripts/run --check --set "Grid/Cells=45, 12" $file
+done
+accept 'running greville_benchmark other.prm' -- sh tree/scripts/run \
+  --set Benchmark/Cells=4 --set Benchmark/Degrees=2 other.prm
+refuse 'there is no parameter' sh tree/scripts/run --set Grid/Odrer=3 slope.prm
 
 # bash completes options, lists, templates and files.
 "$greville" --completion bash >completion || fail "--completion"

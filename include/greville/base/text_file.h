@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_base_text_file_h
+#define greville_base_text_file_h
+
+#include <fstream>
+#include <string>
+
+namespace greville
+{
+  /**
+   * Open a file of text. The stream has failed where it cannot be read. Throws
+   * dealii::ExcMessage, which begins with @p what, for a folder, and for a
+   * device, whose lines may have no end.
+   */
+  std::ifstream
+  open_text_file(const std::string &file, const std::string &what);
+
+  /**
+   * Read the next line of a text, and count it in @p number, which is 0 before
+   * the first one. The byte order mark of UTF-8, by which editors begin a file,
+   * is left out. Returns whether there is a line.
+   */
+  bool
+  read_text_line(std::istream &stream, std::string &line, unsigned int &number);
+
+  /**
+   * Throw dealii::ExcMessage, which begins with @p place, where @p text is not
+   * UTF-8.
+   */
+  void
+  check_utf8(const std::string &text, const std::string &place);
+} // namespace greville
+
+#endif
