@@ -30,6 +30,7 @@ namespace greville
                     const Lattice<dim>   &lattice,
                     const double          density)
         : K0(parameters.K0)
+        , g(gravity)
         , weight(density * gravity.norm())
       {
         if (!parameters.stress.empty())
@@ -75,7 +76,9 @@ namespace greville
                           " m beyond the parameter 'Surface', which is " +
                           text_of(height) +
                           " m there: a body with 'K0' has to lie below its "
-                          "'Surface' everywhere."));
+                          "'Surface' everywhere, and down is where "
+                          "'Loads/Gravity' = (" +
+                          text_of(g) + ") m / s^2 points."));
             AssertThrow(depth < deepest * grid_height,
                         ExcMessage(
                           "the parameter 'Surface' is " + text_of(height) +
@@ -96,10 +99,11 @@ namespace greville
       }
 
     private:
-      double       K0;
-      double       weight;
-      unsigned int axis    = dim;
-      double       upwards = 1.;
+      double         K0;
+      Tensor<1, dim> g;
+      double         weight;
+      unsigned int   axis    = dim;
+      double         upwards = 1.;
       // Depths beyond this many heights of the grid are errors.
       static constexpr double                      deepest     = 1000.;
       double                                       cell_size   = 0.;
@@ -241,6 +245,15 @@ namespace greville
       AssertThrow(state.J > 0.,
                   ExcMessage("the deformation in the points file has J = " +
                              text_of(state.J) + "; it has to be positive."));
+      // Fluids smooth J alone.
+      const double determinant_of_F = determinant(state.F);
+      AssertThrow(F < 0 || J < 0 || material.shares_volume() ||
+                    std::abs(determinant_of_F - state.J) <=
+                      0.01 * state.J + 1e-5 * std::pow(state.F.norm(), 3),
+                  ExcMessage("the columns 'F_xx', ... and 'J' contradict each "
+                             "other: det F = " +
+                             text_of(determinant_of_F) +
+                             ", and J = " + text_of(state.J) + "."));
       state.stress = sigma;
       state.dt     = 0.;
       material.update(ArrayView<MaterialPoint>(&state, 1));
@@ -316,6 +329,11 @@ namespace greville
             {
               AssertThrow(false,
                           ExcMessage(
+                            (parameters.points_file.empty()
+                               ? ""
+                               : find_in_points_file<dim>(
+                                   parameters.points_file, section, point.image)
+                                   .at(0)) +
                             "'" + section + "'" +
                             (parameters.material.empty()
                                ? ""

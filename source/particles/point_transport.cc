@@ -156,12 +156,15 @@ namespace greville
     const auto &cells = spline_space->owned_cells();
     for (const auto &message : received)
       for (std::size_t k = 0; k < message.second.size(); k += width)
-        points.insert(std::lower_bound(cells.begin(),
-                                       cells.end(),
-                                       std::uint64_t(message.second[k])) -
-                        cells.begin(),
-                      ArrayView<const double>(&message.second[k + 1],
-                                              width - 1));
+        {
+          const auto place = std::uint64_t(message.second[k]);
+          const auto found =
+            std::lower_bound(cells.begin(), cells.end(), place);
+          Assert(found != cells.end() && *found == place, ExcInternalError());
+          points.insert(found - cells.begin(),
+                        ArrayView<const double>(&message.second[k + 1],
+                                                width - 1));
+        }
   }
 
 

@@ -5,7 +5,9 @@
 #include <greville/particles/points_file.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/algorithm/string/join.hpp>
+#include <cmath>
 
 namespace greville
 {
@@ -21,6 +23,57 @@ namespace greville
       std::vector<int> coordinates, further, reference, displacement;
       int              volume = -1, mass = -1, density = -1, body = -1;
     };
+
+    // Columns that say the same may differ by this, relatively, and densities
+    // of points and of their material by this factor; volumes may exceed the
+    // grid by this, relatively.
+    constexpr double largest_difference = 0.01, largest_ratio = 1e3,
+                     largest_excess = 0.01;
+
+
+
+    int
+    place_of(const std::vector<std::string> &names, const std::string &name)
+    {
+      const auto found = std::find(names.begin(), names.end(), name);
+      return found == names.end() ? -1 : int(found - names.begin());
+    }
+
+
+
+    /**
+     * Throw where two points are in one place.
+     */
+    template <int dim>
+    void
+    check_places(std::vector<const PlacedPoint<dim> *> points,
+                 const std::string                    &file,
+                 const std::string                    &section)
+    {
+      const auto key = [](const PlacedPoint<dim> *const p) {
+        std::array<double, dim> result;
+        for (unsigned int d = 0; d < dim; ++d)
+          result[d] = p->x[d];
+        return result;
+      };
+      std::sort(points.begin(),
+                points.end(),
+                [&](const auto *a, const auto *b) { return key(a) < key(b); });
+      for (std::size_t k = 1; k < points.size(); ++k)
+        if (points[k - 1]->x == points[k]->x)
+          {
+            const auto lines =
+              find_in_points_file<dim>(file, section, points[k]->x);
+            AssertThrow(false,
+                        ExcMessage(
+                          lines.back() + "the point (" + text_of(points[k]->x) +
+                          ") m is in the place of another one: there are " +
+                          std::to_string(lines.size()) +
+                          " points, the first one in " +
+                          lines[0].substr(lines[0].rfind(", ") + 2) +
+                          "their mass would be counted twice."));
+          }
+    }
   } // namespace
 
 
@@ -45,18 +98,21 @@ namespace greville
                  const bool                                   at_reference,
                  const SplineSpace<dim>                      &space)
   {
-    const auto       &lattice = space.lattice();
+    const auto       &lattice     = space.lattice();
+    const std::string volume_unit = dim == 2 ? "m^2" : "m^3";
     PointsOfFile<dim> result;
     Columns           columns;
     bool              has_header = false;
     std::uint64_t     id         = 0;
+    double            sum = 0., grid_volume = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      grid_volume *= lattice.upper(d) - lattice.lower(d);
 
     const auto read_header = [&](const std::vector<std::string> &names,
                                  const std::string              &where,
                                  const std::string              &text) {
       const auto find = [&](const std::string &name) {
-        const auto found = std::find(names.begin(), names.end(), name);
-        return found == names.end() ? -1 : int(found - names.begin());
+        return place_of(names, name);
       };
       // All of a group or none of it.
       const auto find_group = [&](const std::vector<std::string> &group) {
@@ -143,9 +199,37 @@ namespace greville
           point.x[d] = row.number(columns.coordinates[d]);
         const double rho =
           columns.density >= 0 ? positive(columns.density, "density") : density;
-        point.volume     = columns.volume >= 0
-                             ? positive(columns.volume, "volume")
-                             : positive(columns.mass, "mass") / rho;
+        point.volume      = columns.volume >= 0
+                              ? positive(columns.volume, "volume")
+                              : positive(columns.mass, "mass") / rho;
+        const double mass = columns.mass >= 0 ? positive(columns.mass, "mass")
+                                              : rho * point.volume;
+        const auto   is_near = [](const double a, const double b) {
+          return std::abs(a - b) <= largest_difference * std::max(a, b);
+        };
+        AssertThrow(columns.density < 0 || columns.volume < 0 ||
+                      is_near(mass, rho * point.volume),
+                    ExcMessage(row.where +
+                               "the columns 'mass', 'volume' and "
+                               "'density' contradict each other: " +
+                               text_of(mass) + " kg are not " + text_of(rho) +
+                               " times " + text_of(point.volume) + " in <" +
+                               row.text + ">."));
+        const double ratio = mass / (point.volume * density);
+        AssertThrow(ratio < largest_ratio && ratio > 1. / largest_ratio,
+                    ExcMessage(row.where + "the density is " +
+                               text_of(mass / point.volume) +
+                               " kg / m^3, and that of the material is " +
+                               text_of(density) + ", in <" + row.text +
+                               ">. Are volume and mass in " + volume_unit +
+                               " and kg?"));
+        sum += point.volume;
+        AssertThrow(point.volume <= (1. + largest_excess) * grid_volume,
+                    ExcMessage(row.where + "the volume of the point is " +
+                               text_of(point.volume) + ' ' + volume_unit +
+                               ", and that of the grid is " +
+                               text_of(grid_volume) + ", in <" + row.text +
+                               ">."));
         point.id         = id++;
         Point<dim> place = point.x, reference = point.x;
         for (unsigned int d = 0; d < dim; ++d)
@@ -170,15 +254,52 @@ namespace greville
         point.cell  = found - cells.begin();
         point.image = point.x;
         result.points.push_back(point);
-        if (columns.mass >= 0)
-          result.values.push_back(positive(columns.mass, "mass"));
-        else if (columns.density >= 0)
-          result.values.push_back(rho * point.volume);
+        if (columns.mass >= 0 || columns.density >= 0)
+          result.values.push_back(mass);
         for (unsigned int d = 0; d < dim; ++d)
           if (!columns.reference.empty() || !columns.displacement.empty())
             result.values.push_back(reference[d]);
         for (const int column : columns.further)
           result.values.push_back(row.number(column));
+      });
+    AssertThrow(sum <= (1. + largest_excess) * grid_volume,
+                ExcMessage("<" + file + "> of the parameter '" + section +
+                           "/Points file': the volumes (column '" +
+                           (columns.volume >= 0 ? "volume" : "mass") +
+                           "') add up to " + text_of(sum) + ' ' + volume_unit +
+                           ", and the grid has " + text_of(grid_volume) +
+                           ". Is the unit right?"));
+    std::vector<const PlacedPoint<dim> *> points;
+    for (const PlacedPoint<dim> &point : result.points)
+      points.push_back(&point);
+    check_places<dim>(points, file, section);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  find_in_points_file(const std::string &file,
+                      const std::string &section,
+                      const Point<dim>  &x)
+  {
+    std::vector<std::string> result;
+    std::array<int, dim>     columns;
+    read_point_rows(
+      file,
+      section + "/Points file",
+      [&](const std::vector<std::string> &names,
+          const std::string &,
+          const std::string &) {
+        for (unsigned int d = 0; d < dim; ++d)
+          columns[d] = place_of(names, coordinate_names<dim>()[d]);
+      },
+      [&](const PointRow &row) {
+        for (unsigned int d = 0; d < dim; ++d)
+          if (row.number(columns[d]) != x[d])
+            return;
+        result.push_back(row.where);
       });
     return result;
   }
@@ -187,6 +308,8 @@ namespace greville
 
   template struct PointsOfFile<2>;
   template struct PointsOfFile<3>;
-  template decltype(points_of_file<2>) points_of_file<2>;
-  template decltype(points_of_file<3>) points_of_file<3>;
+  template decltype(points_of_file<2>)      points_of_file<2>;
+  template decltype(points_of_file<3>)      points_of_file<3>;
+  template decltype(find_in_points_file<2>) find_in_points_file<2>;
+  template decltype(find_in_points_file<3>) find_in_points_file<3>;
 } // namespace greville

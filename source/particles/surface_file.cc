@@ -9,8 +9,12 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/algorithm/string/case_conv.hpp>
+#include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <map>
+#include <sstream>
 
 #ifdef DEAL_II_WITH_ASSIMP
 #  include <assimp/Importer.hpp>
@@ -38,15 +42,106 @@ namespace greville
 
 
 #ifdef DEAL_II_WITH_ASSIMP
+    /**
+     * Throw where a PLY file has less than its header promises: Assimp would
+     * never come back from it.
+     */
+    void
+    check_ply(const std::string &file, const std::string &of)
+    {
+      static const std::map<std::string, unsigned int> sizes = {{"char", 1},
+                                                                {"int8", 1},
+                                                                {"uchar", 1},
+                                                                {"uint8", 1},
+                                                                {"short", 2},
+                                                                {"int16", 2},
+                                                                {"ushort", 2},
+                                                                {"uint16", 2},
+                                                                {"int", 4},
+                                                                {"int32", 4},
+                                                                {"uint", 4},
+                                                                {"uint32", 4},
+                                                                {"float", 4},
+                                                                {"float32", 4},
+                                                                {"double", 8},
+                                                                {"float64", 8}};
+      const auto fail_if = [&](const bool wrong, const std::string &why) {
+        AssertThrow(!wrong,
+                    ExcMessage("Cannot read the file " + of + ": " + why +
+                               "."));
+      };
+      std::ifstream stream(file, std::ios::binary);
+      std::string   line, word;
+      fail_if(!std::getline(stream, line) || line.compare(0, 3, "ply") != 0,
+              "it does not begin with 'ply'");
+      bool is_ascii = false;
+      // The number of each element, and the least of its bytes.
+      std::vector<std::pair<std::uint64_t, std::uint64_t>> elements;
+      while (std::getline(stream, line) && line.compare(0, 10, "end_header"))
+        {
+          std::istringstream words(line);
+          words >> word;
+          if (word == "format")
+            is_ascii = words >> word && word == "ascii";
+          else if (word == "element")
+            {
+              std::uint64_t n = 0;
+              fail_if(!(words >> word >> n) || n > (std::uint64_t(1) << 40),
+                      "its header has <" + line + ">");
+              elements.emplace_back(n, 0);
+            }
+          else if (word == "property")
+            {
+              // A list has its length in front.
+              words >> word;
+              if (word == "list")
+                words >> word;
+              fail_if(elements.empty() || sizes.count(word) == 0,
+                      "its header has <" + line + ">");
+              elements.back().second += sizes.at(word);
+            }
+        }
+      fail_if(!stream, "its header has no end");
+      std::uint64_t wanted = 0, found = 0;
+      for (const auto &[n, bytes] : elements)
+        wanted += is_ascii ? n : n * bytes;
+      if (is_ascii)
+        while (found < wanted && std::getline(stream, line))
+          found += line.find_first_not_of(" \t\r") != std::string::npos;
+      else
+        found = std::filesystem::file_size(file) - stream.tellg();
+      fail_if(found < wanted,
+              "it ends before its data do: its header promises " +
+                std::to_string(wanted) + (is_ascii ? " lines" : " bytes") +
+                " at least, and " + std::to_string(found) + " follow");
+    }
+
+
+
     Mesh
     read_mesh(const std::string &file, const std::string &of, const double unit)
     {
+      const std::string ending = boost::algorithm::to_lower_copy(
+        std::filesystem::path(file).extension().string());
+      if (ending == ".ply")
+        check_ply(file, of);
       Assimp::Importer importer;
       const aiScene   *scene = importer.ReadFile(file, aiProcess_Triangulate);
-      AssertThrow(scene != nullptr,
-                  ExcMessage("Cannot read the file " + of + ": " +
-                             importer.GetErrorString()));
+      // Its reasons may quote the rest of the file.
+      AssertThrow(
+        scene != nullptr,
+        ExcMessage(
+          "Cannot read the file " + of + ": " +
+          (importer.IsExtensionSupported(ending)
+             ? "it is not what its ending " + ending +
+                 " says, or is damaged. Does it open in another program? The "
+                 "reader says: <" +
+                 std::string(importer.GetErrorString()).substr(0, 80) + ">"
+             : "it ends with <" + ending +
+                 ">. Triangles come as STL, PLY or OBJ") +
+          "."));
       Mesh                                         result;
+      std::size_t                                  n_triangles = 0;
       std::map<std::array<float, 3>, unsigned int> numbers;
       for (unsigned int m = 0; m < scene->mNumMeshes; ++m)
         {
@@ -59,6 +154,12 @@ namespace greville
                   {
                     const aiVector3D &x =
                       mesh.mVertices[mesh.mFaces[f].mIndices[k]];
+                    AssertThrow(std::isfinite(x.x) && std::isfinite(x.y) &&
+                                  std::isfinite(x.z),
+                                ExcMessage("In the file " + of +
+                                           ", a vertex of triangle " +
+                                           std::to_string(n_triangles + 1) +
+                                           " is infinite or NaN."));
                     const auto found =
                       numbers.insert({{{x.x, x.y, x.z}},
                                       (unsigned int)(result.points.size())});
@@ -68,6 +169,7 @@ namespace greville
                                                  unit * x.z);
                     triangle[k] = found.first->second;
                   }
+                ++n_triangles;
                 if (triangle[0] != triangle[1] && triangle[1] != triangle[2] &&
                     triangle[2] != triangle[0])
                   result.triangles.push_back(triangle);

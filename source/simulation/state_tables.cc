@@ -147,6 +147,19 @@ namespace greville
       AssertThrow(table.columns == columns_of(layout),
                   ExcMessage("the " + name_of(owner) +
                              " has other numbers at its points there"));
+      const double n_cells =
+        discretization.space().triangulation().n_global_active_cells();
+      run_on_all(
+        [&]() {
+          for (std::size_t k = 0; k < table.values.size();
+               k += table.columns.size())
+            AssertThrow(table.values[k] >= 0. && table.values[k] < n_cells,
+                        ExcMessage(
+                          "a point of the " + name_of(owner) +
+                          " is in the cell " + text_of(table.values[k]) +
+                          ", and the grid has " + text_of(n_cells) + " cells"));
+        },
+        discretization.communicator());
       owner.points.reinit(discretization.space(), layout);
       discretization.transport().insert(owner.points, table.values);
     }

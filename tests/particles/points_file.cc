@@ -301,9 +301,21 @@ namespace
     refuse("wrong.ply");
     write("wrong.csv", "x,y,volume,velocity_x\n0.1,0.2,1,1\n");
     refuse("wrong.csv");
-    write("wrong.csv",
-          "x,y,volume,F_xx,F_xy,F_yx,F_yy,F_zz\n0.1,0.2,1,-1,0,0,1,1\n");
-    refuse("wrong.csv");
+    // Numbers that contradict each other, or the grid of 1.5 m^2.
+    for (const std::string text :
+         {"x,y,volume,F_xx,F_xy,F_yx,F_yy,F_zz\n0.1,0.2,1,-1,0,0,1,1\n",
+          "x,y,volume,F_xx,F_xy,F_yx,F_yy,F_zz,J\n0.1,0.2,1,2,0,0,1,1,1\n",
+          "x,y,volume,mass,density\n0.1,0.2,1,2000,2000\n0.3,0.2,1,1,2000\n",
+          "x,y,volume,mass\n0.1,0.2,1,0.002\n",
+          "x,y,volume,density\n0.1,0.2,1,1e9\n",
+          "x,y,volume\n0.1,0.2,1e90\n",
+          "x,y,volume\n0.1,0.2,1\n0.3,0.4,1\n",
+          "x,y,mass\n0.1,0.2,2000\n0.3,0.4,2000\n",
+          "x,y,volume\n# Twice\n0.1,0.2,0.1\n0.3,0.4,0.1\n0.1,0.2,0.1\n"})
+      {
+        write("wrong.csv", text);
+        refuse("wrong.csv");
+      }
   }
 } // namespace
 

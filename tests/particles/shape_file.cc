@@ -342,10 +342,29 @@ test_errors()
   write_file("text.stl", "nothing\n");
   write_file("text.xyzzy", "nothing\n");
   print_error<3>(from_file("text.xyzzy"));
-  const Mesh box     = make_box();
-  Mesh       open    = box;
-  Mesh       mixed   = box;
-  Mesh       inwards = box;
+  const Mesh box = make_box();
+  // A number that is none, a vertex that is NaN, and files that end too soon.
+  const std::string stl = as_stl(box), ply = as_ply(box);
+  const auto        cut = stl.find("vertex ") + 7;
+  const auto        end = stl.find(' ', cut);
+  write_file("text.stl", stl.substr(0, cut) + "abc" + stl.substr(end));
+  print_error<3>(from_file("text.stl"));
+  write_file("text.stl", stl.substr(0, cut) + "nan" + stl.substr(end));
+  print_error<3>(from_file("text.stl"));
+  const auto header = ply.find("end_header\n") + 11;
+  for (const std::size_t size :
+       {std::size_t(3), header / 2, header, (header + ply.size()) / 2})
+    {
+      write_file("text.ply", ply.substr(0, size));
+      print_error<3>(from_file("text.ply"));
+    }
+  std::string binary = ply.substr(0, header);
+  binary.replace(binary.find("ascii"), 5, "binary_little_endian");
+  write_file("text.ply", binary + "1234");
+  print_error<3>(from_file("text.ply"));
+  Mesh open    = box;
+  Mesh mixed   = box;
+  Mesh inwards = box;
   open.triangles.pop_back();
   std::swap(mixed.triangles[3][0], mixed.triangles[3][1]);
   for (auto &triangle : inwards.triangles)

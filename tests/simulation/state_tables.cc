@@ -105,6 +105,27 @@ namespace
     check(name + ", the same bits",
           numbers(resumed.simulation) == numbers(whole.simulation));
 
+    // A cell that there is not, in a row of one process.
+    for (const double cell : {-1., 1e9, double(NAN)})
+      {
+        TablesFile wrong = read_tables("state.h5", MPI_COMM_WORLD);
+        for (DistributedTable &table : wrong.tables)
+          if (table.name.rfind("body ", 0) == 0 && table.n_rows() > 0 &&
+              Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+            table.values[0] = cell;
+        std::string message;
+        try
+          {
+            set_from(resumed.simulation, wrong);
+          }
+        catch (const std::exception &error)
+          {
+            message = message_of(error);
+          }
+        check(name + ", a point in no cell: <" + message + ">",
+              message.find("is in the cell") != std::string::npos);
+      }
+
     // Each process by itself.
     Simulated<dim> alone(text, MPI_COMM_SELF);
     set_from(alone.simulation, read_tables("state.h5", MPI_COMM_SELF));

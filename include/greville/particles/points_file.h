@@ -85,7 +85,10 @@ namespace greville
    * names of each. The cells are those of positions, or, with @p at_reference,
    * of the initial positions that are in the file.
    *
-   * Throws as place_points(), and where a point lies outside of the grid.
+   * Throws as place_points(), and where a point lies outside of the grid or in
+   * the place of another one, where volumes are larger than the grid, where the
+   * columns mass, volume and density contradict each other, or where the
+   * density is more than a thousand times larger or smaller than @p density.
    */
   template <int dim>
   PointsOfFile<dim>
@@ -96,6 +99,16 @@ namespace greville
                  const std::vector<std::vector<std::string>> &wanted,
                  const bool                                   at_reference,
                  const SplineSpace<dim>                      &space);
+
+  /**
+   * For messages: file, parameter and line of all points at @p x in the file of
+   * points_of_file(), "...: " each.
+   */
+  template <int dim>
+  std::vector<std::string>
+  find_in_points_file(const std::string        &file,
+                      const std::string        &section,
+                      const dealii::Point<dim> &x);
 } // namespace greville
 
 #endif
