@@ -4,10 +4,10 @@
 
 #include <greville/base/errors.h>
 #include <greville/particles/fitted_points.h>
+#include <greville/particles/inside.h>
 #include <greville/particles/shape.h>
 
 #include <algorithm>
-#include <functional>
 #include <memory>
 #include <random>
 
@@ -33,24 +33,24 @@ namespace greville
 
 
 
+  template <int dim>
+  std::function<bool(const Point<dim> &)>
+  make_inside(const PointPlacement   &parameters,
+              const std::string      &section,
+              const SplineSpace<dim> &space)
+  {
+    if (parameters.shape_file.empty())
+      return [shape = Shape<dim>(parameters.shape, section + "/Shape")](
+               const Point<dim> &x) { return shape.contains(x); };
+    std::shared_ptr<const FittedShape<dim>> shape =
+      make_fitted_shape<dim>(parameters, section, space);
+    return [shape](const Point<dim> &x) { return shape->contains(x); };
+  }
+
+
+
   namespace
   {
-    template <int dim>
-    std::function<bool(const Point<dim> &)>
-    make_contains(const PointPlacement   &parameters,
-                  const std::string      &section,
-                  const SplineSpace<dim> &space)
-    {
-      if (parameters.shape_file.empty())
-        return [shape = Shape<dim>(parameters.shape, section + "/Shape")](
-                 const Point<dim> &x) { return shape.contains(x); };
-      std::shared_ptr<const FittedShape<dim>> shape =
-        make_fitted_shape<dim>(parameters, section, space);
-      return [shape](const Point<dim> &x) { return shape->contains(x); };
-    }
-
-
-
     /**
      * Call visit(x) for a point of the grid and those that periodic walls make
      * of it one period away, the point itself first.
@@ -89,7 +89,7 @@ namespace greville
     if (parameters.placement == "fitted" ||
         parameters.placement == "fitted lattice")
       return place_fitted_points<dim>(parameters, section, space);
-    const auto  contains = make_contains<dim>(parameters, section, space);
+    const auto  contains = make_inside<dim>(parameters, section, space);
     const auto &lattice  = space.lattice();
     const bool  gauss    = parameters.placement == "Gauss";
     const auto  extents  = points_of_cell<dim>(parameters, section);
@@ -179,6 +179,8 @@ namespace greville
 
   template decltype(points_of_cell<2>) points_of_cell<2>;
   template decltype(points_of_cell<3>) points_of_cell<3>;
+  template decltype(make_inside<2>)    make_inside<2>;
+  template decltype(make_inside<3>)    make_inside<3>;
   template decltype(place_points<2>)   place_points<2>;
   template decltype(place_points<3>)   place_points<3>;
 } // namespace greville

@@ -25,10 +25,9 @@ namespace greville
 
   namespace
   {
-    // Trial steps: so many at the most, and no further one after this time, s,
-    // if there have been the least.
-    constexpr unsigned int most_steps = 20, least_steps = 2;
-    constexpr double       longest = 2.;
+    // Trial steps: so many at the most, and no further one after this time, s.
+    constexpr unsigned int most_steps = 20;
+    constexpr double       longest    = 2.;
 
 
 
@@ -129,13 +128,12 @@ namespace greville
                                  comm);
         set_up = seconds_since(begin, comm);
         print_header(out, ensemble, parameters, comm);
-        // Stages often let the weight grow to its full value.
-        SimulationParameters last = parameters;
-        last.enter_stage(parameters.n_stages() - 1);
-        check_materials(out,
-                        ensemble.bodies(),
-                        Loads<dim>(last).gravity(end),
-                        comm);
+        print_materials(out, ensemble.bodies());
+        print_bodies();
+        print_surface_loads();
+        for (const std::string &note :
+             input_notes(ensemble.bodies(), parameters, comm))
+          out << "  Note: " << note << '\n';
         print_warnings(ensemble);
       }
 
@@ -196,6 +194,73 @@ namespace greville
         return ensemble.first().state();
       }
 
+      /**
+       * Mass and volume, which show shapes and units that are not meant.
+       */
+      void
+      print_bodies()
+      {
+        out << "  body             "
+            << (dim == 2 ? "  mass, kg/m" : "    mass, kg")
+            << (dim == 2 ? "     area, m^2" : "   volume, m^3") << '\n';
+        for (const Body<dim> &body : ensemble.bodies())
+          {
+            double mass = 0., volume = 0.;
+            body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+              mass += p.mass();
+              volume += p.volume();
+            });
+            out << "  " << std::left << std::setw(16) << body.name << std::right
+                << std::setw(13) << rounded(Utilities::MPI::sum(mass, comm), 6)
+                << std::setw(14)
+                << rounded(Utilities::MPI::sum(volume, comm), 6) << '\n';
+          }
+      }
+
+      /**
+       * Initial areas of loaded surfaces, and the forces on them at the start
+       * and at the end of the run.
+       */
+      void
+      print_surface_loads()
+      {
+        if (parameters.general.surface_loads.empty())
+          return;
+        out << "  surface load     "
+            << (dim == 2 ? "   length, m" : "   area, m^2")
+            << (dim == 2 ? "   force, N/m" : "   force, N") << '\n';
+        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+          {
+            const Simulation<dim>  &part = ensemble.part(k);
+            const SurfaceLoads<dim> loads(part.stage_parameters());
+            const auto             &surfaces = part.state().surfaces;
+            const double            t        = common().time;
+            const double            end      = parameters.end_of_run();
+            const auto              first = loads.resultants(surfaces, t, comm);
+            const auto last = loads.resultants(surfaces, end, comm);
+            for (unsigned int s = 0; s < surfaces.size(); ++s)
+              {
+                double area = 0.;
+                surfaces[s].points.for_each(
+                  [&](const unsigned int, ConstPointRef<dim> p) {
+                    area += p.mass();
+                  });
+                const auto text = [](const Tensor<1, dim> &force) {
+                  std::string result;
+                  for (unsigned int d = 0; d < dim; ++d)
+                    result += (d > 0 ? ", " : "(") + rounded(force[d], 4);
+                  return result + ")";
+                };
+                out << "  " << std::left << std::setw(16) << first[s].first
+                    << std::right << std::setw(13)
+                    << rounded(Utilities::MPI::sum(area, comm), 6) << "   "
+                    << text(first[s].second) << " at t = " << rounded(t)
+                    << " s, " << text(last[s].second)
+                    << " at t = " << rounded(end) << " s\n";
+              }
+          }
+      }
+
       void
       print_warnings(Ensemble<dim> &trial)
       {
@@ -224,7 +289,7 @@ namespace greville
         unsigned int n     = 0;
         const auto   start = Clock::now();
         while (!trial.is_finished() && n < most_steps &&
-               (n < least_steps || seconds_since(start, comm) < longest) &&
+               (n == 0 || seconds_since(start, comm) < longest) &&
                !(n > 0 && trial.first().is_stage_finished()))
           {
             const auto before = Clock::now();
@@ -257,9 +322,12 @@ namespace greville
             << (is_cut ? ", as 'Time/Maximum steps' says"
                        : " to t = " + rounded(end) + " s")
             << '\n'
-            << "  estimated time: " << duration(total) << ": "
-            << rounded(set_up, 2) << " s to set up, then " << rounded(each, 2)
-            << " s for each step, the mean of "
+            << "  estimated time: " << duration(total)
+            << (is_explicit ? ""
+                            : ", or more where later steps need more "
+                              "iterations")
+            << ": " << rounded(set_up, 2) << " s to set up, then "
+            << rounded(each, 2) << " s for each step, the mean of "
             << (n > 1 ? std::to_string(n - 1) + " trial step(s) after the first"
                       : "the first trial step")
             << ", without output files\n";
@@ -403,6 +471,8 @@ namespace greville
     check_other_folder(options, directory, comm);
     out << "Check of " << file
         << ": the steps below are tried in memory, no results are written.\n\n";
+    for (const std::string &note : repeated_parameters(file))
+      out << "  Note: " << note << '\n';
     if (parameters.general.dimension == 2)
       check_all<2>(parameters, directory, out, comm, options, drawing);
     else

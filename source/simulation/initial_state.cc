@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/particles/inside.h>
 #include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/load_balance.h>
@@ -31,6 +32,23 @@ namespace greville
 
 
 
+    template <int dim>
+    std::string
+    overlap_message(const Body<dim>        &a,
+                    const Body<dim>        &b,
+                    const unsigned int      cell,
+                    const SplineSpace<dim> &space)
+    {
+      return "'Body " + b.name + "' is in the same place as 'Body " + a.name +
+             "', for instance at (" +
+             text_of(space.lattice().cell_center(multi_index<dim>(
+               space.owned_cells()[cell], space.lattice().n_cells()))) +
+             ") m: the mass would be counted twice. In shapes, difference(a, "
+             "b) cuts one body out of another.";
+    }
+
+
+
     /**
      * Throw where two bodies fill the same cells.
      */
@@ -54,28 +72,113 @@ namespace greville
           points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
             own[cell] += p.volume() / cell_volume;
           });
-          std::ostringstream message;
+          std::string message;
           for (unsigned int cell = 0; cell < n_cells; ++cell)
             {
               const auto is_there = [&](const Body<dim> &body) {
                 return body.points.n_points(cell) > 0;
               };
               own[cell] = std::min(own[cell], 1.);
-              if (own[cell] + before[cell] > 1.5 && message.str().empty())
-                message
-                  << "'Body " << bodies[b].name
-                  << "' is in the same place as 'Body "
-                  << std::find_if(bodies.begin(), bodies.end(), is_there)->name
-                  << "', for instance at ("
-                  << space.lattice().cell_center(
-                       multi_index<dim>(space.owned_cells()[cell],
-                                        space.lattice().n_cells()))
-                  << ") m: the mass would be counted twice. In shapes, "
-                     "difference(a, b) cuts one body out of another.";
+              if (own[cell] + before[cell] > 1.5 && message.empty())
+                message = overlap_message(*std::find_if(bodies.begin(),
+                                                        bodies.end(),
+                                                        is_there),
+                                          bodies[b],
+                                          cell,
+                                          space);
               before[cell] = std::min(own[cell] + before[cell], 1.);
             }
-          throw_on_all(message.str(), space.communicator());
+          throw_on_all(message, space.communicator());
         }
+    }
+
+
+
+    /**
+     * The same of bodies with shapes, however thin they are: by the points of
+     * each of two bodies that are inside of the other one. Bodies that touch
+     * may share a layer of points on their common boundary.
+     */
+    template <int dim>
+    void
+    check_overlap_of_shapes(const std::vector<Body<dim>> &bodies,
+                            const SplineSpace<dim>       &space)
+    {
+      // Volumes in both of two bodies are errors above these parts of a cell,
+      // and of the smaller body.
+      constexpr double most_of_cell = 0.4, most_of_body = 0.5;
+      double           cell_volume = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        cell_volume *= space.lattice().cell_size(d);
+      const std::size_t   n_bodies = bodies.size();
+      const unsigned int  n_cells  = space.owned_cells().size();
+      std::vector<double> common(n_bodies * n_bodies, 0.), volumes(n_bodies);
+      std::vector<double> largest(common);
+      std::vector<unsigned int> cells(common.size(), 0);
+      run_on_all(
+        [&]() {
+          std::vector<std::function<bool(const Point<dim> &)>> inside(n_bodies);
+          const auto has_shape = [&](const std::size_t b) {
+            return bodies[b].parameters->points_file.empty() &&
+                   bodies[b].parameters->displacement.empty();
+          };
+          // Of each cell, the volume of points of a that are inside of b.
+          const auto volumes_of = [&](const std::size_t a,
+                                      const std::size_t b) {
+            std::vector<double> result(n_cells, 0.);
+            bodies[a].points.for_each(
+              [&](const unsigned int cell, ConstPointRef<dim> p) {
+                if (bodies[b].points.n_points(cell) == 0)
+                  return;
+                if (!inside[b])
+                  inside[b] = make_inside<dim>(*bodies[b].parameters,
+                                               "Body " + bodies[b].name,
+                                               space);
+                if (inside[b](p.position()))
+                  result[cell] += p.volume();
+              });
+            return result;
+          };
+          for (std::size_t b = 0; b < n_bodies; ++b)
+            {
+              bodies[b].points.for_each(
+                [&](const unsigned int, ConstPointRef<dim> p) {
+                  volumes[b] += p.volume();
+                });
+              for (std::size_t a = 0; a < b && has_shape(b); ++a)
+                {
+                  if (!has_shape(a))
+                    continue;
+                  const std::size_t pair   = a * n_bodies + b;
+                  const auto        a_in_b = volumes_of(a, b);
+                  const auto        b_in_a = volumes_of(b, a);
+                  for (unsigned int cell = 0; cell < n_cells; ++cell)
+                    {
+                      const double own = std::min(a_in_b[cell], b_in_a[cell]);
+                      common[pair] += own;
+                      if (own > largest[pair])
+                        cells[pair] = cell;
+                      largest[pair] = std::max(largest[pair], own);
+                    }
+                }
+            }
+        },
+        space.communicator());
+      Utilities::MPI::sum(common, space.communicator(), common);
+      Utilities::MPI::sum(volumes, space.communicator(), volumes);
+      std::string message;
+      for (std::size_t b = 0; b < n_bodies; ++b)
+        for (std::size_t a = 0; a < b; ++a)
+          {
+            const std::size_t pair = a * n_bodies + b;
+            if (largest[pair] > 0. && message.empty() &&
+                (largest[pair] > most_of_cell * cell_volume ||
+                 common[pair] >
+                   most_of_body * std::min(volumes[a], volumes[b])))
+              message =
+                overlap_message(bodies[a], bodies[b], cells[pair], space);
+          }
+      throw_on_all(message, space.communicator());
     }
 
 
@@ -281,6 +384,7 @@ namespace greville
     state.first_signal = state.signals.fastest;
     state.time = state.velocity_time = parameters.time.start;
     check_overlap(state.bodies, space);
+    check_overlap_of_shapes(state.bodies, space);
     if (parameters.scheme.is_total_lagrangian())
       check_distances(state.bodies, space);
     AssertThrow(state.n_free > 0,

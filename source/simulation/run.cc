@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
+#include <greville/simulation/check_materials.h>
 #include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/load_balance.h>
 #include <greville/simulation/run.h>
@@ -154,6 +155,10 @@ namespace greville
   SimulationRun<dim>::run_to_end()
   {
     print_header(out, ensemble, parameters, comm);
+    if (!is_resumed)
+      for (const std::string &note :
+           input_notes(ensemble.bodies(), parameters, comm))
+        notes.note(note);
     begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
     if (!is_resumed)
       {

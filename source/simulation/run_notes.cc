@@ -193,6 +193,15 @@ namespace greville
 
 
   void
+  RunNotes::note(const std::string &text)
+  {
+    out << "Note: " << text << std::endl;
+    append("Note", text);
+  }
+
+
+
+  void
   RunNotes::note_error(const std::string &error)
   {
     append("Error", error);

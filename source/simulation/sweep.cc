@@ -4,6 +4,7 @@
 #include <greville/base/parameters.h>
 #include <greville/base/run_folder.h>
 #include <greville/base/signals.h>
+#include <greville/simulation/check_materials.h>
 #include <greville/simulation/sweep.h>
 
 #include <algorithm>
@@ -368,6 +369,8 @@ namespace greville
       folder.make_room();
       write_parameters(parameters, directory, comm);
     };
+    for (const std::string &note : repeated_parameters(file))
+      out << "Note: " << note << std::endl;
     if (parameters.general.dimension == 2)
       run_all<2>(parameters, directory, out, comm, options_of_run);
     else

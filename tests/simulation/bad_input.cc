@@ -197,6 +197,33 @@ main(int argc, char **argv)
        good.with("Simulation", {"Bodies = body, other"})
          .with("Body other",
                {"Material = solid", "Shape = ball(0.5, 0.5, 0.2)"}));
+  {
+    // Half a cell thick, and with other points.
+    const Text thin =
+      good.with("Simulation", {"Bodies = body, other"})
+        .with("Body body", {"Shape = box(0.25, 0, 0.75, 0.12)"});
+    const auto other = [&](const std::string &shape) {
+      return thin.with("Body other",
+                       {"Material = solid",
+                        "Points per direction = 3",
+                        "Shape = " + shape});
+    };
+    test("two thin bodies in the same place",
+         other("box(0.25, 0, 0.75, 0.12)"));
+    test("a thin body in another one", other("box(0.5, 0.03, 0.6, 0.1)"));
+    test("two thin bodies that share cells",
+         other("box(0.25, 0.12, 0.75, 0.24)"));
+    test("a body on a slope",
+         thin
+           .with("Body body",
+                 {"Shape = half_space(-0.3, 1, 0.1)",
+                  "Clip at the grid = true"})
+           .with("Body other",
+                 {"Material = solid",
+                  "Points per direction = 3",
+                  "Shape = intersection(half_space(0.3, -1, -0.1), box(0, 0, "
+                  "1, 0.6))"}));
+  }
   test("share of FLIP with PIC",
        good.with("Scheme", {"Transfer = PIC", "FLIP share = 0.5"}));
   test("probe of NaN", good.with("Output", {"Probes = nan, nan"}));
@@ -238,6 +265,40 @@ main(int argc, char **argv)
   test("no form", Text("subsection Time\n  End = 1\nend\n"));
   test("no end", Text("subsection Time\n"));
   test("one end too many", good.with("Time\nend", {}));
+
+  // Texts of other systems
+  test("byte order mark", Text("\xEF\xBB\xBF" + good.content));
+  test("UTF-16", Text("\xFF\xFEs" + std::string("\0u\0b\0", 6)));
+  test("Latin-1", good.with("Simulation", {"Name = B\xF6schung"}));
+  test("UTF-8", good.with("Simulation", {"Name = B\xC3\xB6schung"}));
+  test("Latin-1 in a comment", Text("# B\xF6schung\n" + good.content));
+  const auto replaced = [&](const std::string &word, const std::string &other) {
+    std::string text = good.content;
+    return Text(text.replace(text.find(word), word.size(), other));
+  };
+  test("capitals", replaced("subsection Simulation", "SUBSECTION SIMULATION"));
+  test("small letters", replaced("Grid", "grid"));
+  test("a device", Text("include /dev/zero\n" + good.content));
+  test_in("folder of the user", good, "~/results");
+  const Text from_csv =
+    good.with("Body body", {"Shape =", "Points file = p.csv"});
+  for (const std::string begin : {"\xEF\xBB\xBF", "\xF6"})
+    {
+      if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+        std::ofstream("p.csv")
+          << begin << "x,y,volume\n0.5,0.5,0.01\n0.6,0.5,0.01\n";
+      MPI_Barrier(MPI_COMM_WORLD);
+      test("CSV with other bytes", from_csv);
+    }
+  test("CSV that is a device",
+       good.with("Body body", {"Shape =", "Points file = /dev/zero"}));
+  {
+    const std::string message =
+      message_of(ExcMessage("is <" + std::string(100000, 'x') + ">; no"));
+    check("the begin of a long message", message.compare(0, 4, "is <") == 0);
+    check("its end", message.substr(message.size() - 5) == ">; no");
+    check("its length", message.size() < 4000);
+  }
 
   // Files that cannot be written
   {

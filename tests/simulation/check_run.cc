@@ -98,6 +98,22 @@ main(int argc, char **argv)
        "estimated time: ",
        "memory: at most ",
        "results of a run: check_results"});
+  // What shapes, units and the part of the surface that bears a load come to.
+  const Text loaded = good.with("Material solid", {"Density = 2"})
+                        .with("Body body", {"Placement = fitted"})
+                        .with("Simulation", {"Surface loads = weight"})
+                        .with("Surface load weight",
+                              {"Body = body",
+                               "Kind = pressure",
+                               "Pressure = 3 * t",
+                               "Where = y > 0.74"});
+  has("sums",
+      check_of(loaded),
+      {"  body               mass, kg/m     area, m^2\n"
+       "  body                      0.5          0.25\n",
+       "  surface load        length, m   force, N/m\n"
+       "  weight                    0.5   (0, 0) at t = 0 s, (0, -1.5) at t = "
+       "1 s\n"});
   RunOptions settings;
   settings.settings = {"Time/Step=0.002", "Grid/Degree=3"};
   has("settings",
@@ -111,7 +127,8 @@ main(int argc, char **argv)
       check_of(good.with("Scheme", {"Stress update = newmark"})
                  .with("Time", {"Step = 0.1", "End = 0.5"})),
       {"level  order       unknowns   used",
-       "number of steps: about 5 to t = 0.5 s"});
+       "number of steps: about 5 to t = 0.5 s",
+       " s, or more where later steps need more iterations: "});
   has("stages",
       check_of(
         good.with("Simulation", {"Stages = one, two"})

@@ -51,6 +51,12 @@ namespace greville
     warn(const std::string &warning);
 
     /**
+     * What may not be meant as it stands.
+     */
+    void
+    note(const std::string &text);
+
+    /**
      * The run ends with this error, which the program prints.
      */
     void
