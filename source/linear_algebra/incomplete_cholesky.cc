@@ -2,11 +2,13 @@
 
 #include <deal.II/base/exceptions.h>
 
+#include <greville/base/largest_eigenvalue.h>
 #include <greville/base/with_width.h>
 #include <greville/linear_algebra/incomplete_cholesky.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <experimental/simd>
 #include <string>
 
@@ -21,6 +23,13 @@ namespace greville
     // bounds.
     constexpr double smallest_pivot = 3e-5;
     constexpr double lowest_pivot   = -0.1;
+
+    // The smallest shift, and the largest one that serves the eigenvalues of
+    // the preconditioned matrix: larger ones cost more iterations than they
+    // save.
+    constexpr double first_shift       = 1e-3;
+    constexpr double largest_remedy    = 4e-3;
+    constexpr double largest_tolerable = 2.;
   } // namespace
 
 
@@ -76,9 +85,11 @@ namespace greville
     work.assign(n, 0.);
 
     used_shift = shift;
-    while (!try_shift(matrix, scaling, used_shift, schur))
+    while (!try_shift(matrix, scaling, used_shift, schur) ||
+           (used_shift < largest_remedy &&
+            largest_eigenvalue(matrix) > largest_tolerable))
       {
-        used_shift = std::max(2. * used_shift, 1e-3);
+        used_shift = std::max(2. * used_shift, first_shift);
         AssertThrow(used_shift < 10.,
                     ExcMessage("IC(0) fails with all shifts: the matrix is not "
                                "positive definite."));
@@ -168,6 +179,63 @@ namespace greville
             largest_diagonal * scaling[i] * scaling[i] / pivots[i];
       }
     return true;
+  }
+
+
+
+  double
+  IncompleteCholesky::largest_eigenvalue(const LowerTriangle &matrix) const
+  {
+    constexpr unsigned int max_products = 5;
+    using Vector                        = std::vector<double>;
+    const unsigned int n                = size();
+    const unsigned int n_eliminated     = inverse_pivots.size();
+
+    const auto multiply = [&](Vector &y, const Vector &x) {
+      y.assign(n, 0.);
+      for (unsigned int i = 0; i < n_eliminated; ++i)
+        {
+          const std::size_t end = matrix.row_begin[i + 1] - 1;
+          double            sum = matrix.values[end] * x[i];
+          for (std::size_t e = matrix.row_begin[i]; e < end; ++e)
+            {
+              const unsigned int j = matrix.columns[e];
+              sum += matrix.values[e] * x[j];
+              y[j] += matrix.values[e] * x[i];
+            }
+          y[i] += sum;
+        }
+    };
+    const auto precondition = [&](Vector &y, const Vector &x) {
+      y.assign(n, 0.);
+      double largest = 0.;
+      for (const double value : x)
+        largest = std::max(largest, std::abs(value));
+      if (!(largest > 0.))
+        return;
+      single.assign(n, 0.f);
+      for (unsigned int i = 0; i < n_eliminated; ++i)
+        single[i] = x[i] / largest;
+      forward(single.data(), 1);
+      std::fill(single.begin() + n_eliminated, single.end(), 0.f);
+      backward(single.data(), 1);
+      for (unsigned int i = 0; i < n_eliminated; ++i)
+        y[i] = largest / largest_diagonal * single[i];
+    };
+
+    // Signs at random, the same in each run.
+    Vector        start(n, 0.);
+    std::uint64_t bits = 1;
+    for (unsigned int i = 0; i < n_eliminated; ++i)
+      {
+        bits = bits * 6364136223846793005u + 1442695040888963407u;
+        start[i] =
+          std::copysign(std::sqrt(matrix.values[matrix.row_begin[i + 1] - 1]),
+                        static_cast<std::int64_t>(bits));
+      }
+    return greville::largest_eigenvalue(
+             multiply, precondition, start, 0.1, max_products, MPI_COMM_SELF)
+      .value;
   }
 
 

@@ -39,6 +39,11 @@ namespace greville
    * the fill, as for a Kronecker product in lexicographic order, the
    * factorization is exact.
    *
+   * Positive pivots do not suffice: what the pattern drops can leave factors
+   * that are nearly singular where M is not, so that few eigenvalues of the
+   * preconditioned matrix are large. Where an estimate of the largest one
+   * exceeds 2, all rows are shifted as well, by 4e-3 at most.
+   *
    * Optionally only the first rows are eliminated, which leaves an incomplete
    * Schur complement of the others.
    *
@@ -131,6 +136,13 @@ namespace greville
              const HeldRows    &held = HeldRows()) const;
 
   private:
+    /**
+     * An estimate from below of the largest eigenvalue of the preconditioned
+     * matrix of the rows that are eliminated.
+     */
+    double
+    largest_eigenvalue(const LowerTriangle &matrix) const;
+
     bool
     try_shift(const LowerTriangle       &matrix,
               const std::vector<double> &scaling,
