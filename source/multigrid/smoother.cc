@@ -67,7 +67,8 @@ namespace greville
                       shift,
                       "ilu0, ic0: added to the diagonal of the scaled matrix "
                       "(which is 1) before the factorization. (ic0 raises "
-                      "pivots that fail all the same.) Unit: none.",
+                      "pivots that fail all the same, and shifts by up to 4e-3 "
+                      "where its factors are nearly singular.) Unit: none.",
                       Patterns::Double(0.));
     prm.add_parameter(
       "Damping",
