@@ -2,6 +2,7 @@
 
 #include <greville/linear_algebra/interleaved_layout.h>
 
+#include <algorithm>
 #include <string>
 
 namespace greville
@@ -24,7 +25,10 @@ namespace greville
                   std::to_string(most) +
                   ": use a coarser grid, a 'Scheme/Mass' other than exact "
                   "mass, or a deal.II with 64-bit indices."));
-    IndexSet owned(n_all * width), others(n_all * width);
+    // deal.II divides by the size, also where no process owns anything.
+    const types::global_dof_index size =
+      std::max<types::global_dof_index>(1, n_all * width);
+    IndexSet owned(size), others(size);
     owned.add_range(first * width, (first + n_own) * width);
     for (const auto ghost : ghosts)
       others.add_range(ghost * width, (ghost + 1) * width);

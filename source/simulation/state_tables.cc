@@ -458,6 +458,9 @@ namespace greville
     state.n_free = 0;
     for (const Body<dim> *body : deformable_bodies(state.bodies))
       state.n_free += body->n_points;
+    AssertThrow(state.n_free > 0,
+                ExcMessage("all points of the bodies that feel forces have "
+                           "left its grid"));
     state.signals      = initial_signals(state.bodies, discretization.space());
     state.first_signal = state.signals.fastest;
     state.points_have_changed();

@@ -17,7 +17,9 @@ namespace greville
     contact_walls = walls;
     neighbors.reinit(space);
     const auto &positions = neighbors.positions();
-    classes.assign(positions.size(), empty);
+    // Other than any class: the first update() is a change also where no cell
+    // has points.
+    classes.assign(positions.size(), 255);
     hosts.assign(positions.size(), none);
     filled.clear();
   }
