@@ -268,7 +268,7 @@ namespace greville
 
   template <int dim>
   LowerTriangle
-  ExtendedMass<dim>::local_entries(const unsigned int components)
+  ExtendedMass<dim>::local_entries(const unsigned int components) const
   {
     using Entry          = typename ExtendedUnknowns<dim>::Entry;
     const unsigned int n = this->unknowns.size();
@@ -280,17 +280,17 @@ namespace greville
         image_diagonal[u] += points_mass.diagonal(place);
       });
 
-    // What all of them hold has no role here.
-    std::vector<unsigned char>                is_held(n, 0);
-    std::vector<std::pair<unsigned int, int>> held_roles;
+    // What all of them hold is left out: unknowns, and extended functions.
+    std::vector<unsigned char> is_held(n, 0);
+    std::vector<unsigned char> is_held_extended(this->extended.size(), 0);
     for (const auto &entry : this->held_places)
       if ((entry.second & components) == components)
         {
-          int &role = this->roles[entry.first];
-          held_roles.emplace_back(entry.first, role);
+          const int role = this->roles[entry.first];
           if (role > 0)
             is_held[role - 1] = 1;
-          role = 0;
+          else if (role < 0)
+            is_held_extended[-role - 1] = 1;
         }
 
     // A row that is summed up, up to a column, and bits of its entries.
@@ -331,7 +331,7 @@ namespace greville
               if (unsigned(role - 1) <= last)
                 add_entry(role - 1, value);
             }
-          else if (role < 0)
+          else if (role < 0 && !is_held_extended[-role - 1])
             for (std::size_t e = this->extended_begin[-role - 1];
                  e < this->extended_begin[-role];
                  ++e)
@@ -344,10 +344,10 @@ namespace greville
     // B = M E in the rows of extended functions.
     std::vector<std::size_t> B_begin(1, 0);
     std::vector<Entry>       B;
-    for (const unsigned int place : this->extended)
+    for (unsigned int k = 0; k < this->extended.size(); ++k)
       {
-        if (this->roles[place] != 0)
-          add_row_times_E(place, n);
+        if (!is_held_extended[k])
+          add_row_times_E(this->extended[k], n);
         take_row([&](const unsigned int j, const double value) {
           B.push_back({j, value});
         });
@@ -411,9 +411,10 @@ namespace greville
             points_mass.for_each_lower_entry(
               this->unknowns[i], [&](const unsigned int j, const double value) {
                 // Ghosts, which come last, have the entry in their row.
-                if (this->roles[j] <= 0 || unsigned(this->roles[j] - 1) > i)
+                const int role = this->roles[j];
+                if (role <= 0 || unsigned(role - 1) > i || is_held[role - 1])
                   return;
-                result.columns.push_back(this->roles[j] - 1);
+                result.columns.push_back(role - 1);
                 result.values.push_back(value);
               });
             // Where all its points are those of other processes.
@@ -442,8 +443,6 @@ namespace greville
         });
         result.row_begin.push_back(result.columns.size());
       }
-    for (const auto &entry : held_roles)
-      this->roles[entry.first] = entry.second;
     return result;
   }
 

@@ -244,10 +244,10 @@ namespace greville
 
   template <int dim>
   void
-  TangentLevel<dim>::factorize(ExtendedMass<dim>   &matrix,
-                               const double         shift,
-                               const unsigned int   components,
-                               PartitionedCholesky &factors) const
+  TangentLevel<dim>::factorize(const ExtendedMass<dim> &matrix,
+                               const double             shift,
+                               const unsigned int       components,
+                               PartitionedCholesky     &factors) const
   {
     const auto        of_unknowns = matrix.held_unknowns();
     std::vector<bool> is_held_in_some(of_unknowns.size());
@@ -345,11 +345,9 @@ namespace greville
   {
     if (!mass_factors)
       {
-        mass_factors = std::make_unique<PartitionedCholesky>();
-        factorize(const_cast<ExtendedMass<dim> &>(extended_mass),
-                  0.,
-                  all_components(dim),
-                  *mass_factors);
+        auto factors = std::make_unique<PartitionedCholesky>();
+        factorize(extended_mass, 0., all_components(dim), *factors);
+        mass_factors = std::move(factors);
       }
     solve(*mass_factors, x, x);
   }

@@ -245,7 +245,7 @@ test_products(const MultiIndex<dim>       &cells,
         }
 
       // Component 0; held rows are unit rows.
-      const LowerTriangle entries = mass.local_entries(1);
+      const LowerTriangle entries = std::as_const(mass).local_entries(1);
       VectorType          from, to;
       mass.initialize_vector(from, 1);
       mass.initialize_vector(to, 1);

@@ -119,7 +119,7 @@ namespace greville
      * and nothing held elsewhere. On one process it is A.
      */
     LowerTriangle
-    local_entries(const unsigned int components);
+    local_entries(const unsigned int components) const;
 
     /**
      * Collective. The diagonal of E^T M~ E where E has the columns of unknowns

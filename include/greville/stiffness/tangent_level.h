@@ -202,13 +202,13 @@ namespace greville
           const unsigned int         n_components = dim) const;
 
     /**
-     * Factorize a matrix that stands for @p components (bits).
+     * Collective. Factorize a matrix that stands for @p components (bits).
      */
     void
-    factorize(ExtendedMass<dim>   &matrix,
-              const double         shift,
-              const unsigned int   components,
-              PartitionedCholesky &factors) const;
+    factorize(const ExtendedMass<dim> &matrix,
+              const double             shift,
+              const unsigned int       components,
+              PartitionedCholesky     &factors) const;
 
     const SplineSpace<dim>          &spline_space;
     const std::vector<unsigned char> held;
@@ -220,7 +220,8 @@ namespace greville
     mutable bool                     has_single_blocks = false;
 
     // A diagonal block of A or their mean, with the same extension.
-    mutable ExtendedMass<dim>                    block;
+    mutable ExtendedMass<dim> block;
+    // Made by the first call of apply_inverse_mass() for a mass.
     mutable std::unique_ptr<PartitionedCholesky> mass_factors;
 
     double                      largest = 0.;
