@@ -5,6 +5,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/signals.h>
 #include <greville/simulation/point_fields.h>
+#include <greville/simulation/step_errors.h>
 #include <greville/simulation/sweep.h>
 
 #include <csignal>
@@ -228,8 +229,11 @@ namespace greville
   void
   SimulationRun<dim>::write_checkpoint()
   {
-    mark = make_mark();
-    ensemble.set_from_tables(write_checkpoint(mark));
+    // Where it cannot be written, the state to go back to and the mark stay
+    // those of the same step.
+    const Mark now = make_mark();
+    ensemble.set_from_tables(write_checkpoint(now));
+    mark            = now;
     last_checkpoint = std::chrono::steady_clock::now();
   }
 
@@ -302,6 +306,7 @@ namespace greville
     if (is_last)
       is_due = when.at_end;
     // The run goes on where the disk is full for a while.
+    std::string failure;
     if (is_due)
       try
         {
@@ -309,8 +314,9 @@ namespace greville
         }
       catch (const ErrorOnAll &error)
         {
+          failure = without_stop(message_of(error));
           out << '\n';
-          notes.warn("no checkpoint has been written. " + message_of(error));
+          notes.warn("no checkpoint has been written. " + failure + ".");
           last_checkpoint = std::chrono::steady_clock::now();
         }
     if (is_last || signal == 0 || signal == SIGUSR1)
@@ -324,12 +330,19 @@ namespace greville
     out << '\n';
     print_summary(summary);
     write_summary(summary);
-    AssertThrow(false,
-                RunStopped("Stopped by " + SignalCatcher::name(signal) +
-                           " after step " + std::to_string(common().n_steps) +
-                           ", t = " + text_of(common().time) +
-                           " s. --resume goes on from the checkpoint in <" +
-                           directory + ">."));
+    std::string text = "Stopped by " + SignalCatcher::name(signal) +
+                       " after step " + std::to_string(common().n_steps) +
+                       ", t = " + text_of(common().time) + " s. ";
+    if (!failure.empty())
+      text += "No checkpoint of this step has been written: " + failure + ". ";
+    if (failure.empty())
+      text += "--resume goes on from the checkpoint in <" + directory + ">.";
+    else if (checkpoint_file.empty())
+      text += "There is no earlier one either, so that the run has to begin "
+              "anew.";
+    else
+      text += "--resume goes on from <" + checkpoint_file + ">.";
+    AssertThrow(false, RunStopped(text));
   }
 
 
