@@ -283,11 +283,11 @@ namespace greville
         };
         const TimeParameters &times = trial.first().stage_parameters().time;
         const double          begin_of_trial = state().time, end = times.end;
-        const unsigned int    first = state().n_steps;
-        const bool   is_explicit    = trial.first().solver_levels().empty();
-        double       first_step = 0., steps = 0.;
-        unsigned int n     = 0;
-        const auto   start = Clock::now();
+        const unsigned int    first       = state().n_steps;
+        const bool            is_explicit = !trial.first().is_implicit();
+        double                first_step = 0., steps = 0.;
+        unsigned int          n     = 0;
+        const auto            start = Clock::now();
         while (!trial.is_finished() && n < most_steps &&
                (n == 0 || seconds_since(start, comm) < longest) &&
                !(n > 0 && trial.first().is_stage_finished()))

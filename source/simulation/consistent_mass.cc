@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/simulation/consistent_mass.h>
 
 namespace greville
@@ -174,7 +175,7 @@ namespace greville
   ConsistentMass<dim>::check(const SolveResult &result)
   {
     AssertThrow(result.converged,
-                ExcMessage("The solver <" + solver() +
+                ErrorOnAll("The solver <" + solver() +
                            "> of the mass matrix failed: it " + result.reason +
                            ". The matrix is singular where a body has fewer "
                            "points across it than functions of 'Grid/Order' "

@@ -3,7 +3,6 @@
 #include <greville/base/errors.h>
 #include <greville/base/memory.h>
 #include <greville/simulation/discretization.h>
-#include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/load_balance.h>
 #include <greville/simulation/step_errors.h>
@@ -153,7 +152,11 @@ namespace greville
                                     grid_walls);
     consistent    = dynamic_cast<ConsistentMass<dim> *>(grid_mass.get());
     grid_walls.reinit(space());
-    grid_walls.check_paths(space(), parameters.time.start, parameters.time.end);
+    // The grid of total Lagrangian steps is that of initial positions.
+    grid_walls.check_paths(space(),
+                           parameters.time.start,
+                           parameters.time.end,
+                           !parameters.scheme.is_total_lagrangian());
     point_transfer.reinit(space());
     projection.reset();
     if (parameters.scheme.volumetric_projection != "none")
@@ -290,10 +293,9 @@ namespace greville
 
   template <int dim>
   std::vector<unsigned char>
-  Discretization<dim>::cell_classes(const State<dim> &state)
+  Discretization<dim>::cell_classes(const State<dim> &state,
+                                    const bool        is_implicit)
   {
-    const bool is_implicit =
-      is_implicit_scheme(parameters.scheme.stress_update);
     typename CellFilling<dim>::Walls contact_walls;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       contact_walls[w] = grid_walls.is_friction(w);
@@ -302,7 +304,8 @@ namespace greville
     CellFilling<dim> filling;
     filling.reinit(space(), contact_walls);
     filling.update(filled_part,
-                   is_implicit ? parameters.implicit.filling
+                   is_implicit ? parameters.implicit.filling_threshold(
+                                   parameters.scheme.is_total_lagrangian())
                                : parameters.scheme.filling_threshold());
     std::vector<unsigned char> result;
     for (unsigned int cell = 0; cell < filled_part.size(); ++cell)

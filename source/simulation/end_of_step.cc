@@ -110,17 +110,18 @@ namespace greville
     : EndOfStep()
   {
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
-      if (ensemble.part(k).begin_output())
+      if (ensemble.part(k).begin_output("output"))
         simulations.push_back(&ensemble.part(k));
   }
 
 
 
   template <int dim>
-  EndOfStep<dim>::EndOfStep(Simulation<dim> &simulation)
+  EndOfStep<dim>::EndOfStep(Simulation<dim>   &simulation,
+                            const std::string &part)
     : EndOfStep()
   {
-    if (simulation.begin_output())
+    if (simulation.begin_output(part))
       simulations.push_back(&simulation);
   }
 

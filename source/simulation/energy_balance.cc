@@ -3,6 +3,7 @@
 #include <greville/simulation/energy_balance.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace greville
@@ -20,12 +21,33 @@ namespace greville
 
 
 
-  double
-  EnergyBalance::gain(const double energy, const MPI_Comm comm)
+  EnergyTotals
+  EnergyBalance::totals(const double energy, const MPI_Comm comm) const
   {
-    const double all_work = work(comm);
-    lowest_damping        = std::min(lowest_damping, damping(comm));
-    largest = std::max({largest, std::abs(energy), std::abs(all_work)});
-    return (energy - start - all_work - lowest_damping) / largest;
+    std::array<double, 3> sums{{0., own_damping, own_friction}};
+    for (const double amount : own_work)
+      sums[0] += amount;
+    Utilities::MPI::sum(ArrayView<const double>(sums.data(), sums.size()),
+                        comm,
+                        ArrayView<double>(sums.data(), sums.size()));
+    return {energy, sums[0], sums[1], sums[2]};
+  }
+
+
+
+  double
+  EnergyBalance::gain(const EnergyTotals &now, const double swing)
+  {
+    lowest_damping = std::min(lowest_damping, now.damping);
+    largest        = largest_with(now);
+    return (now.energy - swing - start - now.work - lowest_damping) / largest;
+  }
+
+
+
+  double
+  EnergyBalance::largest_with(const EnergyTotals &now) const
+  {
+    return std::max({largest, std::abs(now.energy), std::abs(now.work)});
   }
 } // namespace greville

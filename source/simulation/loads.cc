@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/simulation/body_force.h>
 #include <greville/simulation/loads.h>
 #include <greville/simulation/traction.h>
@@ -102,6 +103,22 @@ namespace greville
             << " m / s^2, which moves them by " << most * dt * dt / h
             << " cells in a step: " << names(true) << ". ";
     return message.str();
+  }
+
+
+
+  template <int dim>
+  Tensor<1, dim>
+  Loads<dim>::gravity(const double t) const
+  {
+    try
+      {
+        return gravity_formulas(t);
+      }
+    catch (const ExcMessage &error)
+      {
+        throw ErrorOnAll(message_of(error));
+      }
   }
 
 

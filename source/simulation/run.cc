@@ -213,6 +213,16 @@ namespace greville
   {
     RunSummary summary;
     summary.wall_time = seconds_since(begin);
+    double largest    = 0.;
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      {
+        const EnergyTotals   now     = ensemble.part(k).energy_totals();
+        const EnergyBalance &balance = ensemble.part(k).state().energy;
+        summary.numerical_loss += balance.loss(now);
+        largest += balance.largest_with(now);
+      }
+    if (largest > 0.)
+      summary.relative_loss = summary.numerical_loss / largest;
     const EndOfStep<dim> end_of_step(ensemble);
     summary.errors = exact.errors(ensemble.bodies(),
                                   common().time,
@@ -349,7 +359,8 @@ namespace greville
             grid.force = &force;
           }
         if (wants("cell_class"))
-          grid.cell_classes = part.grid().cell_classes(state);
+          grid.cell_classes =
+            part.grid().cell_classes(state, part.is_implicit());
         fields.write_grid(time, part.space(), grid, body);
       }
   }

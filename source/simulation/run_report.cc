@@ -121,7 +121,7 @@ namespace greville
             n_factorizations += mass.n_factorizations();
             n_fragments += mass.n_fragments();
           }
-        const bool is_implicit = !ensemble.first().solver_levels().empty();
+        const bool is_implicit = ensemble.first().is_implicit();
         out << (is_implicit ? "  linear systems of Newton's method: "
                             : "  mass: ")
             << std::setprecision(3) << double(n_iterations) / state.n_steps
@@ -155,6 +155,11 @@ namespace greville
           }
         print("output, other", rest);
       }
+    if (state.n_steps > 0)
+      out << std::setprecision(3)
+          << "  numerical loss of energy: " << 100. * summary.relative_loss
+          << " % of the largest energy or work (" << summary.numerical_loss
+          << (dim == 2 ? " J / m)" : " J)") << '\n';
     print_errors(out, "displacement", summary.errors.displacement);
     print_errors(out, "velocity", summary.errors.velocity);
     print_errors(out, "stress", summary.errors.stress);
@@ -222,7 +227,12 @@ namespace greville
           json.add(stage.name, stage.scheme.mass);
         json.end();
       }
-    json.add("front", summary.front).begin("parts");
+    json.add("front", summary.front)
+      .begin("energy")
+      .add("numerical_loss", summary.numerical_loss)
+      .add("relative_loss", summary.relative_loss)
+      .end()
+      .begin("parts");
     for (const auto &part : ensemble.part_times())
       json.add(part.first, part.second);
     json.end().begin("errors");

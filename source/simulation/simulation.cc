@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/simulation/implicit_scheme.h>
 #include <greville/simulation/initial_state.h>
 #include <greville/simulation/load_balance.h>
 #include <greville/simulation/simulation.h>
@@ -154,7 +153,7 @@ namespace greville
     current.reactions = {};
     // What an implicit scheme keeps is part of its solution.
     AccelerationHistory<dim> kept;
-    if (goes_on && is_implicit_scheme(scheme))
+    if (goes_on && is_implicit())
       kept = current.history;
     enter_stage(current.stage + 1);
     start_stage();
@@ -321,12 +320,12 @@ namespace greville
   Simulation<dim>::fill_grid()
   {
     discretization.sum(current);
-    discretization.walls().hold_velocity(current.velocity,
-                                         {current.velocity_time,
-                                          current.time - current.step,
-                                          current.time});
     try
       {
+        discretization.walls().hold_velocity(current.velocity,
+                                             {current.velocity_time,
+                                              current.time - current.step,
+                                              current.time});
         const unsigned int n =
           discretization.solve({&current.velocity},
                                {&discretization.momentum()});
@@ -343,12 +342,12 @@ namespace greville
 
   template <int dim>
   bool
-  Simulation<dim>::begin_output()
+  Simulation<dim>::begin_output(const std::string &part)
   {
     const Lag lag = integrator->lag(current);
     if (lag == Lag::nothing)
       return false;
-    const PartTimer timer(log, "output");
+    const PartTimer timer(log, part);
     const auto      seconds = log.seconds;
     unfinished.take(current, lag);
     discretization.mass().begin_trial();
@@ -369,20 +368,23 @@ namespace greville
       }
     discretization.mass().end_trial();
     // Of these tasks, steps have not taken more.
-    for (auto &[part, sum] : log.seconds)
+    for (auto &[task, sum] : log.seconds)
       {
-        const auto before = seconds.find(part);
+        const auto before = seconds.find(task);
         sum               = before == seconds.end() ? 0. : before->second;
       }
     if (problem.empty())
       return true;
     end_output();
     std::ostringstream message;
-    message << "Velocities that are written for t = " << current.time
-            << " s belong to t = " << current.velocity_time
+    message << "Velocities at t = " << current.time
+            << " s are those of t = " << current.velocity_time
             << " s, since the kick to the end of the step has failed: "
             << problem << ".";
-    log.warnings.push_back(message.str());
+    // The guard and files may ask for the same state.
+    if (std::count(log.warnings.begin(), log.warnings.end(), message.str()) ==
+        0)
+      log.warnings.push_back(message.str());
     return false;
   }
 
@@ -393,6 +395,18 @@ namespace greville
   Simulation<dim>::end_output()
   {
     unfinished.give_back(current);
+  }
+
+
+
+  template <int dim>
+  EnergyTotals
+  Simulation<dim>::energy_totals()
+  {
+    const EndOfStep<dim> end_of_step(*this, "energy");
+    const PartTimer      timer(log, "energy");
+    return current.energy.totals(
+      free_energy<dim>(current.bodies, discretization.transfer(), comm), comm);
   }
 
 

@@ -31,7 +31,7 @@ namespace greville
   {
     // Implicit steps are few, and go until there is no solution.
     return current.n_steps == 0 || current.n_steps % remember_every == 0 ||
-           is_stage_finished() || !integrator->solver_levels().empty();
+           is_stage_finished() || is_implicit();
   }
 
 
@@ -110,7 +110,9 @@ namespace greville
       current.displacement = largest_displacement(current.bodies, comm);
     if (is_first_step_of_stage)
       check_fragments();
-    guard.check(current, is_finished());
+    guard.check(current, is_implicit());
+    if (guard.is_energy_due(current, is_finished()))
+      guard.check_energy(current, energy_totals());
   }
 
 

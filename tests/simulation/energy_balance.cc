@@ -167,7 +167,9 @@ main(int argc, char **argv)
   energy.reinit(10., 1e-12);
   const double n = Utilities::MPI::n_mpi_processes(world);
   energy.add_damping(-6. / n);
-  check("taken", std::abs(energy.gain(4., world)), 1e-14);
+  check("taken", std::abs(energy.gain(energy.totals(4., world))), 1e-14);
   energy.add_damping(3. / n);
-  check("given back", std::abs(energy.gain(7., world) - 0.3), 1e-14);
+  check("given back",
+        std::abs(energy.gain(energy.totals(7., world)) - 0.3),
+        1e-14);
 }

@@ -3,6 +3,7 @@
 // A time integrator of a program's own, by name, without a change of the
 // library: symplectic Euler that proposes too long a step and rejects it. With
 // the accepted steps it has the bits of USL.
+#include <greville/simulation/implicit_steps.h>
 #include <greville/simulation/move_points.h>
 
 #include "simulation.h"
@@ -109,4 +110,52 @@ main(int argc, char **argv)
         message_of(error).find("|euler") != std::string::npos;
     }
   check("an unknown name is answered with the list", is_refused);
+
+  // One without a critical step says so: then points may cross many cells.
+  add_time_integrator<2>("own-newmark", [](const IntegratorParts<2> &parts) {
+    return std::make_unique<ImplicitSteps<2>>("newmark", parts);
+  });
+  std::vector<Statistics<2>> rows;
+  for (const std::string name : {"newmark", "own-newmark"})
+    {
+      Simulated<2> moved(
+        block_2d("ball(0.5, 0.5, 0.3)", 10)
+          .with("Grid", {"Upper corner = 3, 1", "Cells = 30, 10"})
+          .with("Body body", {"Velocity = 1 + 0.1 * y; 0"})
+          .with("Scheme", {"Stress update = " + name})
+          .with("Time", {"End = 1", "Step = 0.25"}));
+      rows.push_back(moved.run()->statistics());
+      check(name + ", implicit", moved->is_implicit());
+      // Cut cells are those of the implicit threshold.
+      unsigned int n_cut = 0;
+      for (const unsigned char c :
+           moved->grid().cell_classes(moved->state(), moved->is_implicit()))
+        n_cut += c == 1;
+      check(name + ", cut cells",
+            Utilities::MPI::sum(n_cut, MPI_COMM_WORLD) > 0);
+    }
+  check("own implicit steps: moved", rows[1].center[0] > 1.4);
+  check("own implicit steps: the same", rows[0].values() == rows[1].values());
+
+  // What all processes throw fails a step. What one throws is not known to the
+  // others, and stays what it is.
+  bool is_failed = false, is_local = false;
+  try
+    {
+      fail_with([&]() { throw_on_all("no solution", MPI_COMM_WORLD); });
+    }
+  catch (const StepFailed &)
+    {
+      is_failed = true;
+    }
+  try
+    {
+      fail_with([]() { throw std::bad_alloc(); });
+    }
+  catch (const std::bad_alloc &)
+    {
+      is_local = true;
+    }
+  check("an error of all", is_failed);
+  check("an error of one", is_local);
 }

@@ -194,7 +194,7 @@ namespace greville
      * B-splines have them.
      */
     std::vector<unsigned char>
-    cell_classes(const State<dim> &state);
+    cell_classes(const State<dim> &state, const bool is_implicit);
 
     /**
      * Collective. Solve M x = sum for pairs of them, see GridMass::solve().

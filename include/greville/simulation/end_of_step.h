@@ -69,7 +69,10 @@ namespace greville
      */
     EndOfStep(Ensemble<dim> &ensemble);
 
-    EndOfStep(Simulation<dim> &simulation);
+    /**
+     * The time that this takes is that of @p part, see StepLog.
+     */
+    EndOfStep(Simulation<dim> &simulation, const std::string &part = "output");
 
     EndOfStep(const EndOfStep &) = delete;
     EndOfStep &

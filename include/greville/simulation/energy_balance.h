@@ -12,6 +12,20 @@
 namespace greville
 {
   /**
+   * The energy of all processes at some time, and the work until then, see
+   * EnergyBalance. Unit: J (2D: J / m).
+   */
+  struct EnergyTotals
+  {
+    double energy   = 0.; // E
+    double work     = 0.; // W
+    double damping  = 0.; // D
+    double friction = 0.; // work of friction walls
+  };
+
+
+
+  /**
    * The balance of energy of the bodies that move freely,
    *   E(t) = kinetic + strain energy + dissipation <= E(0) + W(t) + D(t),
    * with the work W of gravity, loads, walls and obstacles that move, and the
@@ -20,7 +34,8 @@ namespace greville
    *
    * Transfers between points and grid, the filter and friction at walls take
    * energy, too. They are not part of W and D: E may be smaller. The work of
-   * friction walls is known nevertheless.
+   * friction walls is known nevertheless; what is then missing is the numerical
+   * loss().
    */
   class EnergyBalance
   {
@@ -97,15 +112,6 @@ namespace greville
     }
 
     /**
-     * Collective. The work of friction walls.
-     */
-    double
-    friction(const MPI_Comm comm) const
-    {
-      return dealii::Utilities::MPI::sum(own_friction, comm);
-    }
-
-    /**
      * Collective. The work D of all processes.
      */
     double
@@ -115,12 +121,37 @@ namespace greville
     }
 
     /**
-     * Collective. What @p energy, the present E of all processes, has gained
-     * from nothing, as a fraction of the largest energy or work so far. Damping
-     * may only take: what D has risen since its lowest value counts as gained.
+     * Collective. The totals with @p energy, the present E of all processes.
+     */
+    EnergyTotals
+    totals(const double energy, const MPI_Comm comm) const;
+
+    /**
+     * What the present energy has gained from nothing, as a fraction of the
+     * largest energy or work so far. Damping may only take: what D has risen
+     * since its lowest value counts as gained. What E is known to @p swing by
+     * for a while does not.
      */
     double
-    gain(const double energy, const MPI_Comm comm);
+    gain(const EnergyTotals &now, const double swing = 0.);
+
+    /**
+     * The energy that neither work, nor damping, nor friction walls account
+     * for: what transfers, filter and points that have left the grid have
+     * taken. Unit: J (2D: J / m).
+     */
+    double
+    loss(const EnergyTotals &now) const
+    {
+      return start + now.work + now.damping + now.friction - now.energy;
+    }
+
+    /**
+     * The largest energy or work that gain() has seen, or is @p now. Unit: J
+     * (2D: J / m).
+     */
+    double
+    largest_with(const EnergyTotals &now) const;
 
     /**
      * Call @p all(name, number) for the numbers that all processes share, and

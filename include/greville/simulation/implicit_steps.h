@@ -63,6 +63,12 @@ namespace greville
     std::vector<SolverLevel>
     solver_levels() const override;
 
+    bool
+    is_implicit() const override
+    {
+      return true;
+    }
+
   private:
     void
     check_parameters(const std::string &name, const State<dim> &initial) const;

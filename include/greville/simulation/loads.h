@@ -98,13 +98,11 @@ namespace greville
                   const MPI_Comm comm) const;
 
     /**
-     * m / s^2.
+     * Unit: m / s^2. A formula that fails does so on all processes: throws
+     * ErrorOnAll.
      */
     dealii::Tensor<1, dim>
-    gravity(const double t) const
-    {
-      return gravity_formulas(t);
-    }
+    gravity(const double t) const;
 
   private:
     void

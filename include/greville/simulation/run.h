@@ -19,8 +19,11 @@ namespace greville
    */
   struct RunSummary
   {
-    double                  wall_time = 0.; // s
-    double                  front     = 0.; // the largest, m
+    double wall_time = 0.; // s
+    double front     = 0.; // the largest, m
+    /// EnergyBalance::loss() of all parts, J (2D: J / m), and its fraction of
+    /// the largest energy or work so far.
+    double                  numerical_loss = 0., relative_loss = 0.;
     ExactErrors             errors;
     std::optional<Distance> surface, series;
   };

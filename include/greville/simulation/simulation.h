@@ -173,6 +173,22 @@ namespace greville
     }
 
     /**
+     * See TimeIntegrator::is_implicit().
+     */
+    bool
+    is_implicit() const
+    {
+      return integrator->is_implicit();
+    }
+
+    /**
+     * Collective. The balance of energy at the end of the step: velocities
+     * belong to State::time.
+     */
+    EnergyTotals
+    energy_totals();
+
+    /**
      * See TimeIntegrator::solver_levels().
      */
     std::vector<SolverLevel>
@@ -247,11 +263,11 @@ namespace greville
     friend class EndOfStep<dim>;
 
     /**
-     * Collective. Give the state what it lacks for output, see EndOfStep.
-     * Returns whether end_output() has to take it back.
+     * Collective. Give the state what it lacks for output, see EndOfStep, with
+     * the time of @p part. Returns whether end_output() has to take it back.
      */
     bool
-    begin_output();
+    begin_output(const std::string &part);
 
     void
     end_output();

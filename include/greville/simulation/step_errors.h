@@ -51,8 +51,9 @@ namespace greville
   };
 
   /**
-   * Collective. Call an action, which throws on all processes or on none, and
-   * throw StepFailed with its message.
+   * Collective. Call an action, and throw StepFailed with its message where it
+   * throws ErrorOnAll. Other errors are those of one process, which the others
+   * do not know of: they go on as they are.
    */
   template <typename Action>
   void
@@ -62,9 +63,9 @@ namespace greville
       {
         action();
       }
-    catch (const std::exception &exception)
+    catch (const ErrorOnAll &error)
       {
-        throw StepFailed(message_of(exception), by_materials);
+        throw StepFailed(message_of(error), by_materials);
       }
   }
 

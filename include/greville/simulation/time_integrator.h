@@ -105,6 +105,19 @@ namespace greville
     {}
 
     /**
+     * Whether it has no critical step. Then points may cross many cells in a
+     * step, and momentum is what the grid gives to them, to the tolerance of a
+     * solver (see StepGuard); cells count as filled by the threshold of
+     * ImplicitParameters; and each step begins with a copy of the state to go
+     * back to.
+     */
+    virtual bool
+    is_implicit() const
+    {
+      return false;
+    }
+
+    /**
      * The levels of its solver, the coarsest first; none where it solves with
      * the mass of the Discretization only.
      */

@@ -82,14 +82,16 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /**
-     * Throw dealii::ExcMessage where a moving wall leaves its place between two
-     * times: it holds the coefficients at the edge of the grid, and lets
-     * go of a body that is a cell away.
+     * Throw dealii::ExcMessage where formulas of moving walls fail at corners
+     * between two times, or where a wall has to stay in its place and leaves
+     * it: the wall holds the coefficients at the edge of the grid, which in
+     * updated Lagrangian steps lets go of a body that is a cell away.
      */
     void
     check_paths(const SplineSpace<dim> &space,
                 const double            start,
-                const double            end) const;
+                const double            end,
+                const bool              walls_have_to_stay) const;
 
     /**
      * Local numbers of the owned coefficients of a component that are held, for
@@ -133,13 +135,14 @@ namespace greville
     }
 
     /**
-     * Set held coefficients to the velocity of their walls.
+     * Collective where walls move. Set held coefficients to the velocity of
+     * their walls. Throws StepFailed where a formula fails.
      */
     void
     hold_velocity(VectorField<dim> &velocity, const WallTime &time) const;
 
     /**
-     * Set held coefficients to the mean acceleration from the velocity at @p
+     * Likewise to the mean acceleration from the velocity at @p
      * before to that at @p after, in the time @p dt.
      */
     void
@@ -227,12 +230,20 @@ namespace greville
                 const WallTime           &time) const;
 
     /**
-     * Set the held coefficients at each wall to the values of @p value(wall,
-     * position).
+     * Collective where walls move. Set the held coefficients at each wall to
+     * the values of @p value(wall, position). Throws StepFailed.
      */
     template <typename Value>
     void
     hold(VectorField<dim> &field, const Value &value) const;
+
+    /**
+     * Likewise for the coefficients of this process alone, of which some have
+     * none. What @p value throws goes through.
+     */
+    template <typename Value>
+    void
+    set_held(VectorField<dim> &field, const Value &value) const;
 
     std::array<std::string, 2 * dim>               type;
     std::array<double, 2 * dim>                    friction;
