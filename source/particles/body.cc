@@ -370,6 +370,8 @@ namespace greville
           p.J()       = state.J;
           p.id()      = double(point.id);
           p.set_F(state.F);
+          if (layout.projected_J != 0)
+            p[layout.projected_J] = state.J;
           store_material_point<dim>(state, p, layout);
           body.points.insert(point.cell, make_array_view(values));
         }

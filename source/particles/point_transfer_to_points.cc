@@ -158,7 +158,7 @@ namespace greville
     update_points(MaterialPoints<dim>         &points,
                   const SpacePolynomials<dim> &tables,
                   const PointUpdate<dim>      &update,
-                  const double                *factors,
+                  const double                *projected,
                   const double                *buffer,
                   PointReport                 &report)
     {
@@ -177,8 +177,9 @@ namespace greville
       Simd           momentum[dim];
       Simd           smallest_J = report.sums.smallest_J, largest_J = 0.;
       std::fill_n(momentum, dim, Simd(0.));
-      const bool         total     = points.layout().is_total_lagrangian();
-      const unsigned int initial_F = points.layout().initial_F;
+      const bool         total       = points.layout().is_total_lagrangian();
+      const unsigned int initial_F   = points.layout().initial_F;
+      const unsigned int projected_J = points.layout().projected_J;
 
       for (const unsigned int cell : points.cells())
         {
@@ -356,15 +357,6 @@ namespace greville
                           update.step * lane_is_used * gradient[i][j] +
                           (i == j ? 1. : 0.);
                     }
-                  if (factors)
-                    {
-                      Simd factor = 1.;
-                      for (unsigned int lane = 0; lane < count; ++lane)
-                        factor[lane] = *factors++;
-                      for (int i = 0; i < dim; ++i)
-                        for (int j = 0; j < dim; ++j)
-                          increment[i][j] *= factor;
-                    }
                   multiply<dim>(increment, F, new_F);
                   for (int i = 0; i < dim; ++i)
                     store_numbers<dim>(new_F[i], Layout::F + i * dim, group);
@@ -383,9 +375,29 @@ namespace greville
                   smallest_J                       = min(smallest_J, used_J);
                   largest_J                        = max(largest_J, used_J);
 
-                  if (update.material
-                        ? !update_material(points, g, count, increment, update)
-                        : !all_of(J > 0.))
+                  if (projected_J != 0)
+                    {
+                      double    *address = group + projected_J * simd_width;
+                      const Simd before  = load(address);
+                      Simd       after = J, factor = 1.;
+                      for (unsigned int lane = 0; lane < count; ++lane)
+                        {
+                          if (projected)
+                            after[lane] = *projected++;
+                          const double ratio =
+                            after[lane] / before[lane] / det[lane];
+                          factor[lane] =
+                            dim == 2 ? std::sqrt(ratio) : std::cbrt(ratio);
+                        }
+                      store(after, address);
+                      for (int i = 0; i < dim; ++i)
+                        for (int j = 0; j < dim; ++j)
+                          increment[i][j] *= factor;
+                    }
+
+                  if ((update.material &&
+                       !update_material(points, g, count, increment, update)) ||
+                      !all_of(used_J > 0.))
                     report_bad_point(points, cell, g, count, report);
 
                   // c^2 = modulus / density
@@ -465,9 +477,9 @@ namespace greville
       for (unsigned int d = 0; d < dim; ++d)
         put_into_buffer((*fields[f])[d], n_fields, f * dim + d, buffer);
 
-    const double *factors =
+    const double *projected =
       deform && update.projection
-        ? update.projection->factors(points, *update.deformation, update.step)
+        ? update.projection->project(points, *update.deformation, update.step)
             .data()
         : nullptr;
     PointReport report;
@@ -475,7 +487,7 @@ namespace greville
       constexpr int n   = decltype(size)::value;
       const auto    run = [&](const auto kind) {
         update_points<dim, n, std::decay_t<decltype(kind)>>(
-          points, tables, update, factors, buffer.data(), report);
+          points, tables, update, projected, buffer.data(), report);
       };
       if (kick && update.move && deform && same)
         update.apic ? run(Pass<true, true, true, true, true>())

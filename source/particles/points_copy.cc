@@ -36,6 +36,8 @@ namespace greville
         offset.position(d) = center[d];
       offset.set_F(unit_symmetric_tensor<3>());
       offset.J() = 1.;
+      if (points.layout().projected_J != 0)
+        result[points.layout().projected_J] = 1.;
       return result;
     }
   } // namespace

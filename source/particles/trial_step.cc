@@ -213,7 +213,7 @@ namespace greville
                     const double                           strength_reduction,
                     const StepStress                       stress,
                     const bool                             with_tangents,
-                    const double                          *factors,
+                    const double                          *projected,
                     PointReport                           &report,
                     const typename TrialStep<dim>::Action &action)
     {
@@ -248,16 +248,23 @@ namespace greville
             const Gradients<dim, n> gradients(geometry, trial.x);
             const Tensor<2, dim>    f = increment_of_point<dim, n>(
               p, layout, gradients, coefficients, 1.);
-            const Tensor<2, dim> projected = factors ? *factors++ * f : f;
-            state                          = MaterialPoint();
+            const double theta = determinant(f);
+            state              = MaterialPoint();
             load_material_point<dim>(p, layout, state);
             state.dt                 = dt;
             state.strength_reduction = strength_reduction;
             for (int i = 0; i < dim; ++i)
               for (int j = 0; j < dim; ++j)
-                state.increment[i][j] = projected[i][j];
-            state.F = state.increment * state.F;
-            state.J *= determinant(projected);
+                state.increment[i][j] = f[i][j];
+            const double J_before = state.J;
+            state.J               = p.J() * theta;
+            if (layout.projected_J != 0)
+              {
+                if (projected)
+                  state.J = *projected++;
+                scale_volume<dim>(state.increment, state.J / J_before / theta);
+              }
+            state.F              = state.increment * state.F;
             increments[n_points] = f;
             ++n_points;
           });
@@ -301,8 +308,9 @@ namespace greville
               }
             if (layout.is_total_lagrangian())
               pull_back<dim>(trial, inverse_F<dim>(p, layout), with_tangents);
-            if (!(updated[k].J > 0.) || !is_finite(trial, with_tangents))
-              report_bad_point<dim>(p, updated[k].J, report);
+            const double J = p.J() * determinant(increments[k]);
+            if (!(J > 0.) || !is_finite(trial, with_tangents))
+              report_bad_point<dim>(p, J, report);
             ++k;
           });
           action(cell, trials);
@@ -335,8 +343,8 @@ namespace greville
                            VolumeProjection<dim>     *projection,
                            const Action              &action)
   {
-    const double *factors =
-      projection ? projection->factors(points, u, 1.).data() : nullptr;
+    const double *projected =
+      projection ? projection->project(points, u, 1.).data() : nullptr;
     const SplineSpace<dim> &space = *tables.space;
     buffer.resize(
       (space.owned_functions().size() + space.ghost_functions().size()) * dim);
@@ -352,7 +360,7 @@ namespace greville
                                                   strength_reduction,
                                                   stress,
                                                   with_tangents,
-                                                  factors,
+                                                  projected,
                                                   report,
                                                   action);
     });

@@ -162,7 +162,10 @@ namespace greville
     if (parameters.scheme.volumetric_projection != "none")
       {
         projection = std::make_unique<VolumeProjection<dim>>();
-        projection->reinit(space(), mesh);
+        projection->reinit(space(),
+                           mesh,
+                           parameters.scheme.volumetric_projection ==
+                             "coarse mesh");
       }
     point_transport.reinit(mesh, space());
     space().initialize_vector(lumped);

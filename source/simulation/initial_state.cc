@@ -274,7 +274,9 @@ namespace greville
      */
     template <int dim>
     void
-    add_fields(PointLayout<dim> &layout, SimulationParameters parameters)
+    add_fields(PointLayout<dim>    &layout,
+               SimulationParameters parameters,
+               const bool           is_rigid)
     {
       for (unsigned int k = 0; k < parameters.n_stages(); ++k)
         {
@@ -288,6 +290,8 @@ namespace greville
               !parameters.scheme.is_total_lagrangian())
             layout.add("acceleration", dim);
           Loads<dim>(parameters).add_fields(layout);
+          if (parameters.scheme.volumetric_projection != "none" && !is_rigid)
+            layout.add_projected_J();
         }
     }
   } // namespace
@@ -350,7 +354,9 @@ namespace greville
       {
         Body<dim>        body = make_body<dim>(name, parameters);
         PointLayout<dim> layout(body.material->state_names());
-        add_fields(layout, parameters);
+        add_fields(layout,
+                   parameters,
+                   !body.parameters->imposed_velocity.empty());
         if (parameters.scheme.is_total_lagrangian())
           {
             layout.basis_position = PointLayout<dim>::reference;

@@ -191,10 +191,12 @@ namespace greville
     add_parameter(prm,
                   "Volumetric projection",
                   volumetric_projection,
-                  Selection("none|order p-1"))(
-      "Against locking of nearly incompressible bodies and of plastic flow: "
-      "order p-1 replaces the changes of volume of points by their projection "
-      "on B-splines of one order less (F-bar); means in cells for order 1.");
+                  Selection("none|order p-1|coarse mesh"))(
+      "Against locking of nearly incompressible bodies and of plastic flow "
+      "(F-bar): materials see the ratio of volumes projected on other "
+      "B-splines. order p-1: of one order less, which are means in cells for "
+      "order 1. coarse mesh: of the same order on cells of twice the size, "
+      "which gives smooth pressures.");
     add_parameter(prm,
                   "Energy gain",
                   energy_gain,

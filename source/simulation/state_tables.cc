@@ -368,7 +368,8 @@ namespace greville
      * The rows of a table with the columns of another layout. Numbers that the
      * loads and the scheme of a run keep at points are zero where the table
      * does not have them: loads find their points again, APIC begins without an
-     * affine velocity, and generalized-alpha finds its first acceleration.
+     * affine velocity, and generalized-alpha finds its first acceleration. The
+     * projected J begins with J.
      */
     template <int dim>
     std::vector<double>
@@ -382,8 +383,10 @@ namespace greville
       std::vector<std::size_t> from;
       for (unsigned int i = 0; i < columns.size(); ++i)
         {
-          const auto found =
+          auto found =
             std::find(table.columns.begin(), table.columns.end(), columns[i]);
+          if (found == table.columns.end() && columns[i] == "projected_J")
+            found = std::find(table.columns.begin(), table.columns.end(), "J");
           const bool is_found = found != table.columns.end();
           AssertThrow(is_found ||
                         (i >= n_needed && columns[i].find("initial_F") == none),

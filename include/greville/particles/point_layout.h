@@ -30,6 +30,8 @@ namespace greville
    *   "load", dim numbers: the acceleration by loads, m / s^2,
    *   "initial_F", dim x dim numbers: the deformation gradient (in 2D in the
    *     plane) from the stress-free state to the initial one,
+   *   "projected_J", one number: the ratio of volumes that the material sees
+   *     where changes of volume are projected (VolumeProjection),
    * and of what else somebody keeps at points (PointLoad) that there are.
    */
   template <int dim>
@@ -122,6 +124,17 @@ namespace greville
     /// Lagrangian steps with initial stresses have it: F F_initial^-1 is the
     /// deformation since the configuration of their basis functions.
     unsigned int initial_F = 0;
+
+    /// "projected_J", 0 where there is none. J and F are always those of the
+    /// motion.
+    unsigned int projected_J = 0;
+
+    void
+    add_projected_J()
+    {
+      add("projected_J", 1);
+      projected_J = first("projected_J");
+    }
 
     void
     add_initial_F()

@@ -8,6 +8,7 @@
 #include <greville/materials/material.h>
 #include <greville/particles/point_layout.h>
 
+#include <cmath>
 #include <type_traits>
 
 namespace greville
@@ -227,8 +228,25 @@ namespace greville
 
 
   /**
+   * Multiply the determinant of a deformation gradient by @p ratio, in 2D
+   * without a change of thickness.
+   */
+  template <int dim>
+  inline void
+  scale_volume(dealii::Tensor<2, 3> &F, const double ratio)
+  {
+    const double factor = dim == 2 ? std::sqrt(ratio) : std::cbrt(ratio);
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        F[i][j] *= factor;
+  }
+
+
+
+  /**
    * A point as its material sees it, with the increment 1, from the numbers of
-   * a point. @p point is a new one.
+   * a point: with the projected J where there is one, and F scaled to it. @p
+   * point is a new one.
    */
   template <int dim>
   inline void
@@ -241,6 +259,11 @@ namespace greville
     point.F      = p.F();
     point.J      = p.J();
     point.stress = p.stress();
+    if (layout.projected_J != 0)
+      {
+        point.J = p[layout.projected_J];
+        scale_volume<dim>(point.F, point.J / p.J());
+      }
     for (unsigned int k = 0; k < layout.n_state; ++k)
       point.state[k] = p[layout.state + k];
   }

@@ -15,8 +15,8 @@ namespace greville
    * Mass, stress-free volume and id are kept as they are, all other numbers in
    * single precision: the position relative to the centre of its cell (so to
    * 1e-7 of a cell), the initial position relative to that of today,
-   * J and the diagonal of F less 1, others relative to their own size. Lanes
-   * without a point are not kept.
+   * J, its projection and the diagonal of F less 1, others relative to their
+   * own size. Lanes without a point are not kept.
    */
   template <int dim>
   class PointsCopy

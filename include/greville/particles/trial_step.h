@@ -75,8 +75,9 @@ namespace greville
    * basis functions at X: f = 1 + grad_X u F_n^-1, and P and its derivative are
    * those times F_n^-T, which belong to gradients with respect to X.
    *
-   * With a VolumeProjection, the material sees the projected increment, and the
-   * derivative is that without the projection.
+   * With a VolumeProjection, the material sees the projected J, sigma is its
+   * answer, and f remains that of the motion. The derivative is that without
+   * the projection.
    */
   template <int dim>
   class TrialStep
@@ -92,8 +93,7 @@ namespace greville
      * Evaluate points of one body in a step of length @p dt (s) with the
      * displacement @p u (m) and a @p strength_reduction (see
      * Material::strength_reduction()), and give them cell by cell to @p action.
-     * The increments are multiplied by @p factors, see VolumeProjection, if
-     * they are given.
+     * The @p projection may be null.
      */
     using Action =
       std::function<void(const unsigned int                  cell,
