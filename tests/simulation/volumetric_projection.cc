@@ -3,6 +3,7 @@
 // The projection of changes of volume: a beam that hardly changes its volume
 // bends as it should, in quasi-static and in explicit steps.
 #include "simulation.h"
+#include <iomanip>
 
 namespace
 {
@@ -107,7 +108,8 @@ namespace
     check_ratio("order 2 locks a little", ratio(2, "none"), 0.9, 0.97);
     check_ratio("order 2", ratio(2, "order p-1"), 0.99, 1.01);
     check_ratio("order 3", ratio(3, "none"), 0.98, 1.001);
-    print() << "deflection " << 100. * exact << " cm" << std::endl;
+    print() << "deflection " << std::setprecision(4) << 100. * exact << " cm"
+            << std::endl;
   }
 
 
