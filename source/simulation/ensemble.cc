@@ -14,7 +14,9 @@ namespace greville
   template <int dim>
   Ensemble<dim>::Ensemble(const SimulationParameters &parameters,
                           const MPI_Comm              comm)
-    : load_names(parameters.general.surface_loads)
+    : comm(comm)
+    , front_above(parameters.output.front_above)
+    , load_names(parameters.general.surface_loads)
   {
     for (const auto &part : split_by_grids<dim>(parameters, comm))
       parts.push_back(std::make_unique<Simulation<dim>>(part, comm));
@@ -177,6 +179,8 @@ namespace greville
     Statistics<dim> result = first().statistics();
     for (unsigned int k = 1; k < parts.size(); ++k)
       result.add(part(k).statistics());
+    if (parts.size() > 1)
+      result.front_99 = front_quantile(bodies(), comm, front_above);
     // In the order of the columns of files.
     const auto loads = result.loads;
     const auto work  = result.work.surfaces;

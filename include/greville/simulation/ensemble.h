@@ -158,6 +158,8 @@ namespace greville
     std::string
     prefix(const unsigned int part) const;
 
+    const MPI_Comm comm;
+    const double   front_above;
     // They stay where they are, as what they consist of refers to them.
     std::vector<std::unique_ptr<Simulation<dim>>> parts;
     std::vector<std::string>                      load_names;

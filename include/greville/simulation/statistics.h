@@ -3,9 +3,10 @@
 #ifndef greville_simulation_statistics_h
 #define greville_simulation_statistics_h
 
-#include <greville/particles/body.h>
+#include <greville/particles/body_list.h>
 #include <greville/particles/point_transfer.h>
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
@@ -30,7 +31,35 @@ namespace greville
 
 
   /**
-   * Sums over the points of a body.
+   * The largest of the numbers that have been added, and 0 where there are
+   * none.
+   */
+  struct Largest
+  {
+    static constexpr double none = std::numeric_limits<double>::lowest();
+
+    Largest(const double value = none)
+      : value(value)
+    {}
+
+    void
+    add(const Largest other)
+    {
+      value = std::max(value, other.value);
+    }
+
+    operator double() const
+    {
+      return value == none ? 0. : value;
+    }
+
+    double value;
+  };
+
+
+
+  /**
+   * Sums and extremes over the points of a body, see Statistics.
    */
   template <int dim>
   struct BodyStatistics
@@ -40,13 +69,15 @@ namespace greville
     double                 strain      = 0.;
     double                 dissipation = 0.;
     dealii::Tensor<1, dim> momentum;
+    Largest                front, height;
   };
 
 
 
   /**
-   * Sums over all points of all bodies and processes. Units: kg, m, s, J; in 2D
-   * per metre of thickness.
+   * Sums and extremes over the points of all free bodies, those without an
+   * imposed velocity, and of all processes. Units: kg, m, s, J; in 2D per metre
+   * of thickness.
    */
   template <int dim>
   struct Statistics
@@ -64,15 +95,16 @@ namespace greville
     double                 dissipation   = 0.;
     double                 gravitational = 0.;
     dealii::Tensor<1, dim> center;
-    /// Largest x and largest y of a point, with half of its size.
-    double        front         = 0.;
-    double        height        = 0.;
+    /// Largest x of a point above Output/Front above, and largest y, with half
+    /// of its size; what front_quantile() gives.
+    Largest       front, height, front_99;
     unsigned int  iterations    = 0;
     double        largest_speed = 0.;
     std::uint64_t active        = 0;
     /// Cells whose points see no well-filled cell (consistent mass).
     std::uint64_t fragments = 0;
-    std::uint64_t n_points  = 0;
+    /// Of all bodies.
+    std::uint64_t n_points = 0;
     /// Steps that have been done again with a shorter length, since the begin.
     std::uint64_t redone = 0;
     Work          work;
@@ -101,7 +133,9 @@ namespace greville
     values() const;
 
     /**
-     * Add those of other bodies, with their loads, at the same time.
+     * Add those of other bodies, with their loads, at the same time. Of
+     * front_99, which does not follow from those of parts, the larger one is
+     * kept.
      */
     void
     add(const Statistics &other);
@@ -109,8 +143,8 @@ namespace greville
 
   /**
    * Collective. @p gravity is the acceleration of the potential energy. Only
-   * points whose y is larger than @p front_above count for front, which is 0
-   * where there is none. The fields that points do not know are left alone.
+   * points whose y is larger than @p front_above count for fronts. The fields
+   * that points do not know are left alone.
    */
   template <int dim>
   Statistics<dim>
@@ -120,6 +154,20 @@ namespace greville
     const dealii::Tensor<1, dim> &gravity,
     const MPI_Comm                comm,
     const double front_above = std::numeric_limits<double>::lowest());
+
+  /**
+   * Collective. The smallest x beyond which there is no more than 0.5 % of the
+   * mass of all free points above @p front_above, where x of a point is its
+   * position with half of its size. Unlike the outermost point it does not
+   * follow single points. Each process keeps its own points: histograms of
+   * masses, each within one bar of the one before, find the point.
+   */
+  template <int dim>
+  Largest
+  front_quantile(
+    const BodyList<dim> &bodies,
+    const MPI_Comm       comm,
+    const double         front_above = std::numeric_limits<double>::lowest());
 
   /**
    * Collective. Kinetic energy of the bodies whose velocity is not imposed, and
