@@ -142,6 +142,21 @@ namespace greville
     if (!parameters.surface_file.empty())
       surface =
         read_columns(parameters.surface_file, "Reference/Surface file", 2);
+    if (!parameters.failure_line_file.empty())
+      {
+        const std::string name = "Reference/Failure line file";
+        failure_line = read_columns(parameters.failure_line_file, name, 2);
+        AssertThrow(dim == 2,
+                    ExcMessage("The parameter '" + name +
+                               "' is for simulations in 2D."));
+        bool is_line = failure_line.size() > 1;
+        for (unsigned int k = 1; k < failure_line.size(); ++k)
+          is_line = is_line && failure_line[k][0] > failure_line[k - 1][0];
+        AssertThrow(is_line,
+                    ExcMessage("<" + parameters.failure_line_file +
+                               "> of the parameter '" + name +
+                               "' needs two or more rows with growing x."));
+      }
     if (!parameters.series_file.empty())
       {
         series =
@@ -228,6 +243,7 @@ namespace greville
   MeasuredData<dim>::surface_distance(const BodyList<dim> &bodies,
                                       const double         h,
                                       const double         floor,
+                                      const double         front_99,
                                       const MPI_Comm       comm) const
   {
     std::vector<double> heights(surface.size(), floor);
@@ -243,9 +259,10 @@ namespace greville
       }
     Utilities::MPI::max(heights, comm, heights);
     Distance result;
-    double   sum = 0.;
+    double   sum = 0., measured_front = surface[0][0];
     for (unsigned int k = 0; k < surface.size(); ++k)
       {
+        measured_front        = std::max(measured_front, surface[k][0]);
         const double distance = std::abs(heights[k] - surface[k][1]);
         result.mean += distance / surface.size();
         result.largest = std::max(result.largest, distance);
@@ -253,7 +270,45 @@ namespace greville
       }
     result.n        = surface.size();
     result.relative = result.mean / sum;
+    result.front    = front_99 - measured_front;
     return result;
+  }
+
+
+
+  template <int dim>
+  double
+  MeasuredData<dim>::failure_line_distance(const BodyList<dim> &bodies,
+                                           const MPI_Comm       comm) const
+  {
+    double length = 0., area = 0.;
+    for (unsigned int k = 1; k < failure_line.size(); ++k)
+      length += std::hypot(failure_line[k][0] - failure_line[k - 1][0],
+                           failure_line[k][1] - failure_line[k - 1][1]);
+    const auto is_wrong = [&](const ConstPointRef<dim> p) {
+      const double x     = p.reference(0);
+      const auto   right = std::upper_bound(failure_line.begin(),
+                                          failure_line.end(),
+                                          x,
+                                          [](const double x, const auto &row) {
+                                            return x < row[0];
+                                          });
+      if (right == failure_line.begin() || right == failure_line.end())
+        return false;
+      const auto   left = right - 1;
+      const double part = (x - (*left)[0]) / ((*right)[0] - (*left)[0]);
+      const double y    = (*left)[1] + part * ((*right)[1] - (*left)[1]);
+      const bool   has_failed =
+        p.position().distance(p.reference()) > parameters.failure_displacement;
+      return (p.reference(1) > y) != has_failed;
+    };
+    for (const Body<dim> &body : bodies)
+      if (!body.rigid_motion)
+        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+          if (is_wrong(p))
+            area += p.volume0();
+        });
+    return Utilities::MPI::sum(area, comm) / length;
   }
 
 

@@ -480,7 +480,15 @@ namespace greville
   {
     add_parameter(prm, "Surface file", surface_file)(
       "CSV beside the parameter file with the columns x, y of the free surface "
-      "at the end. Unit: m.");
+      "at the end, from the left to its front. Unit: m.");
+    add_parameter(prm, "Failure line file", failure_line_file)(
+      "CSV beside the parameter file with the columns x, y, in 2D, of a line "
+      "above which the body has failed at the end; x grows. Unit: m.");
+    add_parameter(prm,
+                  "Failure displacement",
+                  failure_displacement,
+                  Double(0.))(
+      "Points that have moved by more than this have failed. Unit: m.");
     add_parameter(prm, "Series file", series_file)(
       "CSV beside the parameter file with two columns: time and a value, in "
       "the units below.");
@@ -512,9 +520,10 @@ namespace greville
       "Time between two lines of statistics.csv; 0: each step, which takes "
       "explicit steps up to twice as long. Unit: s.");
     add_parameter(prm, "Front above", front_above)(
-      "Only points whose y is larger count for the column front, so that it is "
-      "the run-out of what flows over a layer which reaches to the far wall. "
-      "Where there is none, front is 0. Unit: m.");
+      "Only points whose y is larger count for the columns front, front_99 and "
+      "front_BODY, so that they are the run-out of what flows over a layer "
+      "which reaches to the far wall. Where there is none, they are 0. Unit: "
+      "m.");
     add_parameter(prm, "Grid fields", grid_fields)("Write the grid as well.");
     add_parameter(prm, "Surface points", surface_points)(
       "Write the points of loads on surfaces as well, if there are any: "

@@ -224,18 +224,23 @@ namespace greville
     if (largest > 0.)
       summary.relative_loss = summary.numerical_loss / largest;
     const EndOfStep<dim> end_of_step(ensemble);
-    summary.errors = exact.errors(ensemble.bodies(),
+    summary.errors   = exact.errors(ensemble.bodies(),
                                   common().time,
                                   common().velocity_time,
                                   comm);
-    summary.front  = largest_front;
+    summary.front    = largest_front;
+    summary.front_99 = largest_front_99;
     if (measured.has_surface())
-      summary.surface = measured.surface_distance(ensemble.bodies(),
-                                                  (parameters.grid.upper[0] -
-                                                   parameters.grid.lower[0]) /
-                                                    parameters.grid.cells[0],
-                                                  parameters.grid.lower[1],
-                                                  comm);
+      summary.surface = measured.surface_distance(
+        ensemble.bodies(),
+        (parameters.grid.upper[0] - parameters.grid.lower[0]) /
+          parameters.grid.cells[0],
+        parameters.grid.lower[1],
+        front_quantile(ensemble.bodies(), comm, parameters.output.front_above),
+        comm);
+    if (measured.has_failure_line())
+      summary.failure_line =
+        measured.failure_line_distance(ensemble.bodies(), comm);
     if (measured.has_series())
       summary.series = measured.series_distance();
     return summary;
@@ -372,7 +377,8 @@ namespace greville
   SimulationRun<dim>::write_statistics()
   {
     const Statistics<dim> row = ensemble.statistics();
-    largest_front             = std::max(largest_front, row.front);
+    largest_front.add(row.front);
+    largest_front_99.add(row.front_99);
     measured.add(row);
     probes.write(common().time, ensemble.bodies());
     auto values = row.values();

@@ -166,8 +166,16 @@ namespace greville
     if (summary.surface)
       out << std::setprecision(3) << "  distance to the measured surface: mean "
           << 1e3 * summary.surface->mean << " mm, largest "
-          << 1e3 * summary.surface->largest << " mm; run-out " << summary.front
-          << " m\n";
+          << 1e3 * summary.surface->largest
+          << " mm\n  run-out: " << summary.front_99
+          << " m (99.5 % of the mass), "
+          << 1e3 * std::abs(summary.surface->front) << " mm "
+          << (summary.surface->front < 0. ? "behind" : "beyond")
+          << " the measured front; outermost point " << summary.front << " m\n";
+    if (summary.failure_line)
+      out << std::setprecision(3)
+          << "  distance to the measured failure line: mean "
+          << 1e3 * *summary.failure_line << " mm\n";
     if (summary.series)
       out << std::setprecision(3) << "  distance to the measured "
           << parameters.reference.series_quantity << ": mean "
@@ -228,6 +236,7 @@ namespace greville
         json.end();
       }
     json.add("front", summary.front)
+      .add("front_99", summary.front_99)
       .begin("energy")
       .add("numerical_loss", summary.numerical_loss)
       .add("relative_loss", summary.relative_loss)
@@ -245,18 +254,25 @@ namespace greville
     errors("velocity", summary.errors.velocity);
     errors("stress", summary.errors.stress);
     json.end().begin("reference");
-    const auto distance = [&](const std::string             &name,
-                              const std::optional<Distance> &value) {
-      if (value)
-        json.begin(name)
-          .add("mean", value->mean)
-          .add("largest", value->largest)
-          .add("relative", value->relative)
-          .add("values", value->n)
-          .end();
+    const auto distance = [&](const std::string &name, const Distance &value) {
+      json.begin(name)
+        .add("mean", value.mean)
+        .add("largest", value.largest)
+        .add("relative", value.relative)
+        .add("values", value.n);
     };
-    distance("surface", summary.surface);
-    distance("series", summary.series);
+    if (summary.surface)
+      {
+        distance("surface", *summary.surface);
+        json.add("front", summary.surface->front).end();
+      }
+    if (summary.failure_line)
+      json.begin("failure_line").add("mean", *summary.failure_line).end();
+    if (summary.series)
+      {
+        distance("series", *summary.series);
+        json.end();
+      }
     json.end();
     run_on_first(
       [&]() { write_atomically(directory + "/summary.json", json.text()); },

@@ -22,7 +22,8 @@ namespace greville
 
     const std::vector<std::string> run_columns = {"bytes_of_statistics",
                                                   "bytes_of_probes",
-                                                  "largest_front"};
+                                                  "largest_front",
+                                                  "largest_front_99"};
 
 
 
@@ -145,6 +146,7 @@ namespace greville
         AssertThrow(numbers.size() == run_columns.size(),
                     ExcMessage("its table of the run is another one"));
         largest_front     = numbers[2];
+        largest_front_99  = numbers[3];
         const auto series = content.table(series_name).gather(comm);
         std::pair<std::vector<double>, std::vector<double>> added;
         for (unsigned int k = 0; k + 1 < series.size(); k += 2)
@@ -188,6 +190,7 @@ namespace greville
             statistics_file.n_bytes(),
             probes.n_bytes(),
             largest_front,
+            largest_front_99,
             fields.record(),
             measured.added()};
   }
@@ -210,7 +213,8 @@ namespace greville
       {
         run.values = {double(at.bytes_of_statistics),
                       double(at.bytes_of_probes),
-                      at.largest_front};
+                      at.front.value,
+                      at.front_99.value};
         for (unsigned int k = 0; k < at.series.first.size(); ++k)
           series.values.insert(series.values.end(),
                                {at.series.first[k], at.series.second[k]});

@@ -305,6 +305,7 @@ namespace greville
     };
     set("Simulation", "Name", general.name);
     locate("Reference", "Surface file", reference.surface_file);
+    locate("Reference", "Failure line file", reference.failure_line_file);
     locate("Reference", "Series file", reference.series_file);
     for (auto &body : bodies)
       {

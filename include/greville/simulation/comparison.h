@@ -78,6 +78,8 @@ namespace greville
     /// Surface: mean over the mean of the data; series: mean of the relative
     /// distances.
     double relative = 0.;
+    /// Surface: front_99 of the run less the largest x of the data, m.
+    double front = 0.;
   };
 
 
@@ -138,6 +140,12 @@ namespace greville
       return !surface.empty();
     }
 
+    bool
+    has_failure_line() const
+    {
+      return !failure_line.empty();
+    }
+
     /**
      * |value - measured| at the measured times that the run has reached, in the
      * unit of the values.
@@ -148,17 +156,29 @@ namespace greville
     /**
      * Collective. Vertical distance (m) between the measured surface and the
      * uppermost point (with half of its size) within half a cell @p h of its x.
-     * Where the body has ended, its surface is at the bottom @p floor.
+     * Where the body has ended, its surface is at the bottom @p floor: the
+     * distance to the measured front of @p front_99 says how far that is off.
      */
     Distance
     surface_distance(const BodyList<dim> &bodies,
                      const double         h,
                      const double         floor,
+                     const double         front_99,
                      const MPI_Comm       comm) const;
+
+    /**
+     * Collective. Mean distance (m) in 2D between the measured failure line and
+     * that of the run: the area between them over the length of the measured
+     * one. The area is that of the points of free bodies which were above the
+     * line and have not failed, or below and have, where the line has an x.
+     */
+    double
+    failure_line_distance(const BodyList<dim> &bodies,
+                          const MPI_Comm       comm) const;
 
   private:
     const ReferenceParameters        parameters;
-    std::vector<std::vector<double>> surface, series;
+    std::vector<std::vector<double>> surface, failure_line, series;
     unsigned int                     quantity = 0;
     std::vector<double>              times, values;
   };

@@ -33,6 +33,8 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
 
     std::string surface_file;
+    std::string failure_line_file;
+    double      failure_displacement = 0.002;
     std::string series_file;
     std::string series_quantity = "front";
     double      time_unit       = 1.;

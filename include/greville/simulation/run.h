@@ -21,11 +21,13 @@ namespace greville
   {
     double wall_time = 0.; // s
     double front     = 0.; // the largest, m
+    double front_99  = 0.; // likewise
     /// EnergyBalance::loss() of all parts, J (2D: J / m), and its fraction of
     /// the largest energy or work so far.
     double                  numerical_loss = 0., relative_loss = 0.;
     ExactErrors             errors;
     std::optional<Distance> surface, series;
+    std::optional<double>   failure_line; // mean distance, m
   };
 
 
@@ -118,7 +120,7 @@ namespace greville
     {
       unsigned int  n_steps             = 0;
       std::uint64_t bytes_of_statistics = 0, bytes_of_probes = 0;
-      double        largest_front = 0.;
+      Largest       front, front_99;
       std::string   fields;
       std::pair<std::vector<double>, std::vector<double>> series;
     };
@@ -238,8 +240,8 @@ namespace greville
     // Walls and components of the forces that are written.
     std::vector<std::pair<unsigned int, unsigned int>> reactions;
     double        next_fields = 0., next_statistics = 0.;
-    double        largest_front = -1e300;
-    std::uint64_t n_points      = 0;
+    Largest       largest_front, largest_front_99;
+    std::uint64_t n_points = 0;
 
     std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;
     double                                last_shown_time = 0.;
