@@ -35,9 +35,15 @@ main(int argc, char **argv)
   const RunSummary collapse = run<2>("granular_collapse", {120, 24});
   check("collapse: mean distance to the surface, mm",
         1e3 * collapse.surface->mean,
-        4.);
-  // The cells are twice those of the shipped file, which comes to 0.41 m.
-  check("collapse: run-out", std::abs(collapse.front / 0.44 - 1.), 0.17);
+        2.);
+  // The cells are twice those of the shipped file, which comes to 0.448 m.
+  check("collapse: run-out", std::abs(collapse.surface->front / 0.442), 0.05);
+  check("collapse: outermost point",
+        std::abs(collapse.front / 0.442 - 1.),
+        0.05);
+  check("collapse: mean distance to the failure line, mm",
+        1e3 * *collapse.failure_line,
+        5.);
   check("collapse: all data", collapse.surface->n == 12);
 
   const RunSummary dam = run<2>("dam_break", {100, 50});
