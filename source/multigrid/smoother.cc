@@ -2,6 +2,7 @@
 
 #include <deal.II/lac/precondition.h>
 
+#include <greville/base/errors.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
 #include <greville/multigrid/schwarz.h>
 #include <greville/multigrid/smoother.h>
@@ -200,7 +201,17 @@ namespace greville
         chebyshev.initialize(matrix, data);
         VectorType vector;
         initialize_vector(vector, level);
-        chebyshev.estimate_eigenvalues(vector);
+        // All processes have the same norms, and stop where one is NaN.
+        try
+          {
+            chebyshev.estimate_eigenvalues(vector);
+          }
+        catch (const SolverControl::NoConvergence &)
+          {
+            AssertThrow(false,
+                        ErrorOnAll("the eigenvalues of the smoother are "
+                                   "infinite or NaN"));
+          }
       }
 
       void

@@ -36,6 +36,13 @@ namespace greville
     refuse(!rigid_bodies(initial.bodies).empty(),
            "'Imposed velocity' of a body",
            "implicit steps do not know obstacles.");
+    for (const Body<dim> &body : initial.bodies)
+      refuse(scheme.is_static && body.material->moduli().shear == 0.,
+             "the material '" + body.parameters->material + "' of the body '" +
+               body.name + "'",
+             "nothing but viscosity resists the shear of a fluid, so that it "
+             "has no equilibrium where something shears it; take a dynamic "
+             "scheme such as backward-euler.");
     refuse(scheme.stress == StepStress::energy_consistent &&
              parameters.scheme.volumetric_projection != "none",
            "'Scheme/Volumetric projection' = " +
@@ -86,7 +93,11 @@ namespace greville
             text_of(system.space().degree()) + " is singular, or close to it. ";
       }
     std::string text = too_few;
-    if (scheme.is_static && too_few.empty())
+    if (forces_vanish && too_few.empty())
+      text = "round-off is all that is left of the forces, so that a tolerance "
+             "relative to them cannot be met; 'Newton/Absolute tolerance' "
+             "gives one in N. ";
+    else if (scheme.is_static && too_few.empty())
       text = "no equilibrium has been found beyond t = " + text_of(state.time) +
              " s. Where loads, walls or the strength of materials go on "
              "changing, this is the limit of what the bodies bear; a dynamic "

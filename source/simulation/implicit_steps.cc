@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
+#include <limits>
 #include <sstream>
 
 namespace greville
@@ -386,8 +387,65 @@ namespace greville
         last_residual -= r;
         force_scale = std::max(force_scale, last_residual.l2_norm());
       }
-    last_residual = r;
+    round_off = find_round_off();
     return "";
+  }
+
+
+
+  template <int dim>
+  double
+  ImplicitSteps<dim>::find_inertia_at_begin(const double dt)
+  {
+    if (scheme.is_static)
+      return 0.;
+    const double share = 1. / (1. - scheme.alpha_f);
+    const double end   = (1. - scheme.alpha_m) * share;
+    double       sum   = 0.;
+    for (VectorType &component : force)
+      component = 0.;
+    const auto add = [&](const double factor, const VectorField<dim> &field) {
+      if (factor == 0.)
+        return;
+      system.restrict(last_residual, force, &field);
+      sum += std::abs(factor) * last_residual.l2_norm();
+    };
+    add(end * scheme.alpha_v / dt, velocity);
+    add(scheme.alpha_m * share - end * scheme.alpha_a, acceleration);
+    return sum;
+  }
+
+
+
+  template <int dim>
+  double
+  ImplicitSteps<dim>::find_round_off() const
+  {
+    constexpr double units = 16. * std::numeric_limits<double>::epsilon();
+    // The displacement of points is of the size of its mean: coefficients of
+    // functions that points hardly see may be any number.
+    const VectorType &mass    = discretization.lumped_mass();
+    double            sums[2] = {};
+    for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
+      {
+        sums[1] += mass.local_element(i);
+        for (unsigned int d = 0; d < dim; ++d)
+          sums[0] += mass.local_element(i) * displacement[d].local_element(i) *
+                     displacement[d].local_element(i);
+      }
+    Utilities::MPI::sum(ArrayView<const double>(sums, 2),
+                        discretization.communicator(),
+                        ArrayView<double>(sums, 2));
+    const double u = sums[1] > 0. ? std::sqrt(sums[0] / sums[1]) : 0.;
+    double       x = 0.;
+    for (const auto *corner : {&parameters.grid.lower, &parameters.grid.upper})
+      for (const double coordinate : *corner)
+        x = std::max(x, std::abs(coordinate));
+    const double of_surfaces =
+      surfaces.empty() ? 0. : system.surface_stiffness_scale() * x;
+    return units *
+           (system.stiffness_scale() * (1. + u / discretization.cell_size()) +
+            of_surfaces + force_scale + inertia_at_begin);
   }
 
 
@@ -452,6 +510,7 @@ namespace greville
   ImplicitSteps<dim>::try_step(State<dim> &state, const double dt)
   {
     start_step(state, dt);
+    inertia_at_begin = find_inertia_at_begin(dt);
     // The guess: the velocity goes on. Walls move by their displacement, or by
     // their velocity in the middle.
     for (unsigned int d = 0; d < dim; ++d)
@@ -479,7 +538,12 @@ namespace greville
         linearized = at;
       return find_residual(r, at, dt, with_stiffness);
     };
-    problem.scale     = [&]() { return force_scale; };
+    // The tolerance of a residual is not below round-off.
+    problem.scale = [&]() {
+      const double tolerance = parameters.newton.tolerance;
+      return tolerance > 0. ? std::max(force_scale, round_off / tolerance)
+                            : force_scale;
+    };
     problem.linearize = [&](const VectorType &at) -> std::string {
       const auto is_linearized = [&]() {
         VectorType difference = linearized;
@@ -490,12 +554,12 @@ namespace greville
         {
           VectorType r;
           system.initialize(r);
-          linearized = at;
-          find_residual(r, at, dt, true);
+          linearized              = at;
+          const std::string wrong = find_residual(r, at, dt, true);
+          if (!wrong.empty())
+            return wrong;
         }
       const PartTimer timer(log, "set-up");
-      // Tangents of bodies that fail are indefinite, and some have no
-      // factorization.
       try
         {
           system.set_operator(scheme.is_static
@@ -524,7 +588,7 @@ namespace greville
           }
         catch (const ErrorOnAll &error)
           {
-            result.reason = "has no preconditioner: " + message_of(error);
+            result.reason = "fails: " + message_of(error);
           }
         n_linear = std::max(n_linear, *result.iterations);
         n_all_linear += *result.iterations;
@@ -535,7 +599,18 @@ namespace greville
     log.newton.push_back({state.n_steps + 1, 1, state.time, dt, result});
     if (!result.converged)
       {
-        rejection = result.reason + describe_residual();
+        // Of the iterate that is reported, which need not be the last trial.
+        constexpr double much = 1e4;
+        forces_vanish         = false;
+        rejection             = result.reason;
+        VectorType r;
+        system.initialize(r);
+        if (find_residual(r, x, dt, false).empty())
+          {
+            forces_vanish = force_scale <= much * round_off;
+            last_residual = r;
+            rejection += describe_residual();
+          }
         throw StepRejected(rejection);
       }
     n_newton            = result.n_iterations();

@@ -18,7 +18,7 @@ namespace greville
       tolerance,
       "Newton's method ends where the residual is this fraction of the largest "
       "of the forces that it is the sum of: those of stresses, loads and "
-      "inertia. Unit: none.",
+      "inertia; or where it is round-off. Unit: none.",
       Patterns::Double(0., 1.));
     prm.add_parameter("Absolute tolerance",
                       absolute_tolerance,
@@ -62,6 +62,25 @@ namespace greville
 
 
     /**
+     * Where Newton's method is, and what it knows of that place. At a trial far
+     * away the forces may have any size.
+     */
+    struct Iterate
+    {
+      VectorType x, r;
+      double     norm = 0., scale = 0.;
+
+      double
+      relative() const
+      {
+        const double largest = std::max(scale, norm);
+        return largest > 0. ? norm / largest : 0.;
+      }
+    };
+
+
+
+    /**
      * Newton's method from the guess @p x.
      */
     NewtonResult
@@ -70,25 +89,38 @@ namespace greville
                const NewtonParameters &parameters)
     {
       NewtonResult result;
-      VectorType   r, dx, trial, trial_r;
-      for (VectorType *vector : {&r, &dx, &trial, &trial_r})
+      Iterate      now, best;
+      VectorType   dx, trial, trial_r;
+      now.x = x;
+      for (VectorType *vector : {&now.r, &dx, &trial, &trial_r})
         vector->reinit(x);
 
-      std::string wrong = problem.residual(r, x);
-      double      norm  = r.l2_norm();
-      if (!wrong.empty() || !std::isfinite(norm))
-        {
-          result.reason =
-            wrong.empty() ? "the initial residual is infinite or NaN" : wrong;
-          return result;
-        }
-      // That of the forces at x. At a trial far away it may be any number.
-      double          scale = problem.scale();
+      // What counts as zero there.
+      const auto limit = [&](const Iterate &at) {
+        return std::max(parameters.tolerance * std::max(at.scale, at.norm),
+                        parameters.absolute_tolerance);
+      };
+      const auto measure = [&](Iterate &at) {
+        at.norm  = at.r.l2_norm();
+        at.scale = problem.scale();
+      };
+      const auto end_with = [&](const std::string &reason) {
+        result.converged = reason.empty();
+        result.reason    = reason;
+        x.swap(now.x);
+        return result;
+      };
+
+      std::string wrong = problem.residual(now.r, now.x);
+      if (wrong.empty() && !std::isfinite(now.r.l2_norm()))
+        wrong = "the initial residual is infinite or NaN";
+      if (!wrong.empty())
+        return end_with(wrong);
+      measure(now);
       NewtonIteration row;
       const auto      add_row = [&]() {
-        const double largest = std::max(scale, norm);
-        row.residual         = norm;
-        row.relative         = largest > 0. ? norm / largest : 0.;
+        row.residual = now.norm;
+        row.relative = now.relative();
         result.iterations.push_back(row);
       };
       add_row();
@@ -96,15 +128,11 @@ namespace greville
 
       // Where the residual was smallest, and the steps without a line search
       // since.
-      VectorType   best = x, best_r = r;
-      double       best_norm = norm, best_scale = scale;
+      best                 = now;
       unsigned int n_free  = 0;
       bool         is_free = true;
       const auto   go_back = [&]() {
-        x        = best;
-        r        = best_r;
-        norm     = best_norm;
-        scale    = best_scale;
+        now      = best;
         is_free  = false;
         n_free   = 0;
         forcing  = parameters.largest_forcing;
@@ -113,28 +141,22 @@ namespace greville
       };
       for (unsigned int k = 0;; ++k)
         {
-          if (result.iterations.back().relative <= parameters.tolerance ||
-              norm <= parameters.absolute_tolerance)
-            {
-              result.converged = true;
-              return result;
-            }
+          if (now.norm <= limit(now))
+            return end_with("");
           if (k == parameters.max_iterations)
             {
               std::ostringstream text;
               text << "Newton's method did not converge in " << k
-                   << " iterations: the residual is "
-                   << result.iterations.back().relative
+                   << " iterations: the residual is " << now.relative()
                    << " of the forces, and 'Newton/Tolerance' is "
                    << parameters.tolerance;
-              result.reason = text.str();
-              return result;
+              return end_with(text.str());
             }
-          wrong = problem.linearize(x);
+          wrong = problem.linearize(now.x);
           SolveResult solve;
           if (wrong.empty())
             {
-              solve                 = problem.solve(dx, r, forcing);
+              solve                 = problem.solve(dx, now.r, forcing);
               row.linear_iterations = *solve.iterations;
               if (!solve.converged && !(solve.reduction < 0.5))
                 wrong = "the linear solver " + solve.reason;
@@ -146,64 +168,52 @@ namespace greville
                   go_back();
                   continue;
                 }
-              result.reason = wrong;
-              return result;
+              return end_with(wrong);
             }
 
-          const double     old_norm = norm;
           constexpr double decrease = 1e-4;
+          double           norm     = 0.;
           row.step                  = 1.;
           for (unsigned int cut = 0;; ++cut, row.step *= 0.5)
             {
-              trial = x;
+              trial = now.x;
               trial.add(row.step, dx);
               wrong = problem.residual(trial_r, trial);
               norm  = trial_r.l2_norm();
-              if (wrong.empty() &&
-                  norm <= (1. - decrease * row.step) * best_norm)
+              if (wrong.empty() && !std::isfinite(norm))
+                wrong = "the residual is infinite or NaN";
+              if (is_free || (wrong.empty() &&
+                              norm <= (1. - decrease * row.step) * best.norm))
                 break;
               // Round-off: it does not get better.
-              if (wrong.empty() && std::isfinite(norm) &&
-                  norm <= 10. * parameters.tolerance * scale)
-                break;
-              if (is_free)
+              if (wrong.empty() && norm <= 10. * limit(now))
                 break;
               if (cut == parameters.max_cuts)
-                {
-                  if (wrong.empty() && norm < 2. * old_norm)
-                    break;
-                  result.reason = wrong.empty()
-                                    ? "Newton's method found no step that "
-                                      "reduces the residual"
-                                    : wrong;
-                  return result;
-                }
+                return end_with(
+                  wrong.empty() ? "Newton's method found no step that reduces "
+                                  "the residual"
+                                : wrong);
             }
-          const bool is_good = wrong.empty() && std::isfinite(norm);
-          if (is_free && (!is_good || (norm > best_norm && ++n_free > watch)))
+          if (is_free &&
+              (!wrong.empty() || (norm > best.norm && ++n_free > watch)))
             {
               go_back();
               continue;
             }
-          x.swap(trial);
-          r.swap(trial_r);
-          scale = problem.scale();
+          const double ratio = norm / now.norm;
+          now.x.swap(trial);
+          now.r.swap(trial_r);
+          measure(now);
           add_row();
-          if (norm < best_norm || !is_free)
+          if (norm < best.norm || !is_free)
             {
-              best       = x;
-              best_r     = r;
-              best_norm  = norm;
-              best_scale = scale;
-              n_free     = 0;
+              best   = now;
+              n_free = 0;
             }
-          const double ratio = norm / old_norm;
           forcing =
             std::min(std::max({0.9 * ratio * ratio,
                                parameters.smallest_forcing,
-                               0.5 * parameters.tolerance /
-                                 std::max(result.iterations.back().relative,
-                                          parameters.tolerance)}),
+                               0.5 * limit(now) / std::max(norm, limit(now))}),
                      parameters.largest_forcing);
         }
     }

@@ -5,6 +5,7 @@
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_gmres.h>
 
+#include <greville/base/errors.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <cmath>
@@ -44,7 +45,9 @@ namespace greville
         moved[d].add(eps, direction[d]);
         direction[d] *= mass_factor;
       }
-    evaluate(last.bodies, moved, last.dt, last.stress, false, moved_force);
+    throw_on_all(
+      evaluate(last.bodies, moved, last.dt, last.stress, false, moved_force),
+      space().communicator());
     for (unsigned int d = 0; d < dim; ++d)
       {
         moved_force[d] -= last.force[d];
@@ -172,6 +175,25 @@ namespace greville
         is_fresh         = *result.iterations == 0;
       }
     *result.iterations += n_wasted;
+
+    // Krylov methods update their residual, and do not see round-off of x.
+    constexpr double wrong = 0.5;
+    if (has_levels && !projection && result.converged)
+      {
+        VectorType r = b;
+        finest().vmult(r, x);
+        r -= b;
+        if (!(r.l2_norm() <= wrong * b.l2_norm()))
+          {
+            n_wasted    = *result.iterations;
+            levels_fail = true;
+            set_up(false);
+            result           = run(parameters.max_iterations);
+            first_iterations = *result.iterations / digits(result);
+            is_fresh         = *result.iterations == 0;
+            *result.iterations += n_wasted;
+          }
+      }
     return result;
   }
 

@@ -70,20 +70,33 @@ namespace greville
   namespace
   {
     /**
-     * Add the moduli of compression and of shear, A_iiii and A_ijij, times the
+     * The moduli of compression and of shear, A_iiii and A_ijij, times the
      * volumes.
      */
     template <int dim>
-    void
-    add_moduli(const std::vector<TrialPoint<dim>> &points,
-               std::array<double, 2>              &moduli)
+    std::array<double, 2>
+    sum_moduli(const std::vector<TrialPoint<dim>> &points)
     {
-      constexpr double n_shears = dim * (dim - 1);
+      constexpr double      n_shears = dim * (dim - 1);
+      std::array<double, 2> moduli{};
       for (const TrialPoint<dim> &point : points)
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
             moduli[i == j ? 0 : 1] +=
               point.volume * point.A[i][j][i][j] / (i == j ? dim : n_shears);
+      return moduli;
+    }
+
+
+
+    template <int dim>
+    double
+    smallest_cell_size(const SplineSpace<dim> &space)
+    {
+      double h = space.lattice().cell_size(0);
+      for (unsigned int d = 1; d < dim; ++d)
+        h = std::min(h, space.lattice().cell_size(d));
+      return h;
     }
   } // namespace
 
@@ -99,10 +112,11 @@ namespace greville
                                VectorField<dim> &force)
   {
     std::string problem;
+    // Sums of both moduli, and of the squares of the first one of cells.
+    double sums_of_moduli[3] = {};
     sums.back().clear();
     if (with_stiffness)
       {
-        moduli = {};
         for (auto &level : levels)
           level->begin_tangent();
       }
@@ -125,12 +139,15 @@ namespace greville
               projection,
               [&](const unsigned int cell, const auto &points) {
                 sums.back().add_force(cell, points);
-                if (with_stiffness)
-                  add_moduli<dim>(points, moduli);
-                if (with_stiffness)
-                  for (unsigned int l = 0; l < levels.size(); ++l)
-                    levels[l]->stiffness().add_cell(
-                      cell, sums[l].stiffness(cell, points, is_symmetric));
+                if (!with_stiffness)
+                  return;
+                const auto of_cell = sum_moduli<dim>(points);
+                sums_of_moduli[0] += of_cell[0];
+                sums_of_moduli[1] += of_cell[1];
+                sums_of_moduli[2] += of_cell[0] * of_cell[0];
+                for (unsigned int l = 0; l < levels.size(); ++l)
+                  levels[l]->stiffness().add_cell(
+                    cell, sums[l].stiffness(cell, points, is_symmetric));
               });
           }
         catch (const std::exception &error)
@@ -145,9 +162,14 @@ namespace greville
       }
     sums.back().take_force(force);
     if (with_stiffness)
-      Utilities::MPI::sum(ArrayView<const double>(moduli.data(), 2),
-                          space().communicator(),
-                          ArrayView<double>(moduli.data(), 2));
+      {
+        Utilities::MPI::sum(ArrayView<const double>(sums_of_moduli, 3),
+                            space().communicator(),
+                            ArrayView<double>(sums_of_moduli, 3));
+        moduli = {{sums_of_moduli[0], sums_of_moduli[1]}};
+        force_of_strain =
+          std::sqrt(sums_of_moduli[2]) / smallest_cell_size(space());
+      }
     if (with_stiffness && projection)
       last = {bodies, u, force, dt, stress, {}, {}, {}};
     return problem;
@@ -168,6 +190,7 @@ namespace greville
     constexpr double round_off = 1e-6;
 
     unsigned int is_asymmetric = 0;
+    double       square        = 0.;
     surface_sums.clear();
     for (const LoadedSurface<dim> &surface : surfaces)
       trial_surfaces.evaluate(
@@ -182,13 +205,16 @@ namespace greville
           for (unsigned int l = 0; l < levels.size(); ++l)
             levels[l]->stiffness().add_cell(cell,
                                             sums[l].stiffness(cell, points));
+          double of_cell = 0.;
           for (const TrialSurfacePoint<dim> &point : points)
             {
               const Tensor<2, dim> &D = point.by_displacement;
+              of_cell += point.area * D.norm();
               if (point.by_gradient.norm() > 0. ||
                   (D - transpose(D)).norm() > round_off * D.norm())
                 is_asymmetric = 1;
             }
+          square += of_cell * of_cell;
         });
     surface_sums.take_force(force);
     if (!with_stiffness)
@@ -199,6 +225,8 @@ namespace greville
         last.motion        = motion;
         last.surface_force = force;
       }
+    surface_stiffness =
+      std::sqrt(Utilities::MPI::sum(square, space().communicator()));
     return Utilities::MPI::max(is_asymmetric, space().communicator()) == 0;
   }
 
@@ -208,6 +236,8 @@ namespace greville
   bool
   TangentSystem<dim>::needs_levels(const double mass_factor) const
   {
+    if (levels_fail)
+      return false;
     if (parameters.preconditioner != "auto")
       return parameters.preconditioner == "p-multigrid";
     if (parameters.multigrid.coarsening == "none")
@@ -277,7 +307,7 @@ namespace greville
 
   template <int dim>
   void
-  TangentSystem<dim>::set_up(const bool with_levels)
+  TangentSystem<dim>::make_multigrid(const bool with_levels)
   {
     PMultigridParameters             cycle    = parameters.multigrid;
     SmootherParameters               smoother = parameters.smoother;
@@ -292,6 +322,28 @@ namespace greville
     multigrid.reset();
     multigrid = std::make_unique<PMultigrid<dim>>(
       operators, cycle, smoother, parameters.multigrid.coarse_tolerance);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::set_up(const bool with_levels)
+  {
+    // Tangents of bodies that fail are indefinite, and some have no
+    // factorization.
+    try
+      {
+        make_multigrid(with_levels);
+      }
+    catch (const ErrorOnAll &)
+      {
+        if (!with_levels)
+          throw;
+        levels_fail = true;
+        set_up(false);
+        return;
+      }
     has_levels            = with_levels;
     mass_factor_of_set_up = mass_factor;
     excess_iterations     = 0.;

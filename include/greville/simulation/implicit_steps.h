@@ -130,6 +130,19 @@ namespace greville
                   const bool        with_stiffness);
 
     /**
+     * The sum of the norms of the terms of inertia that are known at the begin.
+     */
+    double
+    find_inertia_at_begin(const double dt);
+
+    /**
+     * What round-off may make of the residual of a solution: the sum of the
+     * norms of terms that cancel, times some units of round-off.
+     */
+    double
+    find_round_off() const;
+
+    /**
      * The loads on surfaces at the begin, and what find_residual() needs for
      * those in the step, and for loads on points that depend on their position.
      */
@@ -207,8 +220,10 @@ namespace greville
     // loads. At the begin, the bodies are not among them.
     VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;
     VectorType       last_residual;
-    double           force_scale   = 0.;
-    bool             has_stiffness = false; // of the last residual
+    double           force_scale = 0., round_off = 0.; // of the last residual
+    double           inertia_at_begin = 0.;            // its terms, N
+    bool             has_stiffness    = false;         // of the last residual
+    bool             forces_vanish    = false; // where Newton's method failed
     std::string      rejection;
 
     // Of the step that has been tried: iterations of Newton's method, the most

@@ -134,8 +134,28 @@ namespace greville
     }
 
     /**
+     * The like for a gradient of displacement of one, by the moduli of the last
+     * evaluate() with stiffness: the unit of round-off of internal forces.
+     */
+    double
+    stiffness_scale() const
+    {
+      return force_of_strain;
+    }
+
+    /**
+     * The like for loads on surfaces that a displacement changes, N / m.
+     */
+    double
+    surface_stiffness_scale() const
+    {
+      return surface_stiffness;
+    }
+
+    /**
      * Collective. Make the operator with a mass factor (1/s^2), and its
-     * preconditioner, from the stiffness of the last evaluate().
+     * preconditioner, from the stiffness of the last evaluate(). Throws
+     * ErrorOnAll where no preconditioner can be made.
      */
     void
     set_operator(const double mass_factor, const bool is_symmetric);
@@ -156,6 +176,7 @@ namespace greville
     forget()
     {
       multigrid.reset();
+      levels_fail = false;
     }
 
     /**
@@ -189,7 +210,10 @@ namespace greville
 
     /**
      * Collective. Solve A x = b until the residual is @p tolerance times that
-     * of zero.
+     * of zero. Where coarse levels make x so large on its way that round-off
+     * of it remains, they are left away for these unknowns. Throws ErrorOnAll
+     * like set_operator(), and where the difference of forces that is the
+     * product with A cannot be formed.
      */
     SolveResult
     solve(VectorType &x, const VectorType &b, const double tolerance);
@@ -244,10 +268,17 @@ namespace greville
     is_reusable(const double mass_factor, const bool with_levels) const;
 
     /**
-     * Collective.
+     * Collective. The preconditioner; the smoother alone where there is none
+     * with coarse levels.
      */
     void
     set_up(const bool with_levels);
+
+    /**
+     * Collective. Likewise, without the second try.
+     */
+    void
+    make_multigrid(const bool with_levels);
 
     /**
      * Collective. The smoother, where it is 'auto', and its parameters.
@@ -275,9 +306,11 @@ namespace greville
 
     // Sums of the moduli of compression and of shear of all points.
     std::array<double, 2> moduli{};
+    double                force_of_strain = 0., surface_stiffness = 0.;
 
     // Of the set-up; iterations are those for a tenth of the residual.
     bool         has_levels = false, is_fresh = false;
+    bool         levels_fail           = false; // for these unknowns
     double       mass_factor_of_set_up = 0.;
     double       mass_factor           = 0.; // of the operator
     double       first_iterations      = 0.;
