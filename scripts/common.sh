@@ -2,7 +2,7 @@
 # from the project's root. Installs what is missing, configures and builds.
 
 packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
-test_packages="numdiff perl lld clang-format-14 doxygen python3-numpy"
+test_packages="numdiff lld clang-format-14 doxygen python3-numpy"
 checking_packages="clang-14 clang-tidy-14 libclang-rt-14-dev valgrind gcc"
 drawing_packages="python3-matplotlib python3-vtk9 python3-pil"
 
@@ -80,16 +80,16 @@ configure_clang() {
     -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
 }
 
-# deal.II's test script takes a guard file that is in place when a test begins
-# for a sign of an interrupted run and builds again; it expects it under another
-# name. The build wants it in place.
-put_guards_back() {
-  find "$1/tests" -name interrupt_guard.cc_bck 2>/dev/null |
-    while read -r file; do mv "$file" "${file%_bck}"; done
-}
-put_guards_away() {
-  find "$1/tests" -name interrupt_guard.cc |
-    while read -r file; do mv "$file" "${file}_bck"; done
+# test_targets FOLDER REGEX: the targets PART.NAME of the tests that match and
+# have a program, and the two programs of the project.
+test_targets() {
+  echo greville greville_benchmark
+  ctest --test-dir "$1" -N -R "$2" | sed -n 's/^ *Test *#[0-9]*: //p' |
+    sed 's/[.].*//' | sort -u | while read -r name; do
+    if [ -x "$1/tests/$name" ]; then
+      echo "$name" | tr / .
+    fi
+  done
 }
 
 # build FOLDER TARGET...: build what is out of date.

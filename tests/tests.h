@@ -3,7 +3,8 @@
 #ifndef greville_tests_h
 #define greville_tests_h
 
-// What the tests share. Numbers are printed by the first process and compared
+// What the tests share. A test is a file with a function test_main(), in which
+// MPI is up. Numbers are printed by the first process and compared
 // with the .output file. Claims are checked in the program, by check():
 // residuals of the size of round-off above all, since numdiff takes what is
 // below 1e-6 for zero.
@@ -19,9 +20,20 @@
 #include <iomanip>
 #include <iostream>
 #include <string>
+#include <vector>
 
 using namespace dealii;
 using namespace greville;
+
+// What stands behind the name of the test in the command line.
+inline std::vector<std::string> &
+test_arguments()
+{
+  static std::vector<std::string> arguments;
+  return arguments;
+}
+
+
 
 inline std::ostream &
 print(const MPI_Comm comm = MPI_COMM_WORLD)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // The language of formulas, row by row of doc/user/formulas.md, and what is
 // refused with a message that names the parameter.
@@ -45,11 +46,10 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const double                     x = 0.7;
+  const double x = 0.7;
   gives("x + 2 * 3 - 1 / 4", x + 5.75);
   gives("2 ^ 3 ^ 2", 512.);
   gives("-2 ^ 2", -4.);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Parameters with several names, settings of the command line, and what is
 // known of a parameter.
@@ -90,10 +91,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   using Settings   = std::vector<std::string>;
   const auto order = [](const std::string &text, const Settings &settings) {
     return All(text, settings).grid.order;

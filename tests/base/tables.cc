@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // Tables and texts in files: what is written is read on all processes, by rows
 // in their order; files that are truncated, foreign or changed in any byte are
@@ -103,12 +105,11 @@ write_promises(const std::string &name)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const MPI_Comm                   comm = MPI_COMM_WORLD;
-  const bool is_first = Utilities::MPI::this_mpi_process(comm) == 0;
+  const MPI_Comm comm     = MPI_COMM_WORLD;
+  const bool     is_first = Utilities::MPI::this_mpi_process(comm) == 0;
 
   const TablesFile written = example(comm, 1.);
   write_tables("tables.h5", written, comm);

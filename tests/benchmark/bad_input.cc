@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Each kind of wrong input is answered by one clear message.
 
@@ -45,10 +46,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   in("Benchmark", "Orders = 0");
   in("Benchmark", "Orders = 1, 6");
   in("Benchmark", "Orders = two");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1 2
 
 // All operators on boxes and on bodies of points: iterations that do not
 // depend on the number of processes by much, and what the columns say.
@@ -79,11 +80,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   Rows rows = run("  set Operators = laplace\n  set Orders = 1, 2, 3\n"
                   "  set Cells = 24\n"
                   "  set Solvers = p-multigrid, cg-p-multigrid, "

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1 2
 
 // What a run leaves: the columns and rows of its CSV files, the parameters, no
 // temporary file; and each option of the benchmark has an effect on them.
@@ -93,11 +94,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   Rows rows = run(in("Benchmark",
                      "Solvers = p-multigrid, fgmres-p-multigrid, "
                      "cg-p-multigrid, cg, cg-jacobi, cg-tensor-product, "

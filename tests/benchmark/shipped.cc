@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Every shipped parameter file and the examples of the reference parse, and
 // doc/parameters.md is what the program says, with an example in each section.
@@ -10,11 +11,10 @@
 #include <algorithm>
 #include <filesystem>
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const std::filesystem::path      root =
+  const std::filesystem::path root =
     std::filesystem::path(SOURCE_DIR).parent_path().parent_path();
 
   std::vector<std::filesystem::path> files;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Spectral decompositions; the elastic laws against derivatives of their
 // energy, closed forms, rotations, closed cycles, and their linear limits.
@@ -335,10 +336,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   test_spectra();
   test("linear-elastic");
   test("neo-hookean");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Fluids against Tait's equation, viscous stresses of known rates, the limits
 // of Bingham's law, tearing, spin, and energies.
@@ -149,10 +150,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   test("newtonian-fluid");
   test("bingham");
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // The list of materials, messages for wrong input, and that every parameter
 // of every material changes what the material does.
@@ -83,10 +84,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   print() << material_names() << std::endl;
 
   const std::vector<std::string> elastic = {"Youngs modulus = 2e6",

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Elastoplastic laws: thousands of returns against the yield surface and the
 // flow rule, region by region; rotations, energies, elastic and limit states.
@@ -587,10 +588,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   test_von_mises();
   test_drucker_prager("plane strain", 30, 10, -1);
   test_drucker_prager("plane strain", 20, 20, -1);

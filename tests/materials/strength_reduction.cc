@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Strength that falls in time: as a law with the reduced parameters has it, at
 // a point that is held and at points that move, its tangent, and the messages
@@ -116,10 +117,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const std::string cone :
        {"plane strain", "plane strain associated", "outer", "inner"})
     test_steps("drucker-prager", {"Cone = " + cone});

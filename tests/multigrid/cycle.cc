@@ -75,10 +75,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize           mpi(argc, argv, 1);
   Box<2>                                     box(MultiIndex<2>{{12, 12}});
   const OrderHierarchy<2>                    orders(box.mesh, 4);
   const auto                                 rho = density<2>("smooth");

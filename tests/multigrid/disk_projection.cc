@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1 2
 
 // Projection of a smooth function from the material points of a disk, weighted
 // by their masses: on extended B-splines the errors of values and gradients at
@@ -192,13 +193,13 @@ private:
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  std::ofstream                    csv;
-  if (argc > 1 && Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-    csv.open(argv[1]);
+  std::ofstream csv;
+  if (!test_arguments().empty() &&
+      Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    csv.open(test_arguments()[0]);
   csv << "p,mass,cells,iterations,converged,error,gradient_error,"
          "largest_gradient_error\n";
   csv << std::setprecision(4);
@@ -217,7 +218,7 @@ main(int argc, char **argv)
               SolveResult result;
               if (treatment == "extended" || treatment == "raw")
                 {
-                  if (treatment == "raw" && argc == 1)
+                  if (treatment == "raw" && test_arguments().empty())
                     continue;
                   errors.push_back(projections[k]->consistent(
                     treatment == "extended" ? 0.7 : 0., result));

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3
 
 // Extended B-splines: a level, applied and assembled, is the dense matrix
 // E^T M~ E, with coefficients held at a wall and lumped fragments, on any
@@ -265,10 +267,9 @@ test_solvers(const MultiIndex<dim> &cells,
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   // A body at two walls with a fringe, a strip, and a fragment.
   const Filling<2> drawn = drawing({"..........++",
                                     "##++.....+++",

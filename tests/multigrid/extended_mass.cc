@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3
 
 // The fast path of simulations: ExtendedMass is the dense matrix E^T M~ E, with
 // fragments, held functions and any width, StencilMatrix is MassOperator,
@@ -466,10 +468,9 @@ test_solver(const MultiIndex<dim>       &cells,
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   // A body at two walls with a fringe, a strip, and a fragment.
   const Filling<2> drawn = drawing({"..........++",
                                     "##++.....+++",

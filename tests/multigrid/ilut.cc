@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // ILUT is exact without dropping, its transpose is the transpose, and both
 // thresholds bound its memory.
@@ -8,14 +9,13 @@
 
 #include "density.h"
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  Box<2>                           box(MultiIndex<2>{{10, 8}});
-  const SplineSpace<2>             space(box.mesh, 3);
-  const DensityWeights<2>          weights(space, 4, *density<2>("smooth"));
-  MassLevel<2>                     matrix(space, weights);
+  Box<2>                  box(MultiIndex<2>{{10, 8}});
+  const SplineSpace<2>    space(box.mesh, 3);
+  const DensityWeights<2> weights(space, 4, *density<2>("smooth"));
+  MassLevel<2>            matrix(space, weights);
   matrix.assemble(true, true);
   Mat local;
   check_petsc(MatMPIAIJGetSeqAIJ(matrix.matrix(), &local, nullptr, nullptr));

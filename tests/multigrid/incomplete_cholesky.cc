@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // IC(0): exact for a Kronecker product in lexicographic order, raised pivots,
 // shifts, errors, and all widths give the same.
@@ -219,10 +220,9 @@ test_held_rows()
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (unsigned int p = 1; p <= 5; ++p)
     test_kronecker<2>(9, p);
   for (unsigned int p = 1; p <= 3; ++p)

@@ -40,11 +40,9 @@ from_lapack(const double change)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   // Processes have different numbers of unknowns, the last one of several none.
   const unsigned int n_parts =
     std::max(1u, Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) - 1);

@@ -236,10 +236,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const double beta : {1e-3, 1., 1e6})
     for (const unsigned int p : {2, 3})
       {

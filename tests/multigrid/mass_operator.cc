@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3 4
 
 // The matrix-free and the assembled operator are the same, on any number of
 // processes the same as on one, symmetric, and right: the sum of all entries is
@@ -112,10 +114,9 @@ test_cross(const unsigned int p, const unsigned int q)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const std::string name : {"constant", "smooth", "holes"})
     {
       for (unsigned int p = 1; p <= 5; ++p)

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3 4
 
 // Every solver by name on constant, smooth and half-empty densities in 2D and
 // 3D: the iterations are in range, or the solver says why it did not converge.
@@ -93,10 +95,9 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const std::string &rho)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const std::string rho : {"constant", "smooth", "holes"})
     {
       test<2>({{16, 12}}, 3, rho);

@@ -148,10 +148,9 @@ test(const unsigned int p, const unsigned int q, const std::string &rho_name)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const std::string rho : {"constant", "smooth", "holes"})
     {
       test<2>(2, 1, rho);

@@ -58,10 +58,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   add_smoother<2>("fixed-jacobi",
                   false,
                   false,

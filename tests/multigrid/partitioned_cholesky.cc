@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3 4
 
 // PartitionedCholesky with the mass matrices of full and of jagged bodies: the
 // preconditioner is symmetric, leaves out what is held, and conjugate gradients
@@ -118,10 +120,9 @@ test(const MultiIndex<dim> &cells,
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const bool is_held : {false, true})
     {
       test<2>({{32, 24}}, 1, full<2>(), is_held, is_held ? 22 : 12, "full");

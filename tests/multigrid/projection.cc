@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1 2
 
 // L2 projection of a smooth function: order p + 1 for values and p for
 // gradients in 2D and 3D, with every component of a solve in play (extraction,
@@ -68,10 +69,9 @@ test(const unsigned int p, const unsigned int n)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (unsigned int p = 1; p <= 5; ++p)
     test<2>(p, 16);
   for (unsigned int p = 1; p <= 5; ++p)

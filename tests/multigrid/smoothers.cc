@@ -44,10 +44,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const bool alone = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1;
   Box<2>     box(MultiIndex<2>{{16, 16}});
   const SplineSpace<2> space(box.mesh, 3);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1 2 4
 
 // Table 1 of Tielen, Moeller and Vuik (2019): on one process not more
 // iterations than published in any entry, for V-, W- and F-cycles; on several
@@ -36,11 +37,10 @@ count(const unsigned int n, const unsigned int p, const std::string &cycle)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const unsigned int               more =
+  const unsigned int more =
     Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1 ? 0 : 2;
   const unsigned int published[4][5] = {{1, 3, 3, 2, 2},
                                         {1, 3, 3, 3, 3},

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3
 
 // The tensor-product inverse is exact for constant density, on any number of
 // processes, and its preconditioner is symmetric for others and leaves inactive
@@ -72,10 +74,9 @@ test(const MultiIndex<dim> &cells, const unsigned int p)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (unsigned int p = 1; p <= 5; ++p)
     {
       test<2>({{16, 12}}, p);

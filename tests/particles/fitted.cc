@@ -415,10 +415,9 @@ test_errors()
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   test_exact();
   test_all_orders();
   test_edges();

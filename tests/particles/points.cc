@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3 4
 
 // Points are neither lost nor doubled nor changed, whatever cells and processes
 // they move to.
@@ -455,10 +457,9 @@ test_motion(const MultiIndex<dim> &cells)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   test_storage<2>({{3, 4}});
   test_storage<3>({{2, 3, 2}});
   test_motion<2>({{8, 12}});

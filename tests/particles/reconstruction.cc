@@ -368,10 +368,9 @@ test_other_cells(const bool in_cells)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const bool in_cells : {true, false})
     {
       test_full_cells<2>({{5, 4}}, {{3, 3}}, 1, false, in_cells);

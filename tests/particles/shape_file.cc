@@ -387,10 +387,9 @@ test_errors()
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   test_meshes();
   test_polygons();
   test_errors();

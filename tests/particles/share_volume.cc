@@ -141,10 +141,9 @@ test(const unsigned int p)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (unsigned int p = 1; p <= 5; ++p)
     test<2>(p);
   for (unsigned int p = 1; p <= 3; ++p)

@@ -867,11 +867,10 @@ test(const MultiIndex<dim> &cells, const Material &material)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  LinearElastic                    material;
+  LinearElastic material;
   material.reinit("Material");
   test<2>({{4, 5}}, material);
   test<3>({{3, 2, 3}}, material);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3 4
 
 // A body that leaves the grid, to the last point: the run ends by itself.
 #include "simulation.h"
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const std::string mass : {"lumped", "fmpm-2", "consistent"})
     {
       Simulated<2> run(

@@ -51,10 +51,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const Text good = block_2d("box(0.25, 0.25, 0.75, 0.75)", 4)
                       .with("Time", {"End = 0.02", "Step = 0.01"})
                       .with("Material solid", {"Youngs modulus = 10"});

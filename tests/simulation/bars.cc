@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1
 
 // Exact solutions of bars (benchmarks A1 to A4, A7): orders of convergence.
 #include "simulation.h"
@@ -51,11 +52,9 @@ check_order(const std::string &name,
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   // A1 and A2. The step follows h^2, so that its error does not matter.
   const Text fixed =
     bar(25)

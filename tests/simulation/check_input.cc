@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1
 
 // Wrong input is answered by one message that names what is wrong: every line
 // of the shipped files in turn is removed, misspelled, and given wrong values.
@@ -255,20 +256,20 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const std::string folder    = "check_input_files." + std::to_string(getpid());
   const std::string results   = folder + "/results";
   const auto        cases     = all_cases(folder, results);
-  const bool        is_sample = argc < 4;
-  const std::size_t first     = is_sample ? 0 : std::stoul(argv[1]);
+  const auto       &arguments = test_arguments();
+  const bool        is_sample = arguments.size() < 3;
+  const std::size_t first     = is_sample ? 0 : std::stoul(arguments[0]);
   const std::size_t stride =
-    is_sample ? cases.size() / 200 : std::stoul(argv[2]);
+    is_sample ? cases.size() / 200 : std::stoul(arguments[1]);
   std::ofstream log;
   if (!is_sample)
-    log.open(argv[3], std::ios::app);
+    log.open(arguments[2], std::ios::app);
   std::signal(SIGALRM, out_of_time);
 
   unsigned int n = 0;
@@ -277,11 +278,13 @@ main(int argc, char **argv)
       const Case &c = cases[k];
       current =
         c.base + ", " + c.section + ", " + c.name + " <" + c.value + ">";
-      if (argc > 4 && current.find(argv[4]) == std::string::npos)
+      if (arguments.size() > 3 &&
+          current.find(arguments[3]) == std::string::npos)
         continue;
       if (!is_sample)
-        std::ofstream(std::string(argv[3]) + ".at") << k << "\n"
-                                                    << current << std::endl;
+        std::ofstream(std::string(arguments[2]) + ".at")
+          << k << "\n"
+          << current << std::endl;
       std::filesystem::remove_all(results);
       std::ofstream(folder + "/case.prm") << c.content;
       std::streambuf *const buffer  = std::cout.rdbuf(nullptr);
@@ -317,7 +320,10 @@ main(int argc, char **argv)
         check(current + ": " + flaw + ": " + message, flaw.empty());
     }
   std::filesystem::remove_all(folder);
-  check("there are cases", n >= (is_sample ? 190 : argc > 4 ? 0 : 1));
+  check("there are cases",
+        n >= (is_sample              ? 190
+              : arguments.size() > 3 ? 0
+                                     : 1));
   if (!is_sample)
     std::cout << n << " of " << cases.size() << " cases" << std::endl;
 }

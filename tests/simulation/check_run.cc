@@ -75,10 +75,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   if (is_first())
     for (const std::string folder : {"check_results", "drawing"})
       std::filesystem::remove_all(folder);

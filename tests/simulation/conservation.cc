@@ -49,11 +49,10 @@ test(const std::string &name, const Text &text, const bool conserves_spin)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const Text                       disk =
+  const Text disk =
     block_2d("ball(0.5, 0.5, 0.25)", 20)
       .with("Body body",
             {"Velocity = 0.5 - 8 * (y - 0.5); 0.1 + 8 * (x - 0.5)",

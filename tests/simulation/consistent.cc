@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1 2
 
 // The exact mass matrix at free surfaces: colliding disks keep energy and
 // momentum; the cycle with all orders gives what the solver of all components
 // gives; a bar breaks.
 #include "simulation.h"
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   const auto disks = [](const unsigned int p, const std::string &end) {
     return Text()
       .add("Simulation", {"Bodies = lower, upper", "Materials = rubber"})

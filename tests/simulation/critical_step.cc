@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // The critical step: Courant numbers of full boxes beside those that were
 // computed from the eigenvalues of assembled matrices, and what happens on both
@@ -17,10 +18,9 @@ full_box(const unsigned int p, const std::string &mass)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   // lambda + 2 G of E = 100, nu = 0.3, rho = 1
   const double c       = std::sqrt(100. * 0.7 / (1.3 * 0.4));
   const auto   courant = [&](const Text &text) {

@@ -76,11 +76,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   // A block that is thrown up stays stress-free, and damping brakes it by
   // alpha g on its way up and down.
   for (const std::string mass : {"lumped", "fmpm-4", "consistent"})

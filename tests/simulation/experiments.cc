@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1
 
 // Coarse runs of the experiments: the granular collapse of Bui et al. and the
 // dam break of Martin and Moyce, against the measured data; the flow in a
@@ -28,10 +29,9 @@ run(const std::string &name, const std::vector<unsigned int> &cells)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const RunSummary collapse = run<2>("granular_collapse", {120, 24});
   check("collapse: mean distance to the surface, mm",
         1e3 * collapse.surface->mean,

@@ -220,10 +220,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   check_grid_and_surfaces("USL");
   check_grid_and_surfaces("newmark");
   check_numbers_of_surfaces();

@@ -154,11 +154,10 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const Text                       text =
+  const Text text =
     block_2d("box(0.25, 0.25, 0.75, 0.75)", 4)
       .with("Loads", {"Gravity = 0; -1"})
       .with("Time", {"End = 0.1", "Step = 0.005"})

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1 2
 
 // Stress-free blocks in free flight across many cells with the exact mass: the
 // filter of the velocity keeps them at rest in themselves, and momentum;
@@ -49,11 +50,9 @@ block(const unsigned int n,
     .with("Time", {"End = " + N(n * lengths / speed)});
 }
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   Statistics<2> start;
   for (const unsigned int p : {1, 2, 3, 4})
     for (const double r : {0.5, 2.})

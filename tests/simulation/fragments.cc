@@ -5,11 +5,10 @@
 // no point feels a stress. Factorizations serve several steps.
 #include "simulation.h"
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const Text                       text =
+  const Text text =
     Text()
       .add("Simulation", {"Bodies = disk, point", "Materials = rubber"})
       .add("Grid", {"Cells = 10, 10"})

@@ -36,10 +36,9 @@ test(const std::string &name, const Text &text, const bool half_steps = true)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const auto falling = [](const Text &text, const std::string &rest) {
     return text.with("Loads", {"Gravity = 0; -1" + rest})
       .with("Body body", {"Velocity = 0.02; 0" + rest})

@@ -31,11 +31,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   // Its sides cut cells, so that functions at the wall are lumped.
   const Text block =
     block_2d("box(0.27, 0, 0.71, 0.31)", 12)

@@ -225,11 +225,10 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const Text                       text =
+  const Text text =
     block_2d("box(0.2, 0, 0.6, 0.4)", 10)
       .with("Body body", {"Velocity = 1; -0.5 * y"})
       .with("Loads", {"Gravity = 0; -20"})

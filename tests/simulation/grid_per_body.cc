@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // Bodies with grids of their own: they are alone, go in common steps, meet the
 // walls of the grid, and share tractions.
@@ -588,10 +590,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const std::string scheme : {"USL", "USF", "MUSL"})
     check_alone(scheme, "consistent");
   check_alone("USL", "lumped");

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // Implicit and quasi-static steps: free fall, orders in time, damping of high
 // modes, loads that depend on the position of points, conservation of energy
@@ -340,10 +342,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const std::string &scheme : second_order)
     {
       check_free_fall<2>(block_2d("box(0.31, 0.4, 0.72, 0.9)", 12), scheme);

@@ -259,10 +259,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   // 14.74 mm; on this grid and with the traction on the points next to the
   // edge.
   for (const unsigned int p : {2, 3})

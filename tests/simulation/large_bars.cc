@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // Bars that swing along their axis with strains of 20 %, held at both ends or
 // at one, in total Lagrangian steps: the order p + 1 of the splines against a
@@ -221,10 +223,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   check_bar(false, 1.25);
   check_bar(true, 2.5);
 }

@@ -249,10 +249,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   test<2>("lumped", flying);
   test<2>("MUSL, APIC",
           flying.with("Scheme", {"Stress update = MUSL", "Transfer = APIC"}));

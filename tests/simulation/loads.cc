@@ -3,10 +3,9 @@
 // Loads, imposed velocities and damping.
 #include "simulation.h"
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const Text block = block_2d("box(0.25, 0.25, 0.75, 0.75)")
                        .with("Time", {"End = 0.1", "Step = 0.005"});
   const auto momentum = [](const Text &text) {

@@ -80,11 +80,10 @@ test_series()
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const Text                       beam =
+  const Text beam =
     block_2d("box(0, 0.25, 0.75, 0.5)", 8)
       .with("Body body",
             {"Points per direction = 3", "Velocity = 0; 0.5 * x^2"})

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // Every solver of the consistent mass matrix gives the same steps: on a sliding
 // floor, on a floor with friction and on a body with an imposed velocity, in
@@ -18,10 +20,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const auto block = [](const std::string &lower, const std::string &upper) {
     return block_2d("box(0.27, " + lower + ", 0.7, " + upper + ")", 12)
       .with("Body body", {"Points per direction = 3", "Velocity = 1; -1"})

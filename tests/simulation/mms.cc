@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1
 
 // The axis-aligned manufactured solution (benchmark A8) of the shipped files,
 // on coarser grids.
@@ -28,11 +29,10 @@ error_of(const std::string &file,
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const std::string                folder =
+  const std::string folder =
     std::string(SOURCE_DIR) + "/../../prm/simulation/axis_aligned_mms_";
   for (const unsigned int p : {2, 3})
     {

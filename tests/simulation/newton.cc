@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Newton's method on small systems: full steps, the watchdog, the line search,
 // forcing terms, and residuals that round-off keeps from falling.
@@ -107,11 +108,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   // x^2 = 4 from 3: residuals 5, 25/36, ...
   System root = scalar([](const double x) { return x * x - 4.; },
                        [](const double x) { return 2. * x; });

@@ -32,11 +32,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   // A block on a floor, h = 0.125: under its weight it settles by
   // rho g H^2 / (3 E) in the mean.
   const Text block = block_2d("box(0.25, 0.25, 0.75, 0.75)")

@@ -381,11 +381,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   const Text falling =
     block_2d("box(0.2, 0.55, 0.6, 0.9)")
       .with("Material solid", {"Youngs modulus = 0.1"})

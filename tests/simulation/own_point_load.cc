@@ -75,10 +75,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   add_point_load<2>(Magnet::make);
   const Statistics<2> own = run(3., {}),
                       library =

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // The same run on all processes and on one: statistics of every step agree,
 // with points that cross process borders, for the main ways through the code.
@@ -43,11 +45,10 @@ test(const std::string &name, const Text &text, const double tolerance)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const Text                       disks =
+  const Text disks =
     block_2d("ball(0.32, 0.35, 0.2)", 16)
       .with("Simulation", {"Bodies = body, other"})
       .with("Body body", {"Velocity = 1; 1", "Points per direction = 3"})

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // Periodic walls: a body that flies through them goes on as in an open grid,
 // and a body does not know where a period begins.
@@ -103,11 +105,9 @@ block(const double       begin,
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   using Lines = std::vector<std::string>;
   const std::vector<std::pair<std::string, Lines>> schemes = {
     {"lumped", {"Mass = lumped"}},

@@ -78,10 +78,9 @@ weight(const std::vector<std::string> &scheme, const std::string &damping)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const std::string mass : {"lumped", "fmpm-3", "consistent"})
     for (const std::string order : {"USL", "MUSL", "USF"})
       for (const std::string transfer : {"FLIP share = 1",
@@ -107,5 +106,4 @@ main(int argc, char **argv)
             std::abs(weight({"Mass = " + mass}, "0.5") - 1.),
             5e-3);
     }
-  return 0;
 }

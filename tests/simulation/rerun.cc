@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1
 
 // output/NAME/parameters.prm of each shipped file runs again, from another
 // folder and with results that agree bit for bit. Two sets of parameters live
@@ -66,11 +67,10 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const std::string                folder = "rerun_files";
+  const std::string folder = "rerun_files";
   for (const ShippedFile &file :
        shipped_files(SOURCE_DIR, folder, "rerun_results"))
     {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // Runs that go on from a checkpoint, or begin with another run; what becomes of
 // earlier results, and folders that are in use.
@@ -114,10 +116,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   if (is_first())
     for (const std::string folder : {"whole", "parts", "next", "used"})
       std::filesystem::remove_all(folder);

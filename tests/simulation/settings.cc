@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Settings that no other test sees: each has an effect. And the hydrostatic
 // column against the published errors of CB-Geo MPM.
@@ -6,11 +7,9 @@
 
 #include "simulation.h"
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   // The critical step is estimated again while the body moves over the grid.
   const auto critical_steps = [](const std::string &every) {
     Simulated<2>     run(block_2d("ball(0.3, 0.5, 0.2)", 10)

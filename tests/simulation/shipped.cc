@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Every shipped parameter file, those of the user guide and the examples of the
 // reference parse, their files are there, their points can be made on a coarse
@@ -10,11 +11,10 @@
 #include "../reference_page.h"
 #include "simulation.h"
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const std::filesystem::path      root =
+  const std::filesystem::path root =
     std::filesystem::path(SOURCE_DIR).parent_path().parent_path();
   std::vector<std::filesystem::path> files;
   for (const char *folder :

@@ -47,10 +47,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   // An elastic block that is pulled, and a heavy ball that falls on a fluid.
   const Text plane =
     Text()

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Release: 1 3 4
 
 // A body that is smaller than the part of the grid of one process flies through
 // it, so that processes have none of its points and functions for many steps:
 // runs end, and conserve momentum.
 #include "simulation.h"
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   const Text ball = block_2d("ball(0.2, 0.5, 0.15)", 16)
                       .with("Body body", {"Velocity = 1; 0"})
                       .with("Material solid",

@@ -408,10 +408,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   check_rest("lumped",
              with_stage(column({"Mass = lumped"}),
                         "load",

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // A state as tables in a file: a simulation that takes it from there has the
 // same bits from then on, on the same number of processes, and the same
@@ -140,11 +142,10 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const Text                       text =
+  const Text text =
     block_2d("box(0.2, 0, 0.6, 0.4)", 10)
       .with("Body body", {"Velocity = 1; -0.5 * y"})
       .with("Loads", {"Gravity = 0; -20"})

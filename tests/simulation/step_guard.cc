@@ -235,10 +235,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   add_material<FaultyLaw>();
   add_time_integrator<2>("faulty", [](const IntegratorParts<2> &parts) {
     return std::make_unique<FaultySteps>(parts);

@@ -54,10 +54,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   test("drucker-prager");
   test("mohr-coulomb");
   for (const std::string formula : {"1 - 30 * t", "sqrt(0.051 - t)"})

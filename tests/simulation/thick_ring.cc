@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // A thick ring under inner pressure, with curved surfaces that cut the cells:
 // the order of the displacement and of the stress at the inner wall, at small
@@ -376,10 +378,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   check("differential equation at small strain",
         std::abs(NeoHookeanRing(1e-6).pressure / LameRing(1e-6).pressure - 1.),
         1e-5);

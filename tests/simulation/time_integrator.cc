@@ -89,10 +89,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   add_time_integrator<2>("euler", [](const IntegratorParts<2> &parts) {
     return std::make_unique<Euler<2>>(parts);
   });

@@ -329,10 +329,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const unsigned int p : {1, 2, 3})
     check_order(p, "USL");
   check_order(2, "newmark");

@@ -13,11 +13,9 @@ mean_velocity(Simulated<dim> &run)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-
   // A block that fills the grid and moves along a wall: sliding walls let it,
   // fixed ones do not, free ones do not touch it.
   const Text block = block_2d("box(0, 0, 1, 1)", 4)

@@ -237,10 +237,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   check_sources();
   check_growing_gravity();
   check_bodies();

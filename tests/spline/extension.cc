@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3
 
 // Hosts of cells and classes of functions on drawings, and extension keeps
 // polynomials, at the walls, too.
@@ -182,10 +184,9 @@ test_polynomials(const unsigned int  n,
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   // A body with a fringe, and a second one behind a gap of an empty cell, whose
   // cells are all cut.
   test_drawing({"+++++.......",

@@ -134,10 +134,9 @@ test(const MultiIndex<dim> &cells,
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (unsigned int p = 1; p <= 5; ++p)
     {
       test<2>({{4, 6}}, p, 1);

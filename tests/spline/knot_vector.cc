@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // Univariate splines against their definition: partition of unity, derivatives
 // against difference quotients, Bezier extraction, blossom, Greville abscissae,
@@ -125,10 +126,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (unsigned int p = 1; p <= 6; ++p)
     {
       test("uniform", KnotVector::open_uniform(p, 7, -1., 2.));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
 
 // The orders of the levels.
 
@@ -6,11 +7,10 @@
 
 #include <tests.h>
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  Box<2>                           box(MultiIndex<2>{{4, 8}});
+  Box<2> box(MultiIndex<2>{{4, 8}});
   for (const std::string coarsening :
        {"one by one", "by two", "direct", "none"})
     for (unsigned int p = 1; p <= 5; ++p)

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // Spaces on periodic grids: numbers, partition of unity, projections of order
 // p + 1, matrices that commute with shifts, and hosts and extension that do not
@@ -257,10 +259,9 @@ test_shifts(const std::vector<std::string> &rows, const unsigned int p)
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (unsigned int p = 1; p <= 5; ++p)
     {
       test_numbers<2>({{p + 1, 5}}, p, {{true, false}});

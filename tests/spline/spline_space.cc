@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3 4
 
 // Numbering and ownership on meshes and partitions of all kinds: each dof is
 // owned once, all processes agree on its number, and the coefficients of the
@@ -122,10 +124,9 @@ weight(
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (unsigned int p = 1; p <= 5; ++p)
     {
       test_box<2>({{6, 5}}, p, 1);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 4
 
 // The linear systems of implicit steps: the operator is the derivative of the
 // force, and p-multigrid needs few iterations, whatever the mesh, the order and
@@ -229,10 +231,9 @@ namespace
 
 
 
-int
-main(int argc, char **argv)
+void
+test_main()
 {
-  Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const std::string model :
        {"linear-elastic", "neo-hookean", "newtonian-fluid"})
     {
