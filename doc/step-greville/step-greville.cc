@@ -162,7 +162,8 @@ namespace StepGreville
       const std::string problem =
         system->evaluate(trial_bodies, u, dt, stress, with_stiffness, force);
       throw_on_all(problem, MPI_COMM_WORLD);
-      const auto b = [](const SurfaceState<dim> &point) {
+      const auto b = [](const ConstPointRef<dim>,
+                        const SurfaceState<dim> &point) {
         return Point<dim>(0., floor_kappa * floor_depth(point.x) - gravity);
       };
       system->add_surfaces({{points[0], b}}, u, {0.5}, with_stiffness, load);

@@ -219,10 +219,17 @@ namespace greville
   {
     SimulationParameters last = parameters;
     last.enter_stage(parameters.n_stages() - 1);
-    const Tensor<1, dim> gravity =
-      Loads<dim>(last).gravity(parameters.end_of_run());
     const Tensor<1, dim> first_gravity =
       Loads<dim>(parameters).gravity(parameters.time.start);
+    // A formula without a value at the end stops the run where it fails, with
+    // the last good state, and not here.
+    Tensor<1, dim> gravity = first_gravity;
+    try
+      {
+        gravity = Loads<dim>(last).gravity(parameters.end_of_run());
+      }
+    catch (const ExceptionBase &)
+      {}
     const double             g       = gravity.norm();
     const bool               is_real = g > 9. && g < 11.;
     std::vector<std::string> notes;

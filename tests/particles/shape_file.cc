@@ -42,11 +42,19 @@ struct Mesh
 
 
 
-// Coordinates that a file of floats keeps.
+// Coordinates that a file of floats keeps: 24 binary digits.
 Point<3>
 rounded(const Point<3> &x)
 {
-  return Point<3>(float(x[0]), float(x[1]), float(x[2]));
+  Point<3> result;
+  for (unsigned int d = 0; d < 3; ++d)
+    {
+      int          exponent = 0;
+      const double fraction = std::frexp(x[d], &exponent);
+      result[d] =
+        std::ldexp(std::nearbyint(std::ldexp(fraction, 24)), exponent - 24);
+    }
+  return result;
 }
 
 

@@ -5,6 +5,7 @@
 #include <greville/simulation/run.h>
 
 #include "simulation.h"
+#include <regex>
 
 namespace
 {
@@ -182,8 +183,8 @@ test_main()
     std::ostringstream used;
     used << std::ifstream("check_results/parameters.prm").rdbuf();
     check("parameters.prm has the settings",
-          used.str().find("set Maximum steps  = 4") != std::string::npos &&
-            used.str().find("set Order        = 1") != std::string::npos);
+          std::regex_search(used.str(), std::regex("set Maximum steps += 4")) &&
+            std::regex_search(used.str(), std::regex("set Order += 1")));
   }
   const auto files_before =
     std::distance(std::filesystem::directory_iterator("check_results"),
