@@ -175,25 +175,6 @@ namespace greville
         is_fresh         = *result.iterations == 0;
       }
     *result.iterations += n_wasted;
-
-    // Krylov methods update their residual, and do not see round-off of x.
-    constexpr double wrong = 0.5;
-    if (has_levels && !projection && result.converged)
-      {
-        VectorType r = b;
-        finest().vmult(r, x);
-        r -= b;
-        if (!(r.l2_norm() <= wrong * b.l2_norm()))
-          {
-            n_wasted    = *result.iterations;
-            levels_fail = true;
-            set_up(false);
-            result           = run(parameters.max_iterations);
-            first_iterations = *result.iterations / digits(result);
-            is_fresh         = *result.iterations == 0;
-            *result.iterations += n_wasted;
-          }
-      }
     return result;
   }
 
