@@ -110,7 +110,7 @@ namespace greville
     /**
      * The increment f = 1 + dt grad w of the deformation of a point, for a
      * field with @p coefficients [component][function], whose gradient is that
-     * with respect to the position at the begin of the step.
+     * with respect to the position at the start of the step.
      */
     template <int dim, int n>
     dealii::Tensor<2, dim>

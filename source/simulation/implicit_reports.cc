@@ -288,7 +288,7 @@ namespace greville
     state.energy.add_work(EnergyBalance::walls, by_walls);
 
     // Those on surfaces one by one, and then those that follow the points of
-    // bodies, which are among the loads on points at the begin.
+    // bodies, which are among the loads on points at the start.
     const unsigned int n_surfaces = state.surfaces.size();
     const auto         add_power  = [&](const unsigned int      k,
                                const VectorField<dim> &load,

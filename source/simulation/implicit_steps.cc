@@ -139,7 +139,7 @@ namespace greville
         check_support(state);
         stamp = state.points_stamp;
       }
-    // The force of the stresses at the begin, with its sign in M a = F - f.
+    // The force of the stresses at the start, with its sign in M a = F - f.
     loads.clear(state.bodies);
     loads.surfaces().clear(state.surfaces);
     discretization.sum(state, &old_force);
@@ -147,7 +147,7 @@ namespace greville
     sum_loads(state, state.time + scheme.load_time * dt, false, new_loads);
 
     velocity = state.velocity;
-    // The velocity of walls at the begin, and at the end, from displacements
+    // The velocity of walls at the start, and at the end, from displacements
     // of a small fraction of the step.
     const double   small = 1e-3 * dt, begin = parameters.time.start;
     const double   end    = state.time + dt;

@@ -123,7 +123,7 @@ namespace greville
     add_parameter(prm, "Largest displacement", most_displacement, Double(0.))(
       "A run ends after the step in which a point of a body that is not moved "
       "as a rigid one is further than this from its initial position (with "
-      "'Stage/Reset displacements': from where it was at the begin of the "
+      "'Stage/Reset displacements': from where it was at the start of the "
       "stage); 0: no limit. Unit: m.");
   }
 

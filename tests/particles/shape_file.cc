@@ -351,7 +351,7 @@ test_errors()
   write_file("text.xyzzy", "nothing\n");
   print_error<3>(from_file("text.xyzzy"));
   const Mesh box = make_box();
-  // A number that is none, a vertex that is NaN, and files that end too soon.
+  // Words for numbers, a vertex that is NaN, and files that end too soon.
   const std::string stl = as_stl(box), ply = as_ply(box);
   const auto        cut = stl.find("vertex ") + 7;
   const auto        end = stl.find(' ', cut);

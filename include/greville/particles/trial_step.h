@@ -32,7 +32,7 @@ namespace greville
   {
     /// Where the basis functions are taken, m.
     dealii::Point<dim> x;
-    /// Volume at the begin, m^3 (in 2D m^2).
+    /// Volume at the start, m^3 (in 2D m^2).
     double volume;
     /// The first Piola-Kirchhoff stress relative to the begin, Pa.
     dealii::Tensor<2, dim> P;

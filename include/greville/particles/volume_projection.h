@@ -27,7 +27,7 @@ namespace greville
    * Calo and Hughes, 2008"). J hat is a function of where points are at the end
    * of a step, so that no error adds up from step to step.
    *
-   * In updated Lagrangian steps x is the position at the begin of the step. In
+   * In updated Lagrangian steps x is the position at the start of the step. In
    * total Lagrangian ones it is the initial position, and J and V are those
    * relative to the initial configuration, so that initial stresses remain.
    *

@@ -41,7 +41,7 @@ namespace greville
 
   /**
    * A row of the table of implicit schemes. From the displacement u of the grid
-   * in a step, and from its velocity v and acceleration a at the begin, follow
+   * in a step, and from its velocity v and acceleration a at the start, follow
    * those at the end,
    * @f{align*}{
    *   a' &= (\alpha_u u / dt - \alpha_v v) / dt - \alpha_a a, \\
@@ -52,8 +52,8 @@ namespace greville
    *   M ((1 - \alpha_m) a' + \alpha_m a) + (1 - \alpha_f) (f(u) - F') +
    *   \alpha_f (f - F) = 0
    * @f]
-   * with the internal forces f and the loads F at the begin and F' at the end.
-   * The acceleration at the begin satisfies M a = F - f, unless the scheme
+   * with the internal forces f and the loads F at the start and F' at the end.
+   * The acceleration at the start satisfies M a = F - f, unless the scheme
    * keeps the a' of the step before: where both alphas are not zero, that one
    * belongs to the time (alpha_f - alpha_m) dt before the end of its step, and
    * order 2 rests on it.

@@ -81,7 +81,7 @@ namespace greville
 
     /**
      * The loads at a time, as forces on the functions; with those that depend
-     * on the position of points where they are at the begin, or without.
+     * on the position of points where they are at the start, or without.
      */
     void
     sum_loads(State<dim>       &state,
@@ -90,13 +90,13 @@ namespace greville
               VectorField<dim> &loads);
 
     /**
-     * Velocity and acceleration of the grid at the begin.
+     * Velocity and acceleration of the grid at the start.
      */
     void
     start_step(State<dim> &state, const double dt);
 
     /**
-     * The acceleration of the grid at the begin: that which the scheme has
+     * The acceleration of the grid at the start: that which the scheme has
      * kept, or else, as in its first step, that of the forces. Held
      * coefficients are given.
      */
@@ -130,7 +130,7 @@ namespace greville
                   const bool        with_stiffness);
 
     /**
-     * The sum of the norms of the terms of inertia that are known at the begin.
+     * The sum of the norms of the terms of inertia that are known at the start.
      */
     double
     find_inertia_at_begin(const double dt);
@@ -143,7 +143,7 @@ namespace greville
     find_round_off() const;
 
     /**
-     * The loads on surfaces at the begin, and what find_residual() needs for
+     * The loads on surfaces at the start, and what find_residual() needs for
      * those in the step, and for loads on points that depend on their position.
      */
     void
@@ -217,7 +217,7 @@ namespace greville
     VectorField<dim> old_force, old_loads, new_loads, force, work;
     // Of surfaces, and of bodies behind them where loads depend on the position
     // of points: the velocity without what follows from the displacement, and
-    // loads. At the begin, the bodies are not among them.
+    // loads. At the start, the bodies are not among them.
     VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;
     VectorType       last_residual;
     double           force_scale = 0., round_off = 0.; // of the last residual

@@ -57,7 +57,7 @@ namespace greville
 
     /**
      * Set coefficients that touch, where walls do not hold them: to the
-     * velocity of the obstacle at the begin or the end of the step.
+     * velocity of the obstacle at the start or the end of the step.
      */
     void
     set_velocity(VectorField<dim> &velocity, const bool at_end) const;

@@ -285,7 +285,7 @@ namespace greville
     next_stage();
 
     /**
-     * What the state has at the begin of a stage.
+     * What the state has at the start of a stage.
      */
     void
     start_stage();
