@@ -210,10 +210,8 @@ namespace greville
 
     /**
      * Collective. Solve A x = b until the residual is @p tolerance times that
-     * of zero. Where coarse levels make x so large on its way that round-off
-     * of it remains, they are left away for these unknowns. Throws ErrorOnAll
-     * like set_operator(), and where the difference of forces that is the
-     * product with A cannot be formed.
+     * of zero. Throws ErrorOnAll like set_operator(), and where the difference
+     * of forces that is the product with A cannot be formed.
      */
     SolveResult
     solve(VectorType &x, const VectorType &b, const double tolerance);
