@@ -35,16 +35,15 @@ namespace greville
     add_parameter(prm, "Clip at the grid", clip)(
       "What sticks out of the grid is cut off; an error otherwise.");
     add_parameter(prm, "Points file", points_file)(
-      "Instead of a shape: points in a file beside the parameter file. CSV has "
-      "a header and columns; lines with # are comments. VTK's .vtu, .vtp and "
-      "their .pvtu, .pvtp have arrays at points, .ply has properties of "
-      "vertices. Columns: x, y (, z) in m, volume in m^3 (2D: m^2) or mass in "
-      "kg; if they are there velocity_x, ..., stress_xx, stress_yy, stress_zz, "
-      "stress_xy (, stress_xz, stress_yz), J or F_xx, F_xy, ..., "
-      "displacement_x "
-      "or reference_x, ..., density, and what the material keeps. Components "
-      "of arrays are called alike. 'Velocity', 'Stress' and 'K0' take the "
-      "place of what a file has.");
+      "Instead of a shape: points in a CSV file beside the parameter file, "
+      "with "
+      "a header and columns; lines with # are comments. scripts/points_to_csv "
+      "makes one from a file of VTK. Columns: x, y (, z) in m, volume in m^3 "
+      "(2D: m^2) or mass in kg; if they are there velocity_x, ..., stress_xx, "
+      "stress_yy, stress_zz, stress_xy (, stress_xz, stress_yz), J or F_xx, "
+      "F_xy, ..., displacement_x or reference_x, ..., density, and what the "
+      "material keeps. 'Velocity', 'Stress' and 'K0' take the place of what a "
+      "file has.");
     add_parameter(prm, "Body in points file", body_in_file, Integer(-1))(
       "Take only points whose column body has this number, as the files of "
       "Greville count bodies from 0; -1: all. Unit: none.");

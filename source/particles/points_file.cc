@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/csv.h>
 #include <greville/base/errors.h>
 #include <greville/base/expression.h>
 #include <greville/particles/points_file.h>
 
 #include <algorithm>
 #include <array>
-#include <boost/algorithm/string/join.hpp>
+#include <boost/algorithm/string/case_conv.hpp>
 #include <cmath>
+#include <filesystem>
 
 namespace greville
 {
@@ -37,6 +39,28 @@ namespace greville
     {
       const auto found = std::find(names.begin(), names.end(), name);
       return found == names.end() ? -1 : int(found - names.begin());
+    }
+
+
+
+    /**
+     * read_csv() where the name of the file has an ending of such files.
+     */
+    void
+    read_points(const std::string                          &file,
+                const std::string                          &section,
+                const std::function<void(const CsvLine &)> &visit)
+    {
+      const std::string parameter = section + "/Points file";
+      const std::string ending    = boost::algorithm::to_lower_copy(
+        std::filesystem::path(file).extension().string());
+      AssertThrow(ending.empty() || ending == ".csv" || ending == ".txt" ||
+                    ending == ".dat",
+                  ExcMessage("The file <" + file + "> of the parameter '" +
+                             parameter + "' ends with <" + ending +
+                             ">. Points come as CSV (.csv, .txt, .dat); "
+                             "scripts/points_to_csv converts files of VTK."));
+      read_csv(file, parameter, visit);
     }
 
 
@@ -98,21 +122,21 @@ namespace greville
                  const bool                                   at_reference,
                  const SplineSpace<dim>                      &space)
   {
-    const auto       &lattice     = space.lattice();
-    const std::string volume_unit = dim == 2 ? "m^2" : "m^3";
-    PointsOfFile<dim> result;
-    Columns           columns;
-    bool              has_header = false;
-    std::uint64_t     id         = 0;
-    double            sum = 0., grid_volume = 1.;
+    const auto              &lattice     = space.lattice();
+    const std::string        volume_unit = dim == 2 ? "m^2" : "m^3";
+    PointsOfFile<dim>        result;
+    Columns                  columns;
+    std::vector<std::string> header;
+    std::uint64_t            id  = 0;
+    double                   sum = 0., grid_volume = 1.;
     for (unsigned int d = 0; d < dim; ++d)
       grid_volume *= lattice.upper(d) - lattice.lower(d);
 
-    const auto read_header = [&](const std::vector<std::string> &names,
-                                 const std::string              &where,
-                                 const std::string              &text) {
+    const auto read_header = [&](const CsvLine &line) {
+      const std::string &where = line.where, &text = line.text;
+      header          = line.words;
       const auto find = [&](const std::string &name) {
-        return place_of(names, name);
+        return place_of(header, name);
       };
       // All of a group or none of it.
       const auto find_group = [&](const std::vector<std::string> &group) {
@@ -129,22 +153,21 @@ namespace greville
                                ">."));
         return missing.empty() ? places : std::vector<int>();
       };
-      Columns now;
       for (const std::string &name : coordinate_names<dim>())
         {
-          now.coordinates.push_back(find(name));
-          AssertThrow(now.coordinates.back() >= 0,
+          columns.coordinates.push_back(find(name));
+          AssertThrow(columns.coordinates.back() >= 0,
                       ExcMessage(where + "there is no column '" + name +
                                  "' in <" + text + ">."));
         }
-      now.volume  = find("volume");
-      now.mass    = find("mass");
-      now.density = find("density");
-      AssertThrow(now.volume >= 0 || now.mass >= 0,
+      columns.volume  = find("volume");
+      columns.mass    = find("mass");
+      columns.density = find("density");
+      AssertThrow(columns.volume >= 0 || columns.mass >= 0,
                   ExcMessage(where + "there is no column 'volume' in <" + text +
                              ">, and no 'mass' to find it from."));
-      now.body = find("body");
-      AssertThrow(body < 0 || now.body >= 0,
+      columns.body = find("body");
+      AssertThrow(body < 0 || columns.body >= 0,
                   ExcMessage(where + "there is no column 'body' in <" + text +
                              ">, but the parameter '" + section +
                              "/Body in points file' is " + text_of(body) +
@@ -155,113 +178,111 @@ namespace greville
           group.push_back(name + "_" + axis);
         return group;
       };
-      now.reference    = find_group(vector("reference"));
-      now.displacement = find_group(vector("displacement"));
-      std::vector<std::string> further;
-      if (now.mass >= 0 || now.density >= 0)
+      columns.reference    = find_group(vector("reference"));
+      columns.displacement = find_group(vector("displacement"));
+      auto &further        = result.names;
+      if (columns.mass >= 0 || columns.density >= 0)
         further.push_back("mass");
       const bool has_reference =
-        !now.reference.empty() || !now.displacement.empty();
+        !columns.reference.empty() || !columns.displacement.empty();
       for (const std::string &name : vector("reference"))
         if (has_reference)
           further.push_back(name);
       for (const auto &group : wanted)
         {
           const auto places = find_group(group);
-          now.further.insert(now.further.end(), places.begin(), places.end());
+          columns.further.insert(columns.further.end(),
+                                 places.begin(),
+                                 places.end());
           if (!places.empty())
             further.insert(further.end(), group.begin(), group.end());
         }
-      AssertThrow(!has_header || further == result.names,
-                  ExcMessage(where + "the arrays <" +
-                             boost::algorithm::join(further, ", ") +
-                             "> are not those of the pieces before, <" +
-                             boost::algorithm::join(result.names, ", ") +
-                             ">."));
-      has_header   = true;
-      result.names = further;
-      columns      = now;
     };
 
-    read_point_rows(
-      file, section + "/Points file", read_header, [&](const PointRow &row) {
-        if (body >= 0 && row.number(columns.body) != body)
+    read_points(file, section, [&](const CsvLine &row) {
+      if (row.is_header)
+        {
+          read_header(row);
           return;
-        const auto positive = [&](const int column, const char *name) {
-          const double value = row.number(column);
-          AssertThrow(value > 0.,
-                      ExcMessage(row.where + "the " + name +
-                                 " has to be positive in <" + row.text + ">."));
-          return value;
-        };
-        PlacedPoint<dim> point;
-        for (unsigned int d = 0; d < dim; ++d)
-          point.x[d] = row.number(columns.coordinates[d]);
-        const double rho =
-          columns.density >= 0 ? positive(columns.density, "density") : density;
-        point.volume      = columns.volume >= 0
-                              ? positive(columns.volume, "volume")
-                              : positive(columns.mass, "mass") / rho;
-        const double mass = columns.mass >= 0 ? positive(columns.mass, "mass")
-                                              : rho * point.volume;
-        const auto   is_near = [](const double a, const double b) {
-          return std::abs(a - b) <= largest_difference * std::max(a, b);
-        };
-        AssertThrow(columns.density < 0 || columns.volume < 0 ||
-                      is_near(mass, rho * point.volume),
-                    ExcMessage(row.where +
-                               "the columns 'mass', 'volume' and "
-                               "'density' contradict each other: " +
-                               text_of(mass) + " kg are not " + text_of(rho) +
-                               " times " + text_of(point.volume) + " in <" +
-                               row.text + ">."));
-        const double ratio = mass / (point.volume * density);
-        AssertThrow(ratio < largest_ratio && ratio > 1. / largest_ratio,
-                    ExcMessage(row.where + "the density is " +
-                               text_of(mass / point.volume) +
-                               " kg / m^3, and that of the material is " +
-                               text_of(density) + ", in <" + row.text +
-                               ">. Are volume and mass in " + volume_unit +
-                               " and kg?"));
-        sum += point.volume;
-        AssertThrow(point.volume <= (1. + largest_excess) * grid_volume,
-                    ExcMessage(row.where + "the volume of the point is " +
-                               text_of(point.volume) + ' ' + volume_unit +
-                               ", and that of the grid is " +
-                               text_of(grid_volume) + ", in <" + row.text +
-                               ">."));
-        point.id         = id++;
-        Point<dim> place = point.x, reference = point.x;
-        for (unsigned int d = 0; d < dim; ++d)
-          if (!columns.reference.empty())
-            reference[d] = row.number(columns.reference[d]);
-          else if (!columns.displacement.empty())
-            reference[d] -= row.number(columns.displacement[d]);
-        if (at_reference)
-          place = reference;
-        for (unsigned int d = 0; d < dim; ++d)
-          AssertThrow(place[d] >= lattice.lower(d) &&
-                        place[d] <= lattice.upper(d),
-                      ExcMessage(row.where + "the point (" + text_of(place) +
-                                 ") m lies outside of the grid."));
-        const auto position =
-          lexicographic<dim>(lattice.find_cell(place), lattice.n_cells());
-        const auto &cells = space.owned_cells();
-        const auto  found =
-          std::lower_bound(cells.begin(), cells.end(), position);
-        if (found == cells.end() || *found != position)
-          return;
-        point.cell  = found - cells.begin();
-        point.image = point.x;
-        result.points.push_back(point);
-        if (columns.mass >= 0 || columns.density >= 0)
-          result.values.push_back(mass);
-        for (unsigned int d = 0; d < dim; ++d)
-          if (!columns.reference.empty() || !columns.displacement.empty())
-            result.values.push_back(reference[d]);
-        for (const int column : columns.further)
-          result.values.push_back(row.number(column));
-      });
+        }
+      const auto number = [&](const int column) {
+        return row.number(column, header[column]);
+      };
+      if (body >= 0 && number(columns.body) != body)
+        return;
+      const auto positive = [&](const int column, const char *name) {
+        const double value = number(column);
+        AssertThrow(value > 0.,
+                    ExcMessage(row.where + "the " + name +
+                               " has to be positive in <" + row.text + ">."));
+        return value;
+      };
+      PlacedPoint<dim> point;
+      for (unsigned int d = 0; d < dim; ++d)
+        point.x[d] = number(columns.coordinates[d]);
+      const double rho =
+        columns.density >= 0 ? positive(columns.density, "density") : density;
+      point.volume = columns.volume >= 0 ? positive(columns.volume, "volume")
+                                         : positive(columns.mass, "mass") / rho;
+      const double mass =
+        columns.mass >= 0 ? positive(columns.mass, "mass") : rho * point.volume;
+      const auto is_near = [](const double a, const double b) {
+        return std::abs(a - b) <= largest_difference * std::max(a, b);
+      };
+      AssertThrow(columns.density < 0 || columns.volume < 0 ||
+                    is_near(mass, rho * point.volume),
+                  ExcMessage(row.where +
+                             "the columns 'mass', 'volume' and "
+                             "'density' contradict each other: " +
+                             text_of(mass) + " kg are not " + text_of(rho) +
+                             " times " + text_of(point.volume) + " in <" +
+                             row.text + ">."));
+      const double ratio = mass / (point.volume * density);
+      AssertThrow(ratio < largest_ratio && ratio > 1. / largest_ratio,
+                  ExcMessage(row.where + "the density is " +
+                             text_of(mass / point.volume) +
+                             " kg / m^3, and that of the material is " +
+                             text_of(density) + ", in <" + row.text +
+                             ">. Are volume and mass in " + volume_unit +
+                             " and kg?"));
+      sum += point.volume;
+      AssertThrow(point.volume <= (1. + largest_excess) * grid_volume,
+                  ExcMessage(row.where + "the volume of the point is " +
+                             text_of(point.volume) + ' ' + volume_unit +
+                             ", and that of the grid is " +
+                             text_of(grid_volume) + ", in <" + row.text +
+                             ">."));
+      point.id         = id++;
+      Point<dim> place = point.x, reference = point.x;
+      for (unsigned int d = 0; d < dim; ++d)
+        if (!columns.reference.empty())
+          reference[d] = number(columns.reference[d]);
+        else if (!columns.displacement.empty())
+          reference[d] -= number(columns.displacement[d]);
+      if (at_reference)
+        place = reference;
+      for (unsigned int d = 0; d < dim; ++d)
+        AssertThrow(place[d] >= lattice.lower(d) &&
+                      place[d] <= lattice.upper(d),
+                    ExcMessage(row.where + "the point (" + text_of(place) +
+                               ") m lies outside of the grid."));
+      const auto position =
+        lexicographic<dim>(lattice.find_cell(place), lattice.n_cells());
+      const auto &cells = space.owned_cells();
+      const auto found = std::lower_bound(cells.begin(), cells.end(), position);
+      if (found == cells.end() || *found != position)
+        return;
+      point.cell  = found - cells.begin();
+      point.image = point.x;
+      result.points.push_back(point);
+      if (columns.mass >= 0 || columns.density >= 0)
+        result.values.push_back(mass);
+      for (unsigned int d = 0; d < dim; ++d)
+        if (!columns.reference.empty() || !columns.displacement.empty())
+          result.values.push_back(reference[d]);
+      for (const int column : columns.further)
+        result.values.push_back(number(column));
+    });
     AssertThrow(sum <= (1. + largest_excess) * grid_volume,
                 ExcMessage("<" + file + "> of the parameter '" + section +
                            "/Points file': the volumes (column '" +
@@ -286,21 +307,16 @@ namespace greville
   {
     std::vector<std::string> result;
     std::array<int, dim>     columns;
-    read_point_rows(
-      file,
-      section + "/Points file",
-      [&](const std::vector<std::string> &names,
-          const std::string &,
-          const std::string &) {
-        for (unsigned int d = 0; d < dim; ++d)
-          columns[d] = place_of(names, coordinate_names<dim>()[d]);
-      },
-      [&](const PointRow &row) {
-        for (unsigned int d = 0; d < dim; ++d)
-          if (row.number(columns[d]) != x[d])
-            return;
+    read_points(file, section, [&](const CsvLine &row) {
+      bool is_there = !row.is_header;
+      for (unsigned int d = 0; d < dim; ++d)
+        if (row.is_header)
+          columns[d] = place_of(row.words, coordinate_names<dim>()[d]);
+        else if (row.number(columns[d], coordinate_names<dim>()[d]) != x[d])
+          is_there = false;
+      if (is_there)
         result.push_back(row.where);
-      });
+    });
     return result;
   }
 

@@ -11,7 +11,6 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/particles/level_set.h>
-#include <greville/particles/points_file.h>
 #include <greville/particles/shape.h>
 #include <greville/particles/surface_shape.h>
 #include <greville/simulation/checkpoint.h>
@@ -53,25 +52,6 @@ namespace
         for (unsigned int k = 0; k < 3; ++k)
           line.number(k, "name");
     });
-  }
-
-
-
-  void
-  parse_points(const std::string &text, const std::string &ending)
-  {
-    unsigned int n_columns = 0;
-    read_point_rows(
-      file_with(text, ending),
-      "Parameter",
-      [&](const std::vector<std::string> &names,
-          const std::string &,
-          const std::string &) { n_columns = names.size(); },
-      [&](const PointRow &row) {
-        for (unsigned int k = 0; k < n_columns; ++k)
-          if (!std::isfinite(row.number(k)))
-            std::abort();
-      });
   }
 
 
@@ -145,8 +125,6 @@ namespace
 
   const std::map<std::string, Parser> parsers = {
     {"csv", &parse_csv},
-    {"points_csv", [](const std::string &t) { parse_points(t, ".csv"); }},
-    {"points_vtu", [](const std::string &t) { parse_points(t, ".vtu"); }},
     {"polygons", &parse_polygons},
     {"shape_2d", &parse_shape<2>},
     {"shape_3d", &parse_shape<3>},

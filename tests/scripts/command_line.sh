@@ -26,7 +26,7 @@ answers() {
 scripts="run test fresh_machine stiffness_tables sanitize fuzz check_input"
 [ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume lint faults gallery benchmark check_docs \
    long_runs performance \
-   cooks_membrane implicit_tables limit_loads paraview report slope_stability stiffness_growth"
+   cooks_membrane implicit_tables limit_loads paraview points_to_csv report slope_stability stiffness_growth"
 for script in $scripts; do
   for option in -h --help; do
     answers 0 40 "sage: scripts/$script" "scripts/$script" $option

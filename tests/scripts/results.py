@@ -82,14 +82,20 @@ def message_of(action):
     return ""
 
 
+def has(module):
+    try:
+        __import__(module)
+        return True
+    except ImportError:
+        return False
+
+
+def has_vtk():
+    return has("vtkmodules.vtkIOXML")
+
+
 def can_read_points():
-    for module in ("vtkmodules.vtkIOXML", "meshio"):
-        try:
-            __import__(module)
-            return True
-        except ImportError:
-            pass
-    return False
+    return has_vtk() or has("meshio")
 
 
 def check_tables(run):
@@ -170,6 +176,20 @@ def report_of(folder, case, settings):
     return json.loads(re.search(r"^const DATA = (.*);$", page, re.MULTILINE).group(1))["runs"]
 
 
+def check_points_to_csv():
+    """The four points that VTK has written, raw and as vertices of polygons."""
+    expected = [[0.3, 0.2, 0, 0.1, 1, 2, 0, 0, 1, -2, 3, 0.5, 0, 0], [1, 1.5, 0, 0.2, 3, 4, 0, 1, 2, -2, 3, 0.5, 0, 0],
+                [0, 0, 0, 0.3, 5, 6, 0, 1, 3, -2, 3, 0.5, 0, 0], [0.5, 0.75, 0, 0.4, 7, 8, 0, 0, 4, -2, 3, 0.5, 0, 0]]
+    for name in ("points.vtu", "points.vtp"):
+        result = subprocess.run([PROJECT / "scripts/points_to_csv", Path(__file__).parent / name], capture_output=True, text=True)
+        header, *rows = result.stdout.splitlines()
+        check(f"columns of {name}", header == "x,y,z,volume,velocity_x,velocity_y,velocity_z,body,stress_xx,stress_yy,stress_zz,"
+              "stress_xy,stress_yz,stress_xz")
+        check(f"numbers of {name}", [[float(word) for word in row.split(",")] for row in rows] == expected)
+    result = subprocess.run([PROJECT / "scripts/points_to_csv", __file__], capture_output=True, text=True)
+    check("a file that is none of VTK", result.returncode == 1 and "ends with <.py>, none of .vtu" in result.stderr)
+
+
 def check_facts(place, case):
     """Reports of sweeps and of stages say what each of them did."""
     sweep = report_of(place / "sweep", case, ["Sweep/Cells=8, 16", "Sweep/Orders=1, 2", "Sweep/Masses=lumped, consistent",
@@ -214,6 +234,8 @@ def main():
         result = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / "paraview", run.folder], capture_output=True, text=True)
         check(f"paraview: {result.stderr}", result.returncode == 0)
         compile((run.folder / "view.py").read_text(), "view.py", "exec")
+        if has_vtk():
+            check_points_to_csv()
         check_facts(Path(name), Path(name) / "case.prm")
         if has_points:
             check_factor_of_safety(Path(name))

@@ -2,10 +2,15 @@
 
 // Fields in files: classes of cells and forces on the grid, points of loads on
 // surfaces, and points that are read again.
-#include <greville/particles/points_file.h>
+#include <deal.II/base/utilities.h>
+
 #include <greville/simulation/run.h>
 
 #include "simulation.h"
+#include <boost/algorithm/string/trim.hpp>
+#include <boost/property_tree/xml_parser.hpp>
+#include <cstring>
+#include <zlib.h>
 
 namespace
 {
@@ -33,25 +38,107 @@ namespace
 
 
   /**
-   * All points of a file of VTK with their arrays.
+   * The numbers of an array in a .vtu file as deal.II writes it: in base64, the
+   * number of blocks, which is one, its size, that of the last one and the
+   * compressed one, and the block.
+   */
+  std::vector<double>
+  numbers_of(const std::string &text)
+  {
+    const std::size_t header = text.find_last_of('=', 30) + 1;
+    const auto        sizes  = Utilities::decode_base64(text.substr(0, header));
+    const auto        packed = Utilities::decode_base64(text.substr(header));
+    std::uint32_t     n_bytes;
+    std::memcpy(&n_bytes, sizes.data() + 4, 4);
+    std::vector<float> values(n_bytes / sizeof(float));
+    uLongf             size = n_bytes;
+    AssertThrow(uncompress(reinterpret_cast<Bytef *>(values.data()),
+                           &size,
+                           packed.data(),
+                           packed.size()) == Z_OK,
+                ExcInternalError());
+    return {values.begin(), values.end()};
+  }
+
+
+
+  /**
+   * All points of a .pvtu file with their arrays, by piece.
    */
   std::vector<std::map<std::string, double>>
   read(const std::string &file)
   {
+    using boost::property_tree::ptree;
+    const auto content = [](const std::string &name, const std::string &root) {
+      ptree tree;
+      boost::property_tree::read_xml(name, tree);
+      return tree.get_child("VTKFile." + root);
+    };
     std::vector<std::map<std::string, double>> result;
-    std::vector<std::string>                   columns;
-    read_point_rows(
-      file,
-      "test",
-      [&](const std::vector<std::string> &names,
-          const std::string &,
-          const std::string &) { columns = names; },
-      [&](const PointRow &row) {
-        result.emplace_back();
-        for (unsigned int c = 0; c < columns.size(); ++c)
-          result.back()[columns[c]] = row.number(c);
-      });
+    for (const auto &entry : content(file, "PUnstructuredGrid"))
+      {
+        if (entry.first != "Piece")
+          continue;
+        const std::string source =
+          entry.second.get<std::string>("<xmlattr>.Source");
+        const ptree piece =
+          content(std::filesystem::path(file).parent_path() / source,
+                  "UnstructuredGrid.Piece");
+        const std::size_t n =
+                            piece.get<std::size_t>("<xmlattr>.NumberOfPoints"),
+                          begin = result.size();
+        if (n == 0)
+          continue;
+        result.resize(begin + n);
+        const auto add = [&](const std::string &name, const ptree &array) {
+          const auto values =
+            numbers_of(boost::algorithm::trim_copy(array.data()));
+          const std::size_t m = values.size() / n;
+          for (std::size_t k = 0; k < n; ++k)
+            for (std::size_t c = 0; c < m; ++c)
+              result[begin + k][m == 1 ? name
+                                       : name + (name.empty() ? "" : "_") +
+                                           "xyz"[c]] = values[k * m + c];
+        };
+        add("", piece.get_child("Points.DataArray"));
+        for (const auto &array : piece.get_child("PointData"))
+          if (array.first == "DataArray")
+            add(array.second.get<std::string>("<xmlattr>.Name"), array.second);
+      }
     return result;
+  }
+
+
+
+  /**
+   * The same as a file of points.
+   */
+  void
+  write_csv(const std::string &from, const std::string &to)
+  {
+    const auto points = read(from);
+    if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      {
+        std::ofstream out(to);
+        out.precision(9);
+        std::string separator;
+        for (const auto &column : points.at(0))
+          {
+            out << separator << column.first;
+            separator = ",";
+          }
+        for (const auto &point : points)
+          {
+            separator = "\n";
+            for (const auto &column : point)
+              {
+                out << separator << column.second;
+                separator = ",";
+              }
+          }
+        out << std::endl;
+      }
+    MPI_Barrier(MPI_COMM_WORLD);
   }
 
 
@@ -188,6 +275,7 @@ namespace
   {
     run(text.with("Output", {"Fields = " + fields, "Grid fields = false"}),
         "first");
+    write_csv("first/points_0001.pvtu", "points.csv");
     Simulated<2> first(text);
     first.run();
     const EndOfStep<2> as_written(first.simulation);
@@ -197,7 +285,7 @@ namespace
       again.add("Body " + bodies[b],
                 {"Shape =",
                  "Velocity =",
-                 "Points file = first/points_0001.pvtu",
+                 "Points file = points.csv",
                  "Body in points file = " + std::to_string(b)});
     Simulated<2> second(again);
     const auto   begin = second->statistics();

@@ -5,52 +5,11 @@
 
 #include <greville/particles/placement.h>
 
-#include <functional>
 #include <string>
 #include <vector>
 
 namespace greville
 {
-  /**
-   * A row of a file of points.
-   */
-  struct PointRow
-  {
-    /// The number in a column. Throws dealii::ExcMessage, which names the
-    /// column, where there is none or it is not finite.
-    std::function<double(const unsigned int column)> number;
-    /// For messages: file, parameter and place, and what stands there.
-    std::string where, text;
-  };
-
-
-
-  /**
-   * Read points with numbers that have names, as the ending of the name of the
-   * @p file says:
-   * - CSV (.csv, .txt, .dat): columns;
-   * - VTK's XML (.vtu, .vtp, and .pvtu, .pvtp with their pieces): the points
-   *   as x, y, z, and arrays of point data. Those with several components are
-   *   as many columns: NAME_x, NAME_y, NAME_z of vectors, NAME_xx, NAME_yy,
-   *   NAME_zz, NAME_xy, NAME_yz, NAME_xz of six, NAME_xx, NAME_xy, ... of
-   *   nine. ASCII, binary and appended data, not compressed or by zlib;
-   * - PLY (.ply): properties of vertices of the types float and double.
-   *
-   * Calls @p header with the names of the columns, once per piece, and @p row
-   * with one point after the other. Throws dealii::ExcMessage where the file
-   * cannot be read; messages name the @p parameter that gives it.
-   */
-  void
-  read_point_rows(
-    const std::string                                  &file,
-    const std::string                                  &parameter,
-    const std::function<void(const std::vector<std::string> &names,
-                             const std::string              &where,
-                             const std::string              &text)> &header,
-    const std::function<void(const PointRow &)>        &row);
-
-
-
   /**
    * Points of a file, and what it says of them beyond their places.
    */
@@ -78,9 +37,10 @@ namespace greville
 
 
   /**
-   * The points of a file on the owned cells, numbered in its order; @p body is
-   * the number of the body whose points are wanted (column body), or negative.
-   * A volume comes from the column volume, or as mass over density (columns, or
+   * The points of a CSV file (.csv, .txt, .dat) on the owned cells, numbered in
+   * its order; @p body is the number of the body whose points are wanted
+   * (column body), or negative. A volume comes from the column volume, or as
+   * mass over density (columns, or
    * @p density). Of the further numbers, groups are complete: @p wanted has the
    * names of each. The cells are those of positions, or, with @p at_reference,
    * of the initial positions that are in the file.
