@@ -63,14 +63,6 @@ accept sliding friction periodic -- "$greville" --list walls
 accept USL newmark -- "$greville" --list integrators
 accept Order 'Lower corner' -- "$greville" --list Grid
 accept 'also called: Degree' 'default: 2' 'a whole number between 1 and' -- "$greville" --list Grid/Degree
-for list in $("$greville" --list); do
-  accept -- "$greville" --list "$list"
-  [ -s out ] || fail "the list $list is empty"
-done
-for list in $("$benchmark" --list); do
-  accept -- "$benchmark" --list "$list"
-  [ -s out ] || fail "the list $list is empty"
-done
 refuse 'it is no section, and no parameter' "$greville" --list nothing
 
 # Templates: each is a file that runs, and no file is written over.
