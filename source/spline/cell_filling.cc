@@ -3,7 +3,7 @@
 #include <greville/spline/cell_filling.h>
 
 #include <algorithm>
-#include <tuple>
+#include <limits>
 
 namespace greville
 {
@@ -20,7 +20,6 @@ namespace greville
     // Other than any class: the first update() is a change also where no cell
     // has points.
     classes.assign(positions.size(), 255);
-    hosts.assign(positions.size(), none);
     filled.clear();
   }
 
@@ -33,18 +32,21 @@ namespace greville
   {
     const unsigned int n_owned = spline_space->owned_cells().size();
     AssertDimension(filling.size(), n_owned);
-    all_are_hosts            = threshold == 0.;
-    unsigned int has_changed = 0;
+    all_are_hosts                          = threshold == 0.;
+    unsigned int               has_changed = 0;
+    std::vector<unsigned char> new_classes(n_owned);
     for (unsigned int c = 0; c < n_owned; ++c)
       {
         const unsigned char now = filling[c] <= 0.          ? empty
                                   : filling[c] >= threshold ? well_filled
                                                             : cut;
-        has_changed |= now != classes[c];
-        classes[c] = now;
+        has_changed |=
+          now != classes[c] && (now != well_filled || classes[c] != host);
+        new_classes[c] = now;
       }
     if (Utilities::MPI::max(has_changed, spline_space->communicator()) == 0)
       return false;
+    std::copy(new_classes.begin(), new_classes.end(), classes.begin());
     filled.clear();
     for (unsigned int c = 0; c < n_owned; ++c)
       if (classes[c] != empty)
@@ -65,36 +67,23 @@ namespace greville
     const auto        &positions = neighbors.positions();
 
     std::vector<double> values(positions.size());
-    const auto          exchange_cells = [&](const auto &get, const auto &set) {
-      for (unsigned int c = 0; c < n_owned; ++c)
-        values[c] = get(c);
+    const auto          exchange = [&](auto &of_cells) {
+      std::copy(of_cells.begin(), of_cells.begin() + n_owned, values.begin());
       neighbors.exchange(values);
-      for (unsigned int c = n_owned; c < positions.size(); ++c)
-        set(c, values[c]);
-    };
-    // Positions travel as doubles, exactly; -1 is no host.
-    const auto exchange_hosts = [&]() {
-      exchange_cells(
-        [&](const unsigned int c) {
-          return hosts[c] == none ? -1. : double(hosts[c]);
-        },
-        [&](const unsigned int c, const double value) {
-          hosts[c] = value < 0. ? none : std::uint64_t(value);
-        });
+      std::copy(values.begin() + n_owned,
+                values.end(),
+                of_cells.begin() + n_owned);
     };
 
-    exchange_cells([&](const unsigned int c) { return double(classes[c]); },
-                   [&](const unsigned int c, const double value) {
-                     classes[c] = static_cast<unsigned char>(value);
-                   });
+    exchange(classes);
     // Call visit(offset, index) for the neighbours of a cell and itself: the
     // offset is 0, 1, or 2 in each direction, and the index lies beyond the
     // extents behind walls.
+    constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
+    MultiIndex<dim>        three;
+    three.fill(3);
     const auto for_each_neighbor = [&](const unsigned int c,
                                        const auto        &visit) {
-      constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
-      MultiIndex<dim>        three;
-      three.fill(3);
       const auto index = multi_index<dim>(positions[c], extents);
       for (unsigned int k = 0; k < n_neighbors; ++k)
         {
@@ -141,60 +130,76 @@ namespace greville
       return result;
     };
 
-    // The best host that a neighbour has.
-    const auto host_of_neighbors = [&](const unsigned int c) {
-      const auto index = multi_index<dim>(positions[c], extents);
-      // Distance, the order among those equally far, and host.
-      auto best = std::make_tuple(none, none, none);
-      for_each_neighbor(
-        c, [&](const MultiIndex<dim> &, const MultiIndex<dim> &neighbor) {
-          const unsigned int n = find(neighbor);
-          if (n == dealii::numbers::invalid_unsigned_int || hosts[n] == none)
-            return;
-          const auto    host     = multi_index<dim>(hosts[n], extents);
-          std::uint64_t distance = 0, way = 0;
-          for (int d = dim - 1; d >= 0; --d)
-            {
-              const int steps = lattice.steps(index[d], host[d], d);
-              distance += steps * steps;
-              way = way * (4 * reach) + (2 * reach + steps);
-            }
-          best = std::min(best, std::make_tuple(distance, way, hosts[n]));
-        });
-      return std::get<2>(best);
-    };
+    std::vector<unsigned int> inside, outside;
+    for (const unsigned int c : filled)
+      (all_are_hosts || is_inside_body(c) ? inside : outside).push_back(c);
+    for (const unsigned int c : inside)
+      classes[c] = host;
+    exchange(classes);
 
-    std::fill(hosts.begin(), hosts.end(), none);
-    std::vector<unsigned int> orphans = filled;
-    const auto                adopt   = [&](const auto &find_host) {
-      // All cells look at the hosts of the sweep before.
-      std::vector<std::pair<unsigned int, std::uint64_t>> found;
-      for (const unsigned int c : orphans)
-        {
-          const std::uint64_t host = find_host(c);
-          if (host != none)
-            found.emplace_back(c, host);
-        }
-      for (const auto &entry : found)
-        hosts[entry.first] = entry.second;
-      orphans.erase(std::remove_if(orphans.begin(),
-                                   orphans.end(),
-                                   [&](const unsigned int c) {
-                                     return hosts[c] != none;
-                                   }),
-                    orphans.end());
-      exchange_hosts();
-    };
-    if (all_are_hosts)
+    // Which neighbours of a cell are its nearest hosts: bits, which travel as
+    // doubles.
+    std::vector<std::uint32_t> near(positions.size(), 0);
+    for (const unsigned int c : outside)
       {
-        adopt([&](const unsigned int c) { return positions[c]; });
-        return;
+        int nearest = dim + 1;
+        for_each_neighbor(
+          c,
+          [&](const MultiIndex<dim> &offset, const MultiIndex<dim> &neighbor) {
+            const unsigned int n = find(neighbor);
+            const int          distance =
+              dim - std::count(offset.begin(), offset.end(), 1u);
+            if (n == dealii::numbers::invalid_unsigned_int ||
+                classes[n] != host || distance > nearest)
+              return;
+            if (distance < nearest)
+              near[c] = 0;
+            nearest = distance;
+            near[c] |= std::uint32_t{1} << lexicographic<dim>(offset, three);
+          });
       }
-    adopt([&](const unsigned int c) {
-      return is_inside_body(c) ? positions[c] : none;
-    });
-    for (unsigned int sweep = 0; sweep < reach; ++sweep)
-      adopt(host_of_neighbors);
+    exchange(near);
+
+    // Cells that have none take the nearest hosts that their neighbours have.
+    hosts_of_cells.clear();
+    for (const unsigned int c : outside)
+      {
+        const std::size_t begin    = hosts_of_cells.size();
+        const auto        index    = multi_index<dim>(positions[c], extents);
+        int               nearest  = std::numeric_limits<int>::max();
+        const auto        add_near = [&](const unsigned int n) {
+          for_each_neighbor(
+            n,
+            [&](const MultiIndex<dim> &offset, const MultiIndex<dim> &found) {
+              if ((near[n] >> lexicographic<dim>(offset, three) & 1) == 0)
+                return;
+              int distance = 0;
+              for (unsigned int d = 0; d < dim; ++d)
+                distance += Utilities::fixed_power<2>(
+                  lattice.steps(index[d], found[d], d));
+              if (distance < nearest)
+                hosts_of_cells.resize(begin);
+              nearest = std::min(nearest, distance);
+              if (distance == nearest)
+                hosts_of_cells.emplace_back(c,
+                                            lexicographic<dim>(found, extents));
+            });
+        };
+        if (near[c] != 0)
+          add_near(c);
+        else
+          for_each_neighbor(c,
+                            [&](const MultiIndex<dim> &,
+                                const MultiIndex<dim> &neighbor) {
+                              const unsigned int n = find(neighbor);
+                              if (n != dealii::numbers::invalid_unsigned_int)
+                                add_near(n);
+                            });
+        const auto first = hosts_of_cells.begin() + begin;
+        std::sort(first, hosts_of_cells.end());
+        hosts_of_cells.erase(std::unique(first, hosts_of_cells.end()),
+                             hosts_of_cells.end());
+      }
   }
 
 

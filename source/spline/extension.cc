@@ -75,16 +75,13 @@ namespace greville
     // cells have.
     using HostOfFunction = std::pair<unsigned int, std::uint64_t>;
     std::vector<HostOfFunction> found;
-    for (const unsigned int cell : cell_filling->filled_cells())
-      if (!cell_filling->is_host(cell) &&
-          cell_filling->host(cell) != CellFilling<dim>::none)
-        for (const unsigned int f : space.cell_functions(cell))
-          if (seen.local_element(f) < with_host &&
-              !cell_filling->is_at_contact_wall(
-                multi_index<dim>(space.function_position(f),
-                                 space.n_functions()),
-                space.n_functions()))
-            found.emplace_back(f, cell_filling->host(cell));
+    for (const auto &entry : cell_filling->hosts())
+      for (const unsigned int f : space.cell_functions(entry.first))
+        if (seen.local_element(f) < with_host &&
+            !cell_filling->is_at_contact_wall(
+              multi_index<dim>(space.function_position(f), space.n_functions()),
+              space.n_functions()))
+          found.emplace_back(f, entry.second);
     const auto sort = [&]() {
       std::sort(found.begin(), found.end());
       found.erase(std::unique(found.begin(), found.end()), found.end());

@@ -40,8 +40,34 @@ is_core(const std::vector<std::string> &rows, const int x, const int y)
 
 
 
-// Hosts are #, other cells have the column of their host in base 36 as a letter
-// or digit, or ? without a host.
+// A number that stands for all pairs of a cell and a host of it, also if the
+// drawing is turned by a right angle beforehand, and the pairs back afterwards.
+double
+sum_of_hosts(const std::vector<std::string> &rows, const bool turn)
+{
+  const unsigned int       n_x = rows[0].size(), n_y = rows.size();
+  std::vector<std::string> turned(n_x, std::string(n_y, '.'));
+  for (unsigned int x = 0; x < n_x; ++x)
+    for (unsigned int row = 0; row < n_y; ++row)
+      turned[n_x - 1 - x][row] = rows[row][x];
+  Box<2> box(turn ? MultiIndex<2>{{n_y, n_x}} : MultiIndex<2>{{n_x, n_y}});
+  const SplineSpace<2> space(box.mesh, 1);
+  CellFilling<2>       filling(space);
+  filling.update(fillings<2>(space, drawing(turn ? turned : rows)), 0.8);
+  const auto back = [&](const std::uint64_t cell) {
+    return turn ? cell / n_y + n_x * (n_y - 1 - cell % n_y) : cell;
+  };
+  double sum = 0.;
+  for (const auto &entry : filling.hosts())
+    sum += pseudo_random(n_x * n_y * back(space.owned_cells()[entry.first]) +
+                         back(entry.second));
+  return Utilities::MPI::sum(sum, MPI_COMM_WORLD);
+}
+
+
+
+// Hosts are #, other cells have the column of their hosts in base 36 as a
+// letter or digit, * if these are in several columns, or ? without a host.
 void
 test_drawing(const std::vector<std::string> &rows, const unsigned int p)
 {
@@ -57,40 +83,40 @@ test_drawing(const std::vector<std::string> &rows, const unsigned int p)
   for (unsigned int c = 0; c < space.owned_cells().size(); ++c)
     map.emplace_back(space.owned_cells()[c], '.');
   for (const unsigned int c : filling.filled_cells())
+    map[c].second = filling.is_host(c) ? '#' : '?';
+  for (const auto &entry : filling.hosts())
     {
-      const std::uint64_t host = filling.host(c);
-      const unsigned int  column =
-        host == CellFilling<2>::none ? 0 : host % cells[0];
-      map[c].second = filling.is_host(c)             ? '#'
-                      : host == CellFilling<2>::none ? '?'
-                      : column < 10                  ? '0' + column
-                                                     : 'a' + column - 10;
+      const unsigned int column = entry.second % cells[0];
+      const char         name = column < 10 ? '0' + column : 'a' + column - 10;
+      char              &mark = map[entry.first].second;
+      mark                    = mark == '?' || mark == name ? name : '*';
     }
   print() << "Hosts:" << std::endl;
   print_map(map, cells);
 
   // Cells inside the body host themselves, and cells around them have hosts
   // inside.
+  const auto is_core_cell = [&](const std::uint64_t cell) {
+    return is_core(rows, cell % cells[0], cells[1] - 1 - cell / cells[0]);
+  };
   bool is_right = true;
+  for (const auto &entry : filling.hosts())
+    is_right = is_right && (rows.size() == 2 || is_core_cell(entry.second));
   for (const unsigned int c : filling.filled_cells())
     {
-      const int n_y = cells[1], x = space.owned_cells()[c] % cells[0],
-                y    = n_y - 1 - int(space.owned_cells()[c] / cells[0]);
-      bool near_core = false;
+      const std::uint64_t cell = space.owned_cells()[c];
+      const int x = cell % cells[0], y = cells[1] - 1 - cell / cells[0];
+      bool      near_core = false;
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx)
           near_core = near_core || is_core(rows, x + dx, y + dy);
-      if (is_core(rows, x, y))
-        is_right = is_right && filling.is_host(c);
-      else if (near_core)
-        {
-          const auto host = filling.host(c);
-          is_right =
-            is_right && host != CellFilling<2>::none &&
-            is_core(rows, host % cells[0], n_y - 1 - int(host / cells[0]));
-        }
+      is_right = is_right && (filling.is_host(c) || !is_core_cell(cell)) &&
+                 (!near_core || map[c].second != '?');
     }
   check("cells near the inside have hosts there", max_all(!is_right), 0.);
+  check("turned hosts",
+        std::abs(sum_of_hosts(rows, true) - sum_of_hosts(rows, false)),
+        1e-10);
 
   const Extension<2> extension(space, filling);
   map.clear();

@@ -13,11 +13,12 @@ namespace greville
    * The polynomials of a spline on certain well-filled cells, the *hosts*, are
    * extended to the other cells of the body. Hosts are the cells inside the
    * body: all neighbours (in 3D those by a face) are well-filled, too, and none
-   * is beyond a wall. The host of a cell is reached by at most `reach` moves
-   * between neighbouring cells (by a face, an edge or a vertex) that all hold
-   * points, so that a host never lies across a gap. Of the hosts of its
-   * neighbours a cell takes the nearest, and among equally near ones the first
-   * in lexicographic order, as seen from the cell. Cells without a host are
+   * is beyond a wall. The hosts of a cell are the nearest ones among its
+   * neighbours (by a face, an edge or a vertex), or, where none is a host, the
+   * nearest ones among the hosts that its neighbours have. All of these cells
+   * hold points, so that a host never lies across a gap. Several hosts can be
+   * equally near: all of them count, so that results do not depend on the
+   * direction in which the grid is numbered. Cells without a host are
    * *fragments*: spray, and parts less than three cells thick.
    *
    * Because surface cells are no hosts, functions that touch a body by a corner
@@ -35,11 +36,6 @@ namespace greville
   class CellFilling
   {
   public:
-    static constexpr std::uint64_t none = -1;
-
-    /// Steps from a cell to its host.
-    static constexpr unsigned int reach = 2;
-
     /// Contact walls: x low, x high, y low, ...
     using Walls = std::array<bool, 2 * dim>;
 
@@ -97,23 +93,23 @@ namespace greville
     unsigned char
     cell_class(const unsigned int cell) const
     {
-      return classes[cell] == empty ? 0 : is_host(cell) ? 3 : classes[cell];
+      return classes[cell];
     }
 
     bool
     is_host(const unsigned int cell) const
     {
-      return hosts[cell] == neighbors.positions()[cell];
+      return classes[cell] == host;
     }
 
     /**
-     * Position (in Lattice::n_cells()) of the host of an owned cell, which can
-     * be the cell itself; none for empty cells and fragments.
+     * Pairs of an owned cell, unless it is a host itself, and the position (in
+     * Lattice::n_cells()) of one of its hosts, ascending.
      */
-    std::uint64_t
-    host(const unsigned int cell) const
+    const std::vector<std::pair<unsigned int, std::uint64_t>> &
+    hosts() const
     {
-      return hosts[cell];
+      return hosts_of_cells;
     }
 
     /**
@@ -124,7 +120,9 @@ namespace greville
     {
       std::uint64_t n = 0;
       for (const unsigned int c : filled)
-        n += hosts[c] == none;
+        n += !is_host(c);
+      for (unsigned int k = 0; k < hosts_of_cells.size(); ++k)
+        n -= k == 0 || hosts_of_cells[k].first != hosts_of_cells[k - 1].first;
       return dealii::Utilities::MPI::sum(n, spline_space->communicator());
     }
 
@@ -133,7 +131,8 @@ namespace greville
     {
       empty,
       cut,
-      well_filled
+      well_filled,
+      host
     };
 
     void
@@ -146,8 +145,9 @@ namespace greville
     // By local cell of the neighbours, or owned cells.
     CellNeighbors<dim>         neighbors;
     std::vector<unsigned char> classes;
-    std::vector<std::uint64_t> hosts;
     std::vector<unsigned int>  filled;
+
+    std::vector<std::pair<unsigned int, std::uint64_t>> hosts_of_cells;
   };
 } // namespace greville
 
