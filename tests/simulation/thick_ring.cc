@@ -231,7 +231,7 @@ namespace
         .add("Walls", {"Left = sliding", "Bottom = sliding"})
         .add("Time", {"End = 1", step.str()})
         .add("Newton",
-             {growth > 1e-3 ? "Tolerance = 1e-9" : "Tolerance = 5e-7"})
+             {growth > 1e-3 ? "Tolerance = 1e-9" : "Tolerance = 1e-7"})
         .add("Implicit", {"Filling threshold = 0.3"})
         .add("Body ring",
              {"Material = solid",
