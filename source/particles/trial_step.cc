@@ -213,7 +213,7 @@ namespace greville
                     const double                           strength_reduction,
                     const StepStress                       stress,
                     const bool                             with_tangents,
-                    const double                          *projected,
+                    const double                          *J_hat,
                     PointReport                           &report,
                     const typename TrialStep<dim>::Action &action)
     {
@@ -260,8 +260,8 @@ namespace greville
             state.J               = p.J() * theta;
             if (layout.projected_J != 0)
               {
-                if (projected)
-                  state.J = *projected++;
+                if (J_hat)
+                  state.J = *J_hat++;
                 scale_volume<dim>(state.increment, state.J / J_before / theta);
               }
             state.F              = state.increment * state.F;
@@ -340,11 +340,9 @@ namespace greville
                            const double               strength_reduction,
                            const StepStress           stress,
                            const bool                 with_tangents,
-                           VolumeProjection<dim>     *projection,
+                           const double              *J_hat,
                            const Action              &action)
   {
-    const double *projected =
-      projection ? projection->project(points, u, 1.).data() : nullptr;
     const SplineSpace<dim> &space = *tables.space;
     buffer.resize(
       (space.owned_functions().size() + space.ghost_functions().size()) * dim);
@@ -360,7 +358,7 @@ namespace greville
                                                   strength_reduction,
                                                   stress,
                                                   with_tangents,
-                                                  projected,
+                                                  J_hat,
                                                   report,
                                                   action);
     });

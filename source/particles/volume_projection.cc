@@ -187,17 +187,24 @@ namespace greville
   const std::vector<double> &
   VolumeProjection<dim>::project(const MaterialPoints<dim> &points,
                                  const VectorField<dim>    &w,
-                                 const double               dt)
+                                 const double               dt,
+                                 const VectorField<dim>    *direction)
   {
     Assert(points.layout().projected_J != 0, ExcInternalError());
-    const SplineSpace<dim> &space = *tables.space;
+    const SplineSpace<dim> &space    = *tables.space;
+    const unsigned int      n_fields = direction ? 2 : 1;
     buffer.resize(
-      (space.owned_functions().size() + space.ghost_functions().size()) * dim);
+      (space.owned_functions().size() + space.ghost_functions().size()) * dim *
+      n_fields);
     for (unsigned int d = 0; d < dim; ++d)
-      put_into_buffer(w[d], dim, d, buffer);
+      {
+        put_into_buffer(w[d], dim * n_fields, d, buffer);
+        if (direction)
+          put_into_buffer((*direction)[d], dim * n_fields, dim + d, buffer);
+      }
     with_order(space.degree(), [&](const auto size) {
       constexpr int n = decltype(size)::value;
-      find_J<n>(points, dt);
+      find_J<n>(points, dt, direction != nullptr);
       if (coarsening == 2)
         project_J<n>(points);
       else
@@ -209,27 +216,59 @@ namespace greville
 
 
   template <int dim>
+  const std::vector<double> &
+  VolumeProjection<dim>::differentiate(const MaterialPoints<dim> &points,
+                                       const VectorField<dim>    &u,
+                                       const VectorField<dim>    &du,
+                                       const std::vector<double> &J_hat)
+  {
+    project(points, u, 1., &du);
+    for (std::size_t k = 0; k < J.size(); ++k)
+      J[k] = J[k] / J_hat[k] - rates[k];
+    return J;
+  }
+
+
+
+  template <int dim>
   template <int n>
   void
   VolumeProjection<dim>::find_J(const MaterialPoints<dim> &points,
-                                const double               dt)
+                                const double               dt,
+                                const bool                 with_direction)
   {
     constexpr int           n_functions = power(n, dim);
+    const std::size_t       stride      = with_direction ? 2 * dim : dim;
     const PointLayout<dim> &layout      = points.layout();
     J.clear();
     J.reserve(points.n_points());
+    rates.clear();
     for (const unsigned int cell : points.cells())
       {
         const CellGeometry<dim, n> geometry(tables, cell);
-        double                     coefficients[dim][n_functions];
+        double coefficients[dim][n_functions], changes[dim][n_functions];
         for (int a = 0; a < n_functions; ++a)
           for (int i = 0; i < dim; ++i)
-            coefficients[i][a] =
-              buffer[std::size_t(geometry.functions[a]) * dim + i];
+            {
+              const double *w    = &buffer[geometry.functions[a] * stride + i];
+              coefficients[i][a] = w[0];
+              if (with_direction)
+                changes[i][a] = w[dim];
+            }
         points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
           const Gradients<dim, n> gradients(geometry, p.basis_position(layout));
-          J.push_back(p.J() * determinant(increment_of_point<dim, n>(
-                                p, layout, gradients, coefficients, dt)));
+          const Tensor<2, dim>    f =
+            increment_of_point<dim, n>(p, layout, gradients, coefficients, dt);
+          J.push_back(p.J() * determinant(f));
+          if (!with_direction)
+            return;
+          // The trace of df f^-1; 1 + df is the increment of the direction.
+          const Tensor<2, dim> inverse = invert(f);
+          rates.push_back(scalar_product(increment_of_point<dim, n>(
+                                           p, layout, gradients, changes, 1.),
+                                         transpose(inverse)) -
+                          trace(inverse));
+          J.back() *= rates.back();
         });
       }
   }

@@ -17,53 +17,43 @@ namespace greville
 
   template <int dim>
   void
-  TangentSystem<dim>::multiply_by_differences(VectorType       &dst,
-                                              const VectorType &src)
+  TangentSystem<dim>::multiply(VectorType &dst, const VectorType &src)
   {
-    // Of strains, between round-off and what is not linear.
-    constexpr double difference = 1e-7;
-    if (direction[0].size() == 0)
-      for (VectorField<dim> *field : {&direction, &moved, &moved_force})
-        for (VectorType &component : *field)
-          space().initialize_vector(component);
-    double largest = 0.;
-    for (VectorType &component : direction)
-      component = 0.;
-    extend(direction, src);
-    for (const VectorType &component : direction)
-      largest = std::max(largest, component.linfty_norm());
-    dst = 0.;
-    if (!(largest > 0.))
+    finest().vmult(dst, src);
+    if (!projection)
       return;
-    double h = space().lattice().cell_size(0);
-    for (unsigned int d = 1; d < dim; ++d)
-      h = std::min(h, space().lattice().cell_size(d));
-    const double eps = difference * h / largest;
-    for (unsigned int d = 0; d < dim; ++d)
+    VectorField<dim> direction, force;
+    for (VectorField<dim> *field : {&direction, &force})
+      for (VectorType &component : *field)
+        space().initialize_vector(component);
+    extend(direction, src);
+    sums.back().clear();
+    std::vector<TrialPoint<dim>> trials;
+    for (const ProjectedBody &body : projected_bodies)
       {
-        moved[d] = last.u[d];
-        moved[d].add(eps, direction[d]);
-        direction[d] *= mass_factor;
+        const MaterialPoints<dim> &points = *body.points;
+        const double              *change =
+          projection->differentiate(points, displacement, direction, body.J_hat)
+            .data();
+        const Tensor<2, dim> *derivative = body.derivatives.data();
+        for (const unsigned int cell : points.cells())
+          {
+            trials.clear();
+            points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+              trials.push_back({p.basis_position(points.layout()),
+                                p.volume(),
+                                *change++ * *derivative++,
+                                {},
+                                {}});
+            });
+            sums.back().add_force(cell, trials);
+          }
       }
-    throw_on_all(
-      evaluate(last.bodies, moved, last.dt, last.stress, false, moved_force),
-      space().communicator());
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        moved_force[d] -= last.force[d];
-        moved_force[d] *= 1. / eps;
-      }
-    if (!last.surfaces.empty())
-      {
-        VectorField<dim> change = last.surface_force;
-        add_surfaces(last.surfaces, moved, last.motion, false, change);
-        for (unsigned int d = 0; d < dim; ++d)
-          moved_force[d].add(-1. / eps,
-                             change[d],
-                             1. / eps,
-                             last.surface_force[d]);
-      }
-    restrict(dst, moved_force, mass_factor != 0. ? &direction : nullptr);
+    sums.back().take_force(force);
+    VectorType rows;
+    initialize(rows);
+    restrict(rows, force, nullptr);
+    dst += rows;
   }
 
 
@@ -117,12 +107,12 @@ namespace greville
                             const VectorType &b,
                             const double      tolerance)
   {
-    struct ByDifferences
+    struct Operator
     {
       void
       vmult(VectorType &dst, const VectorType &src) const
       {
-        system.multiply_by_differences(dst, src);
+        system.multiply(dst, src);
       }
 
       TangentSystem &system;
@@ -134,15 +124,12 @@ namespace greville
       return run_solver(
         max_iterations, tolerance, b, [&](SolverControl &control) {
           using Fgmres = SolverFGMRES<VectorType>;
-          // A product by differences costs more than the vectors of a restart.
-          constexpr unsigned int n_vectors = 100;
-          if (projection)
-            Fgmres(control, Fgmres::AdditionalData(n_vectors))
-              .solve(ByDifferences{*this}, x, b, *multigrid);
-          else if (with_cg)
+          // With a projection, restarts cost more than their vectors.
+          const Fgmres::AdditionalData n_vectors(projection ? 100 : 30);
+          if (with_cg && !projection)
             SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
           else
-            Fgmres(control).solve(finest(), x, b, *multigrid);
+            Fgmres(control, n_vectors).solve(Operator{*this}, x, b, *multigrid);
         });
     };
     // Digits that the residual loses.
@@ -233,6 +220,10 @@ namespace greville
 
 
 
+  template void
+  TangentSystem<2>::multiply(VectorType &, const VectorType &);
+  template void
+  TangentSystem<3>::multiply(VectorType &, const VectorType &);
   template SolveResult
   TangentSystem<2>::solve(VectorType &, const VectorType &, const double);
   template SolveResult

@@ -89,6 +89,23 @@ namespace greville
 
 
 
+    /**
+     * The derivative of P of a point by the logarithm of J hat: that of an even
+     * expansion, 1 / dim in each direction, without what it does to f.
+     */
+    template <int dim>
+    Tensor<2, dim>
+    derivative_by_volume(const TrialPoint<dim> &point)
+    {
+      Tensor<2, dim> D;
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          D[i][j] = trace(point.A[i][j]);
+      return (D * transpose(point.map) - (dim - 1.) * point.P) / dim;
+    }
+
+
+
     template <int dim>
     double
     smallest_cell_size(const SplineSpace<dim> &space)
@@ -119,12 +136,17 @@ namespace greville
       {
         for (auto &level : levels)
           level->begin_tangent();
+        displacement = u;
+        projected_bodies.clear();
       }
     for (const TrialBody<dim> &body : bodies)
       {
-        const bool is_symmetric = body.material->has_symmetric_tangent() &&
-                                  stress == StepStress::end && !projection;
-        PointReport report;
+        const bool is_symmetric =
+          body.material->has_symmetric_tangent() && stress == StepStress::end;
+        PointReport   report;
+        ProjectedBody projected{body.points, {}, {}};
+        if (projection)
+          projected.J_hat = projection->project(*body.points, u, 1.);
         // A law may throw on one process, and all go on with the next body.
         try
           {
@@ -136,7 +158,7 @@ namespace greville
               body.strength_reduction,
               stress,
               with_stiffness,
-              projection,
+              projection ? projected.J_hat.data() : nullptr,
               [&](const unsigned int cell, const auto &points) {
                 sums.back().add_force(cell, points);
                 if (!with_stiffness)
@@ -148,6 +170,10 @@ namespace greville
                 for (unsigned int l = 0; l < levels.size(); ++l)
                   levels[l]->stiffness().add_cell(
                     cell, sums[l].stiffness(cell, points, is_symmetric));
+                if (projection)
+                  for (const TrialPoint<dim> &point : points)
+                    projected.derivatives.push_back(
+                      derivative_by_volume(point));
               });
           }
         catch (const std::exception &error)
@@ -159,6 +185,8 @@ namespace greville
         if (report.bad_point >= 0 && problem.empty())
           problem = "point " + std::to_string(report.bad_point) +
                     " of the body '" + body.name + "': " + report.bad_reason;
+        if (with_stiffness && projection)
+          projected_bodies.push_back(std::move(projected));
       }
     sums.back().take_force(force);
     if (with_stiffness)
@@ -170,8 +198,6 @@ namespace greville
         force_of_strain =
           std::sqrt(sums_of_moduli[2]) / smallest_cell_size(space());
       }
-    if (with_stiffness && projection)
-      last = {bodies, u, force, dt, stress, {}, {}, {}};
     return problem;
   }
 
@@ -219,12 +245,6 @@ namespace greville
     surface_sums.take_force(force);
     if (!with_stiffness)
       return true;
-    if (projection)
-      {
-        last.surfaces      = surfaces;
-        last.motion        = motion;
-        last.surface_force = force;
-      }
     surface_stiffness =
       std::sqrt(Utilities::MPI::sum(square, space().communicator()));
     return Utilities::MPI::max(is_asymmetric, space().communicator()) == 0;

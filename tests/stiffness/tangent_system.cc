@@ -28,7 +28,8 @@ namespace
           },
           parameters,
           0.55,
-          false)
+          false,
+          simulated->grid().volume_projection())
     {
       for (const Body<dim> &body : simulated->bodies())
         bodies.push_back({&body.points, body.material, body.name, 1.});
@@ -85,7 +86,7 @@ namespace
       system.extend(u, x);
       system.evaluate(bodies, u, 0.1, stress, true, force);
       system.set_operator(mass_factor, true);
-      system.finest().vmult(product, direction);
+      system.multiply(product, direction);
       const double size = high.l2_norm();
       high -= product;
       return high.l2_norm() / size;
@@ -264,6 +265,24 @@ test_main()
                       deformed(column_2d(8, 2), "3 * x + y; x * y - 0.2 * y"));
   check_derivative<3>("total Lagrangian in 3D",
                       deformed(column_3d(6, 2), "y + z; x * y; 0.5 * z + y"));
+
+  const auto projected =
+    [&](const Text &text, const std::string &u, const std::string &projection) {
+      return with_poissons_ratio(deformed(text, u), "0.45")
+        .with("Scheme", {"Volumetric projection = " + projection});
+    };
+  for (const std::string projection : {"order p-1", "coarse mesh"})
+    {
+      for (const unsigned int p : {1, 2, 3})
+        check_derivative<2>(projection + ", p = " + std::to_string(p),
+                            projected(column_2d(8, p),
+                                      "3 * x + y; x * y - 0.2 * y",
+                                      projection));
+      check_derivative<3>(
+        projection + " in 3D",
+        projected(column_3d(6, 2), "0.2 * z; 0.1 * x * z; 0", projection)
+          .with("Scheme", {"Formulation = updated Lagrangian"}));
+    }
 
   for (const unsigned int n : {16, 32})
     for (const unsigned int p : {1, 2, 3})

@@ -4,7 +4,6 @@
 #define greville_particles_trial_step_h
 
 #include <greville/particles/trial_surface.h>
-#include <greville/particles/volume_projection.h>
 
 #include <functional>
 
@@ -75,9 +74,9 @@ namespace greville
    * basis functions at X: f = 1 + grad_X u F_n^-1, and P and its derivative are
    * those times F_n^-T, which belong to gradients with respect to X.
    *
-   * With a VolumeProjection, the material sees the projected J, sigma is its
-   * answer, and f remains that of the motion. The derivative is that without
-   * the projection.
+   * With the J hat of a VolumeProjection, the material sees it in place of J,
+   * sigma is its answer, and f remains that of the motion. The derivative is
+   * that for a constant J hat / J.
    */
   template <int dim>
   class TrialStep
@@ -93,7 +92,7 @@ namespace greville
      * Evaluate points of one body in a step of length @p dt (s) with the
      * displacement @p u (m) and a @p strength_reduction (see
      * Material::strength_reduction()), and give them cell by cell to @p action.
-     * The @p projection may be null.
+     * @p J_hat is null without a projection.
      */
     using Action =
       std::function<void(const unsigned int                  cell,
@@ -107,7 +106,7 @@ namespace greville
              const double               strength_reduction,
              const StepStress           stress,
              const bool                 with_tangents,
-             VolumeProjection<dim>     *projection,
+             const double              *J_hat,
              const Action              &action);
 
   private:

@@ -60,12 +60,23 @@ namespace greville
     /**
      * Collective. J hat of the @p points of a body, in the order of
      * MaterialPoints::for_each(), after a step @p dt (s) with the velocity @p w
-     * of the grid.
+     * of the grid; or, with a @p direction, its derivative by dt w.
      */
     const std::vector<double> &
     project(const MaterialPoints<dim> &points,
             const VectorField<dim>    &w,
-            const double               dt);
+            const double               dt,
+            const VectorField<dim>    *direction = nullptr);
+
+    /**
+     * Collective. The derivative of log(J hat / J) of the same points in the
+     * direction @p du of the displacement @p u, which has given them @p J_hat.
+     */
+    const std::vector<double> &
+    differentiate(const MaterialPoints<dim> &points,
+                  const VectorField<dim>    &u,
+                  const VectorField<dim>    &du,
+                  const std::vector<double> &J_hat);
 
   private:
     void
@@ -73,7 +84,9 @@ namespace greville
 
     template <int n>
     void
-    find_J(const MaterialPoints<dim> &points, const double dt);
+    find_J(const MaterialPoints<dim> &points,
+           const double               dt,
+           const bool                 with_direction);
 
     template <int n>
     void
@@ -91,7 +104,8 @@ namespace greville
     VectorType                         weighted, weight;
 
     std::vector<double> buffer, sums;
-    std::vector<double> J; // of the points: that of the motion, then J hat
+    // Of the points: J of the motion, then J hat; dJ / J in the direction.
+    std::vector<double> J, rates;
   };
 } // namespace greville
 

@@ -5,6 +5,7 @@
 
 #include <greville/linear_algebra/solve_result.h>
 #include <greville/particles/trial_step.h>
+#include <greville/particles/volume_projection.h>
 #include <greville/stiffness/tangent_level.h>
 #include <greville/stiffness/tangent_parameters.h>
 
@@ -36,9 +37,9 @@ namespace greville
    * preconditioner (factorizations, eigenvalues, algebraic multigrid) serves
    * following systems, too, as long as it pays.
    *
-   * With a VolumeProjection, which couples functions beyond their stencils, the
-   * operator is the derivative of the force by differences, and K without the
-   * projection serves the preconditioner.
+   * A VolumeProjection couples functions beyond their stencils: K is that of a
+   * constant J hat / J and serves the preconditioner, and multiply() adds what
+   * the change of J hat / J does, from point to point.
    *
    * Fields have a coefficient for each function of the space. Those of
    * functions that are held are given, and those of extended functions follow
@@ -209,9 +210,14 @@ namespace greville
     read(VectorType &x, const VectorField<dim> &field) const;
 
     /**
+     * Collective. dst = A src for the A of the last set_operator().
+     */
+    void
+    multiply(VectorType &dst, const VectorType &src);
+
+    /**
      * Collective. Solve A x = b until the residual is @p tolerance times that
-     * of zero. Throws ErrorOnAll like set_operator(), and where the difference
-     * of forces that is the product with A cannot be formed.
+     * of zero. Throws ErrorOnAll like set_operator().
      */
     SolveResult
     solve(VectorType &x, const VectorType &b, const double tolerance);
@@ -231,26 +237,15 @@ namespace greville
 
   private:
     /**
-     * A displacement and what belongs to its internal force.
+     * The projected J of a body's points, and the derivatives of their P by its
+     * logarithm.
      */
-    struct Linearization
+    struct ProjectedBody
     {
-      std::vector<TrialBody<dim>> bodies;
-      VectorField<dim>            u, force;
-      double                      dt     = 0.;
-      StepStress                  stress = StepStress::end;
-
-      std::vector<LoadedSurface<dim>> surfaces;
-      SurfaceMotion<dim>              motion;
-      VectorField<dim>                surface_force;
+      const MaterialPoints<dim>          *points;
+      std::vector<double>                 J_hat;
+      std::vector<dealii::Tensor<2, dim>> derivatives;
     };
-
-    /**
-     * Collective. The derivative of the force and of the inertia in the
-     * direction of @p src, with the projection, by differences.
-     */
-    void
-    multiply_by_differences(VectorType &dst, const VectorType &src);
 
     /**
      * Whether coarse levels pay for an operator with this mass factor.
@@ -299,8 +294,9 @@ namespace greville
     std::unique_ptr<PMultigrid<dim>>                multigrid;
     bool                                            symmetric = true;
     VolumeProjection<dim>                          *projection;
-    Linearization                                   last; // for differences
-    VectorField<dim> direction, moved, moved_force;
+    // Of the last evaluate() with stiffness and a projection.
+    VectorField<dim>           displacement;
+    std::vector<ProjectedBody> projected_bodies;
 
     // Sums of the moduli of compression and of shear of all points.
     std::array<double, 2> moduli{};
