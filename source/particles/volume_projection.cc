@@ -220,11 +220,12 @@ namespace greville
   VolumeProjection<dim>::differentiate(const MaterialPoints<dim> &points,
                                        const VectorField<dim>    &u,
                                        const VectorField<dim>    &du,
-                                       const std::vector<double> &J_hat)
+                                       const std::vector<double> &J_hat,
+                                       const double               share)
   {
     project(points, u, 1., &du);
     for (std::size_t k = 0; k < J.size(); ++k)
-      J[k] = J[k] / J_hat[k] - rates[k];
+      J[k] = J[k] / J_hat[k] - share * rates[k];
     return J;
   }
 

@@ -32,9 +32,13 @@ namespace greville
     for (const ProjectedBody &body : projected_bodies)
       {
         const MaterialPoints<dim> &points = *body.points;
-        const double              *change =
-          projection->differentiate(points, displacement, direction, body.J_hat)
-            .data();
+        const double              *change = projection
+                                 ->differentiate(points,
+                                                 displacement,
+                                                 direction,
+                                                 body.J_hat,
+                                                 body.share)
+                                 .data();
         const Tensor<2, dim> *derivative = body.derivatives.data();
         for (const unsigned int cell : points.cells())
           {
@@ -125,7 +129,8 @@ namespace greville
         max_iterations, tolerance, b, [&](SolverControl &control) {
           using Fgmres = SolverFGMRES<VectorType>;
           // With a projection, restarts cost more than their vectors.
-          const Fgmres::AdditionalData n_vectors(projection ? 100 : 30);
+          const Fgmres::AdditionalData n_vectors(
+            projection ? parameters.max_iterations : 30);
           if (with_cg && !projection)
             SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
           else

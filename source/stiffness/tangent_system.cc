@@ -91,17 +91,37 @@ namespace greville
 
     /**
      * The derivative of P of a point by the logarithm of J hat: that of an even
-     * expansion, 1 / dim in each direction, without what it does to f.
+     * expansion, 1 / dim in each direction, without what it does to f. Leave a
+     * @p share of it in the derivative by f.
      */
     template <int dim>
     Tensor<2, dim>
-    derivative_by_volume(const TrialPoint<dim> &point)
+    take_volume_stiffness(TrialPoint<dim> &point, const double share)
     {
-      Tensor<2, dim> D;
+      Tensor<2, dim> D =
+        (1. - dim) / dim * point.P * invert(transpose(point.map));
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
-          D[i][j] = trace(point.A[i][j]);
-      return (D * transpose(point.map) - (dim - 1.) * point.P) / dim;
+          {
+            D[i][j] += trace(point.A[i][j]) / dim;
+            for (unsigned int k = 0; k < dim; ++k)
+              point.A[i][j][k][k] -= (1. - share) * D[i][j];
+          }
+      return D * transpose(point.map);
+    }
+
+
+
+    /**
+     * The share of the stiffness against changes of volume that makes it not
+     * much more than that against shear.
+     */
+    double
+    share_of_volume_stiffness(const Moduli &moduli)
+    {
+      constexpr double much = 2.;
+      return moduli.shear > 0. ? std::min(1., much * moduli.shear / moduli.bulk)
+                               : 1.;
     }
 
 
@@ -129,7 +149,7 @@ namespace greville
                                VectorField<dim> &force)
   {
     std::string problem;
-    // Sums of both moduli, and of the squares of the first one of cells.
+    // Sums of both moduli of K, and of the squares of the first one of cells.
     double sums_of_moduli[3] = {};
     sums.back().clear();
     if (with_stiffness)
@@ -141,10 +161,14 @@ namespace greville
       }
     for (const TrialBody<dim> &body : bodies)
       {
-        const bool is_symmetric =
-          body.material->has_symmetric_tangent() && stress == StepStress::end;
+        const bool is_symmetric = body.material->has_symmetric_tangent() &&
+                                  stress == StepStress::end && !projection;
         PointReport   report;
-        ProjectedBody projected{body.points, {}, {}};
+        ProjectedBody projected{body.points,
+                                share_of_volume_stiffness(
+                                  body.material->moduli()),
+                                {},
+                                {}};
         if (projection)
           projected.J_hat = projection->project(*body.points, u, 1.);
         // A law may throw on one process, and all go on with the next body.
@@ -159,21 +183,22 @@ namespace greville
               stress,
               with_stiffness,
               projection ? projected.J_hat.data() : nullptr,
-              [&](const unsigned int cell, const auto &points) {
+              [&](const unsigned int cell, auto &points) {
                 sums.back().add_force(cell, points);
                 if (!with_stiffness)
                   return;
+                const double bulk = sum_moduli<dim>(points)[0];
+                if (projection)
+                  for (TrialPoint<dim> &point : points)
+                    projected.derivatives.push_back(
+                      take_volume_stiffness(point, projected.share));
                 const auto of_cell = sum_moduli<dim>(points);
                 sums_of_moduli[0] += of_cell[0];
                 sums_of_moduli[1] += of_cell[1];
-                sums_of_moduli[2] += of_cell[0] * of_cell[0];
+                sums_of_moduli[2] += bulk * bulk;
                 for (unsigned int l = 0; l < levels.size(); ++l)
                   levels[l]->stiffness().add_cell(
                     cell, sums[l].stiffness(cell, points, is_symmetric));
-                if (projection)
-                  for (const TrialPoint<dim> &point : points)
-                    projected.derivatives.push_back(
-                      derivative_by_volume(point));
               });
           }
         catch (const std::exception &error)

@@ -91,12 +91,11 @@ namespace greville
     /**
      * Evaluate points of one body in a step of length @p dt (s) with the
      * displacement @p u (m) and a @p strength_reduction (see
-     * Material::strength_reduction()), and give them cell by cell to @p action.
-     * @p J_hat is null without a projection.
+     * Material::strength_reduction()), and give them cell by cell to @p action,
+     * which may change them. @p J_hat is null without a projection.
      */
-    using Action =
-      std::function<void(const unsigned int                  cell,
-                         const std::vector<TrialPoint<dim>> &points)>;
+    using Action = std::function<void(const unsigned int            cell,
+                                      std::vector<TrialPoint<dim>> &points)>;
 
     PointReport
     evaluate(const MaterialPoints<dim> &points,

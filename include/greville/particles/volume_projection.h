@@ -69,14 +69,16 @@ namespace greville
             const VectorField<dim>    *direction = nullptr);
 
     /**
-     * Collective. The derivative of log(J hat / J) of the same points in the
-     * direction @p du of the displacement @p u, which has given them @p J_hat.
+     * Collective. The derivative of log J hat, less a @p share of that of log
+     * J, of the same points in the direction @p du of the displacement @p u,
+     * which has given them @p J_hat.
      */
     const std::vector<double> &
     differentiate(const MaterialPoints<dim> &points,
                   const VectorField<dim>    &u,
                   const VectorField<dim>    &du,
-                  const std::vector<double> &J_hat);
+                  const std::vector<double> &J_hat,
+                  const double               share);
 
   private:
     void

@@ -37,9 +37,11 @@ namespace greville
    * preconditioner (factorizations, eigenvalues, algebraic multigrid) serves
    * following systems, too, as long as it pays.
    *
-   * A VolumeProjection couples functions beyond their stencils: K is that of a
-   * constant J hat / J and serves the preconditioner, and multiply() adds what
-   * the change of J hat / J does, from point to point.
+   * A VolumeProjection couples functions beyond their stencils. K then resists
+   * changes of volume not much more than shear, and serves the preconditioner;
+   * multiply() adds what J hat does, from point to point. So the volumes that
+   * the projection sees are much stiffer than in K, and all others are alike:
+   * iterations hardly depend on the bulk modulus.
    *
    * Fields have a coefficient for each function of the space. Those of
    * functions that are held are given, and those of extended functions follow
@@ -237,12 +239,13 @@ namespace greville
 
   private:
     /**
-     * The projected J of a body's points, and the derivatives of their P by its
-     * logarithm.
+     * The projected J of a body's points, the derivatives of their P by its
+     * logarithm, and the share of these that K has.
      */
     struct ProjectedBody
     {
       const MaterialPoints<dim>          *points;
+      double                              share;
       std::vector<double>                 J_hat;
       std::vector<dealii::Tensor<2, dim>> derivatives;
     };
