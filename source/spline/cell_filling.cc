@@ -28,7 +28,8 @@ namespace greville
   template <int dim>
   bool
   CellFilling<dim>::update(const std::vector<double> &filling,
-                           const double               threshold)
+                           const double               threshold,
+                           const bool                 with_outer_hosts)
   {
     const unsigned int n_owned = spline_space->owned_cells().size();
     AssertDimension(filling.size(), n_owned);
@@ -51,7 +52,7 @@ namespace greville
     for (unsigned int c = 0; c < n_owned; ++c)
       if (classes[c] != empty)
         filled.push_back(c);
-    find_hosts();
+    find_hosts(with_outer_hosts);
     return true;
   }
 
@@ -59,7 +60,7 @@ namespace greville
 
   template <int dim>
   void
-  CellFilling<dim>::find_hosts()
+  CellFilling<dim>::find_hosts(const bool with_outer_hosts)
   {
     const auto        &lattice   = spline_space->lattice();
     const auto        &extents   = lattice.n_cells();
@@ -137,69 +138,92 @@ namespace greville
       classes[c] = host;
     exchange(classes);
 
-    // Which neighbours of a cell are its nearest hosts: bits, which travel as
-    // doubles.
-    std::vector<std::uint32_t> near(positions.size(), 0);
-    for (const unsigned int c : outside)
-      {
-        int nearest = dim + 1;
-        for_each_neighbor(
-          c,
-          [&](const MultiIndex<dim> &offset, const MultiIndex<dim> &neighbor) {
-            const unsigned int n = find(neighbor);
-            const int          distance =
-              dim - std::count(offset.begin(), offset.end(), 1u);
-            if (n == dealii::numbers::invalid_unsigned_int ||
-                classes[n] != host || distance > nearest)
-              return;
-            if (distance < nearest)
-              near[c] = 0;
-            nearest = distance;
-            near[c] |= std::uint32_t{1} << lexicographic<dim>(offset, three);
-          });
-      }
-    exchange(near);
-
-    // Cells that have none take the nearest hosts that their neighbours have.
-    hosts_of_cells.clear();
-    for (const unsigned int c : outside)
-      {
-        const std::size_t begin    = hosts_of_cells.size();
-        const auto        index    = multi_index<dim>(positions[c], extents);
-        int               nearest  = std::numeric_limits<int>::max();
-        const auto        add_near = [&](const unsigned int n) {
-          for_each_neighbor(
-            n,
-            [&](const MultiIndex<dim> &offset, const MultiIndex<dim> &found) {
-              if ((near[n] >> lexicographic<dim>(offset, three) & 1) == 0)
-                return;
-              int distance = 0;
-              for (unsigned int d = 0; d < dim; ++d)
-                distance += Utilities::fixed_power<2>(
-                  lattice.steps(index[d], found[d], d));
-              if (distance < nearest)
-                hosts_of_cells.resize(begin);
-              nearest = std::min(nearest, distance);
-              if (distance == nearest)
-                hosts_of_cells.emplace_back(c,
-                                            lexicographic<dim>(found, extents));
-            });
-        };
-        if (near[c] != 0)
-          add_near(c);
-        else
+    // Find hosts of cells, and return the cells that have none.
+    const auto find_hosts_of = [&](const std::vector<unsigned int> &cells) {
+      // Which neighbours of a cell are its nearest hosts: bits, which travel as
+      // doubles.
+      std::vector<std::uint32_t> near(positions.size(), 0);
+      for (const unsigned int c : cells)
+        {
+          int nearest = dim + 1;
           for_each_neighbor(c,
-                            [&](const MultiIndex<dim> &,
+                            [&](const MultiIndex<dim> &offset,
                                 const MultiIndex<dim> &neighbor) {
                               const unsigned int n = find(neighbor);
-                              if (n != dealii::numbers::invalid_unsigned_int)
-                                add_near(n);
+                              const int          distance =
+                                dim -
+                                std::count(offset.begin(), offset.end(), 1u);
+                              if (n == dealii::numbers::invalid_unsigned_int ||
+                                  classes[n] != host || distance > nearest)
+                                return;
+                              if (distance < nearest)
+                                near[c] = 0;
+                              nearest = distance;
+                              near[c] |= std::uint32_t{1}
+                                         << lexicographic<dim>(offset, three);
                             });
-        const auto first = hosts_of_cells.begin() + begin;
-        std::sort(first, hosts_of_cells.end());
-        hosts_of_cells.erase(std::unique(first, hosts_of_cells.end()),
-                             hosts_of_cells.end());
-      }
+        }
+      exchange(near);
+
+      // Cells that have none take the nearest hosts that their neighbours have.
+      std::vector<unsigned int> without;
+      for (const unsigned int c : cells)
+        {
+          const std::size_t begin    = hosts_of_cells.size();
+          const auto        index    = multi_index<dim>(positions[c], extents);
+          int               nearest  = std::numeric_limits<int>::max();
+          const auto        add_near = [&](const unsigned int n) {
+            for_each_neighbor(
+              n,
+              [&](const MultiIndex<dim> &offset, const MultiIndex<dim> &found) {
+                if ((near[n] >> lexicographic<dim>(offset, three) & 1) == 0)
+                  return;
+                int distance = 0;
+                for (unsigned int d = 0; d < dim; ++d)
+                  distance += Utilities::fixed_power<2>(
+                    lattice.steps(index[d], found[d], d));
+                if (distance < nearest)
+                  hosts_of_cells.resize(begin);
+                nearest = std::min(nearest, distance);
+                if (distance == nearest)
+                  hosts_of_cells.emplace_back(c,
+                                              lexicographic<dim>(found,
+                                                                 extents));
+              });
+          };
+          if (near[c] != 0)
+            add_near(c);
+          else
+            for_each_neighbor(c,
+                              [&](const MultiIndex<dim> &,
+                                  const MultiIndex<dim> &neighbor) {
+                                const unsigned int n = find(neighbor);
+                                if (n != dealii::numbers::invalid_unsigned_int)
+                                  add_near(n);
+                              });
+          const auto first = hosts_of_cells.begin() + begin;
+          std::sort(first, hosts_of_cells.end());
+          hosts_of_cells.erase(std::unique(first, hosts_of_cells.end()),
+                               hosts_of_cells.end());
+          if (hosts_of_cells.size() == begin)
+            without.push_back(c);
+        }
+      return without;
+    };
+
+    hosts_of_cells.clear();
+    const std::vector<unsigned int> fragments = find_hosts_of(outside);
+    if (!with_outer_hosts)
+      return;
+    std::vector<unsigned int> cut_fragments;
+    for (const unsigned int c : fragments)
+      if (classes[c] == well_filled)
+        classes[c] = host;
+      else
+        cut_fragments.push_back(c);
+    exchange(classes);
+    find_hosts_of(cut_fragments);
+    std::sort(hosts_of_cells.begin(), hosts_of_cells.end());
   }
 
 

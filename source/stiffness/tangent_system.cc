@@ -44,14 +44,20 @@ namespace greville
 
   template <int dim>
   void
-  TangentSystem<dim>::set_points(const std::vector<TrialBody<dim>> &bodies)
+  TangentSystem<dim>::set_points(
+    const std::vector<TrialBody<dim>>              &bodies,
+    const std::vector<const MaterialPoints<dim> *> &surfaces)
   {
     std::vector<const MaterialPoints<dim> *> points;
     for (const TrialBody<dim> &body : bodies)
       points.push_back(body.points);
     transfers.back().filling(points, filled_part);
+    for (const MaterialPoints<dim> *surface : surfaces)
+      for (const unsigned int cell : surface->cells())
+        filled_part[cell] =
+          std::max(filled_part[cell], std::numeric_limits<double>::min());
     const bool changed =
-      filling.update(filled_part, filling_threshold) || is_first;
+      filling.update(filled_part, filling_threshold, true) || is_first;
     is_first = false;
     if (changed)
       forget();

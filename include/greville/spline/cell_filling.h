@@ -21,6 +21,12 @@ namespace greville
    * direction in which the grid is numbered. Cells without a host are
    * *fragments*: spray, and parts less than three cells thick.
    *
+   * Implicit steps solve for the stiffness of fragments, too. With *outer
+   * hosts* the well-filled cells among fragments are hosts themselves, so that
+   * few functions of tips and thin parts depend on the few points of cut cells.
+   * Explicit steps are without them: their critical step is longer where thin
+   * parts have lumped mass.
+   *
    * Because surface cells are no hosts, functions that touch a body by a corner
    * only are not in its space, and the polynomials of the two outermost layers
    * of cells are joined, as by the not-a-knot condition of spline
@@ -72,11 +78,14 @@ namespace greville
     /**
      * Collective. @p filling, of each owned cell, is the part of it that is
      * filled; 0 is empty, and from @p threshold on the cell is well-filled.
-     * With the threshold 0 all cells with points are hosts. Returns whether the
-     * class of any cell, on any process, changed.
+     * With the threshold 0 all cells with points are hosts. With outer hosts
+     * or without them in all calls. Returns whether the class of any cell, on
+     * any process, changed.
      */
     bool
-    update(const std::vector<double> &filling, const double threshold);
+    update(const std::vector<double> &filling,
+           const double               threshold,
+           const bool                 with_outer_hosts = false);
 
     /**
      * The owned cells that are not empty, ascending.
@@ -136,7 +145,7 @@ namespace greville
     };
 
     void
-    find_hosts();
+    find_hosts(const bool with_outer_hosts);
 
     const SplineSpace<dim> *spline_space  = nullptr;
     bool                    all_are_hosts = false;

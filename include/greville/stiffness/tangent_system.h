@@ -94,10 +94,12 @@ namespace greville
 
     /**
      * Collective. Points are at new places: find the extension, and sum up the
-     * mass.
+     * mass. Cells that hold points of loaded @p surfaces only have functions,
+     * too, which are extended from the body.
      */
     void
-    set_points(const std::vector<TrialBody<dim>> &bodies);
+    set_points(const std::vector<TrialBody<dim>>              &bodies,
+               const std::vector<const MaterialPoints<dim> *> &surfaces = {});
 
     /**
      * Collective. The internal force for the displacement @p u in a step of
