@@ -134,11 +134,8 @@ namespace greville
     if (stamp == 0 || (stamp != state.points_stamp &&
                        !parameters.scheme.is_total_lagrangian()))
       {
-        const PartTimer                          timer(log, "mass");
-        std::vector<const MaterialPoints<dim> *> loaded;
-        for (const Surface<dim> &surface : state.surfaces)
-          loaded.push_back(&surface.points);
-        system.set_points(bodies, loaded);
+        const PartTimer timer(log, "mass");
+        system.set_points(bodies, state.surfaces, scheme.is_static);
         check_support(state);
         stamp = state.points_stamp;
       }

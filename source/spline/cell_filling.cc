@@ -38,7 +38,8 @@ namespace greville
     std::vector<unsigned char> new_classes(n_owned);
     for (unsigned int c = 0; c < n_owned; ++c)
       {
-        const unsigned char now = filling[c] <= 0.          ? empty
+        const unsigned char now = filling[c] < 0.           ? beyond
+                                  : filling[c] == 0.        ? empty
                                   : filling[c] >= threshold ? well_filled
                                                             : cut;
         has_changed |=

@@ -14,7 +14,7 @@ namespace greville
   namespace
   {
     // Numbers of the cells that functions see: hosts count as with_host, others
-    // that hold points as 1.
+    // that hold points as 1, those beyond the body as 0.
     constexpr double with_host = 1024.;
 
     // Hosts count with this power of their squared distance, relative to that
@@ -42,7 +42,9 @@ namespace greville
     seen = 0.;
     for (const unsigned int cell : filling.filled_cells())
       {
-        const double add = filling.is_host(cell) ? with_host : 1.;
+        const double add = filling.is_host(cell)        ? with_host
+                           : filling.holds_points(cell) ? 1.
+                                                        : 0.;
         for (const unsigned int f : space.cell_functions(cell))
           seen.local_element(f) += add;
       }

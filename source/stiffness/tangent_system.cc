@@ -44,20 +44,23 @@ namespace greville
 
   template <int dim>
   void
-  TangentSystem<dim>::set_points(
-    const std::vector<TrialBody<dim>>              &bodies,
-    const std::vector<const MaterialPoints<dim> *> &surfaces)
+  TangentSystem<dim>::set_points(const std::vector<TrialBody<dim>> &bodies,
+                                 const std::vector<Surface<dim>>   &surfaces,
+                                 const bool                         is_static)
   {
     std::vector<const MaterialPoints<dim> *> points;
     for (const TrialBody<dim> &body : bodies)
       points.push_back(body.points);
     transfers.back().filling(points, filled_part);
-    for (const MaterialPoints<dim> *surface : surfaces)
-      for (const unsigned int cell : surface->cells())
-        filled_part[cell] =
-          std::max(filled_part[cell], std::numeric_limits<double>::min());
+    // Springs hold functions as points do.
+    for (const Surface<dim> &surface : surfaces)
+      for (const unsigned int cell : surface.points.cells())
+        if (filled_part[cell] <= 0.)
+          filled_part[cell] = is_static && surface.stiffness > 0.
+                                ? std::numeric_limits<double>::min()
+                                : -1.;
     const bool changed =
-      filling.update(filled_part, filling_threshold, true) || is_first;
+      filling.update(filled_part, filling_threshold, is_static) || is_first;
     is_first = false;
     if (changed)
       forget();

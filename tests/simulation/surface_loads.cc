@@ -331,7 +331,7 @@ namespace
                          .with("Newton",
                                {"Tolerance = 1e-11",
                                 "Largest linear tolerance = 1e-5",
-                                "Maximum iterations = 9"})
+                                "Maximum iterations = 10"})
                          .with("Implicit", {"Smallest step = 1"}),
                        lines,
                        {"Stress update = quasi-static", formulation}));

@@ -21,11 +21,11 @@ namespace greville
    * direction in which the grid is numbered. Cells without a host are
    * *fragments*: spray, and parts less than three cells thick.
    *
-   * Implicit steps solve for the stiffness of fragments, too. With *outer
-   * hosts* the well-filled cells among fragments are hosts themselves, so that
-   * few functions of tips and thin parts depend on the few points of cut cells.
-   * Explicit steps are without them: their critical step is longer where thin
-   * parts have lumped mass.
+   * With *outer hosts* the well-filled cells among fragments are hosts
+   * themselves, so that few functions of tips and thin parts depend on the few
+   * points of cut cells. Quasi-static steps use them: fragments have a
+   * stiffness there, and no mass that could hold such functions. Where mass
+   * counts, that of fragments is lumped, which needs no host.
    *
    * Because surface cells are no hosts, functions that touch a body by a corner
    * only are not in its space, and the polynomials of the two outermost layers
@@ -77,7 +77,9 @@ namespace greville
 
     /**
      * Collective. @p filling, of each owned cell, is the part of it that is
-     * filled; 0 is empty, and from @p threshold on the cell is well-filled.
+     * filled; 0 is empty, and from @p threshold on the cell is well-filled. A
+     * negative number marks a cell *beyond* the body, without points, to which
+     * functions are to be extended if it has a host.
      * With the threshold 0 all cells with points are hosts. With outer hosts
      * or without them in all calls. Returns whether the class of any cell, on
      * any process, changed.
@@ -97,12 +99,18 @@ namespace greville
     }
 
     /**
-     * Of an owned cell: 0 empty, 1 cut, 2 well-filled, 3 a host.
+     * Of an owned cell: 0 empty, 1 cut, 2 well-filled, 3 a host, 4 beyond.
      */
     unsigned char
     cell_class(const unsigned int cell) const
     {
       return classes[cell];
+    }
+
+    bool
+    holds_points(const unsigned int cell) const
+    {
+      return classes[cell] != empty && classes[cell] != beyond;
     }
 
     bool
@@ -141,7 +149,8 @@ namespace greville
       empty,
       cut,
       well_filled,
-      host
+      host,
+      beyond
     };
 
     void

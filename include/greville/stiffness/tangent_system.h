@@ -93,13 +93,15 @@ namespace greville
     }
 
     /**
-     * Collective. Points are at new places: find the extension, and sum up the
-     * mass. Cells that hold points of loaded @p surfaces only have functions,
-     * too, which are extended from the body.
+     * Collective. Points are at new places: find the extension, with the outer
+     * hosts of CellFilling where the system is to be @p is_static, and sum up
+     * the mass. Functions are extended to cells, too, which hold points of
+     * loaded @p surfaces only.
      */
     void
-    set_points(const std::vector<TrialBody<dim>>              &bodies,
-               const std::vector<const MaterialPoints<dim> *> &surfaces = {});
+    set_points(const std::vector<TrialBody<dim>> &bodies,
+               const std::vector<Surface<dim>>   &surfaces  = {},
+               const bool                         is_static = false);
 
     /**
      * Collective. The internal force for the displacement @p u in a step of
