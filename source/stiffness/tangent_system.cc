@@ -165,7 +165,8 @@ namespace greville
       {
         for (auto &level : levels)
           level->begin_tangent();
-        displacement = u;
+        if (projection)
+          displacement = u;
         projected_bodies.clear();
       }
     for (const TrialBody<dim> &body : bodies)
@@ -196,15 +197,17 @@ namespace greville
                 sums.back().add_force(cell, points);
                 if (!with_stiffness)
                   return;
-                const double bulk = sum_moduli<dim>(points)[0];
+                auto of_cell = sum_moduli<dim>(points);
+                sums_of_moduli[2] += of_cell[0] * of_cell[0];
                 if (projection)
-                  for (TrialPoint<dim> &point : points)
-                    projected.derivatives.push_back(
-                      take_volume_stiffness(point, projected.share));
-                const auto of_cell = sum_moduli<dim>(points);
+                  {
+                    for (TrialPoint<dim> &point : points)
+                      projected.derivatives.push_back(
+                        take_volume_stiffness(point, projected.share));
+                    of_cell = sum_moduli<dim>(points);
+                  }
                 sums_of_moduli[0] += of_cell[0];
                 sums_of_moduli[1] += of_cell[1];
-                sums_of_moduli[2] += bulk * bulk;
                 for (unsigned int l = 0; l < levels.size(); ++l)
                   levels[l]->stiffness().add_cell(
                     cell, sums[l].stiffness(cell, points, is_symmetric));
