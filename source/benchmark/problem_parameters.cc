@@ -107,7 +107,8 @@ namespace greville
     std::string names     = dim == 2 ? "box|column|disk" : "box|column|ball";
     for (const auto &shape : of_shapes)
       {
-        if (names.find(shape.first) == std::string::npos)
+        if (("|" + names + "|").find("|" + shape.first + "|") ==
+            std::string::npos)
           names += "|" + shape.first;
         if (dim == 2)
           Shape<2>(shape.second, "Problem/Shapes");

@@ -127,8 +127,8 @@ test_main()
              "  set Orders = 2, 3\n  set Cells = 24\n"
              "  set Courant numbers = 3, 30\n" +
                solvers,
-             "  set Points = column, dome\n  set Points per direction = 3\n"
-             "  set Shapes = dome: ball(0.5, 0, 0.43)\n");
+             "  set Points = column, col\n  set Points per direction = 3\n"
+             "  set Shapes = col: ball(0.5, 0, 0.43)\n");
   check_range("rows of elasticity", rows.size(), 84, 84);
   check_iterations("elasticity", rows, ranges);
   for (const auto &row : rows)
