@@ -17,7 +17,7 @@
 
 #include <greville/base/petsc.h>
 #include <greville/multigrid/extended_mass_solver.h>
-#include <greville/simulation/simulation.h>
+#include <greville/steps/simulation.h>
 
 #include <petscksp.h>
 

@@ -14,7 +14,7 @@
 
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
-#include <greville/simulation/simulation.h>
+#include <greville/steps/simulation.h>
 
 #include <chrono>
 #include <cmath>

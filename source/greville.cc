@@ -3,10 +3,10 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/templates.h>
+#include <greville/geometry/shape.h>
 #include <greville/materials/material.h>
-#include <greville/particles/shape.h>
-#include <greville/simulation/grid_mass.h>
-#include <greville/simulation/run.h>
+#include <greville/run/run.h>
+#include <greville/steps/grid_mass.h>
 
 #include <boost/algorithm/string/join.hpp>
 #include <map>

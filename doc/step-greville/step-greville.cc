@@ -12,9 +12,9 @@
 // statistics, and files for ParaView.
 #include <greville/base/errors.h>
 #include <greville/materials/neo_hookean.h>
-#include <greville/particles/point_transport.h>
-#include <greville/simulation/output.h>
-#include <greville/simulation/statistics.h>
+#include <greville/points/point_transport.h>
+#include <greville/run/output.h>
+#include <greville/steps/statistics.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <filesystem>

@@ -102,27 +102,6 @@ namespace greville
 
 
 
-  namespace
-  {
-    template <typename T>
-    void
-    check_different(const std::vector<T> &entries, const std::string &parameter)
-    {
-      for (std::size_t i = 0; i < entries.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j)
-          {
-            std::ostringstream entry;
-            entry << entries[i];
-            AssertThrow(entries[i] != entries[j],
-                        ExcMessage("The parameter 'Benchmark/" + parameter +
-                                   "' has the entry <" + entry.str() +
-                                   "> twice."));
-          }
-    }
-  } // namespace
-
-
-
   std::vector<std::vector<unsigned int>>
   Benchmark::cells_of_dimensions() const
   {
@@ -188,21 +167,21 @@ namespace greville
       AssertThrow(C > 0. && std::isfinite(C),
                   ExcMessage("The parameter 'Benchmark/Courant numbers' has <" +
                              text_of(C) + ">; it has to be greater than 0."));
-    check_different(parameters.operators, "Operators");
-    check_different(parameters.poissons_ratios, "Poisson ratios");
-    check_different(parameters.courant_numbers, "Courant numbers");
-    check_different(parameters.solvers, "Solvers");
-    check_different(parameters.dimensions, "Dimensions");
-    check_different(parameters.orders, "Orders");
+    check_different(parameters.operators, "Benchmark/Operators");
+    check_different(parameters.poissons_ratios, "Benchmark/Poisson ratios");
+    check_different(parameters.courant_numbers, "Benchmark/Courant numbers");
+    check_different(parameters.solvers, "Benchmark/Solvers");
+    check_different(parameters.dimensions, "Benchmark/Dimensions");
+    check_different(parameters.orders, "Benchmark/Orders");
     for (const auto &list : cells_of_dimensions())
-      check_different(list, "Cells");
+      check_different(list, "Benchmark/Cells");
     smoother_parameters.check();
     implicit.smoother.check();
     for (const auto &list : parameters.variants())
       {
         for (const std::string &name : list.values)
           check_word(name, "Benchmark/" + list.name, list.allowed);
-        check_different(list.values, list.name);
+        check_different(list.values, "Benchmark/" + list.name);
       }
     for (const unsigned int dim : parameters.dimensions)
       problem_parameters.check(dim);

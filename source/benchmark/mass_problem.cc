@@ -3,8 +3,8 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/benchmark/mass_problem.h>
-#include <greville/particles/material_points.h>
-#include <greville/particles/point_transfer.h>
+#include <greville/points/material_points.h>
+#include <greville/points/point_transfer.h>
 
 #include <algorithm>
 #include <cmath>

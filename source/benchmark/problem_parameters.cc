@@ -4,7 +4,7 @@
 
 #include <greville/base/parameters.h>
 #include <greville/benchmark/problem_parameters.h>
-#include <greville/particles/shape.h>
+#include <greville/geometry/shape.h>
 
 #include <algorithm>
 #include <iomanip>

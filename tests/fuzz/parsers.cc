@@ -10,10 +10,10 @@
 #include <greville/base/csv.h>
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
-#include <greville/particles/level_set.h>
-#include <greville/particles/shape.h>
-#include <greville/particles/surface_shape.h>
-#include <greville/simulation/checkpoint.h>
+#include <greville/geometry/level_set.h>
+#include <greville/geometry/shape.h>
+#include <greville/geometry/surface_shape.h>
+#include <greville/run/checkpoint.h>
 
 #include <cmath>
 #include <cstdlib>

@@ -10,8 +10,8 @@
 #include <greville/mass/fmpm.h>
 #include <greville/mass/mass_operator.h>
 #include <greville/multigrid/extended_mass_solver.h>
-#include <greville/particles/body.h>
-#include <greville/particles/point_transfer.h>
+#include <greville/points/body.h>
+#include <greville/points/point_transfer.h>
 
 #include <filling.h>
 #include <fstream>

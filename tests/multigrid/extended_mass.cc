@@ -8,7 +8,7 @@
 // old factorization, too.
 
 #include <greville/multigrid/extended_mass_solver.h>
-#include <greville/particles/point_transfer.h>
+#include <greville/points/point_transfer.h>
 
 #include "dense.h"
 #include "points.h"

@@ -8,7 +8,7 @@
 
 #include <greville/linear_algebra/partitioned_cholesky.h>
 #include <greville/mass/extended_mass.h>
-#include <greville/particles/point_transfer.h>
+#include <greville/points/point_transfer.h>
 
 #include "points.h"
 

@@ -3,7 +3,7 @@
 #ifndef greville_tests_points_h
 #define greville_tests_points_h
 
-#include <greville/particles/material_points.h>
+#include <greville/points/material_points.h>
 
 #include <filling.h>
 

@@ -5,10 +5,10 @@
 // The linear systems of implicit steps: the operator is the derivative of the
 // force, and p-multigrid needs few iterations, whatever the mesh, the order and
 // the place of the surface in its cells.
-#include <greville/simulation/grid_mass.h>
+#include <greville/steps/grid_mass.h>
 #include <greville/stiffness/tangent_system.h>
 
-#include "../simulation/simulation.h"
+#include "simulation.h"
 
 namespace
 {

@@ -7,9 +7,9 @@
 #include <greville/base/run_folder.h>
 #include <greville/materials/elastic_constants.h>
 #include <greville/materials/material.h>
-#include <greville/simulation/end_of_step.h>
-#include <greville/simulation/output.h>
-#include <greville/simulation/simulation.h>
+#include <greville/run/output.h>
+#include <greville/steps/end_of_step.h>
+#include <greville/steps/simulation.h>
 
 #include <cmath>
 #include <iostream>

@@ -3,8 +3,10 @@
 #ifndef greville_base_errors_h
 #define greville_base_errors_h
 
+#include <deal.II/base/exceptions.h>
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <exception>
 #include <functional>
 #include <sstream>
@@ -76,6 +78,23 @@ namespace greville
    */
   void
   run_on_first(const std::function<void()> &action, const MPI_Comm comm);
+
+  /**
+   * Throw dealii::ExcMessage where a list that the @p parameter gives has
+   * something twice.
+   */
+  template <typename T>
+  void
+  check_different(const std::vector<T> &entries,
+                  const std::string    &parameter,
+                  const std::string    &what = "entry")
+  {
+    for (auto entry = entries.begin(); entry != entries.end(); ++entry)
+      AssertThrow(std::find(entries.begin(), entry, *entry) == entry,
+                  dealii::ExcMessage("The parameter '" + parameter +
+                                     "' has the " + what + " <" +
+                                     text_of(*entry) + "> twice."));
+  }
 } // namespace greville
 
 #endif

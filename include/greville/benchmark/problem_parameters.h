@@ -3,7 +3,7 @@
 #ifndef greville_benchmark_problem_parameters_h
 #define greville_benchmark_problem_parameters_h
 
-#include <greville/particles/body.h>
+#include <greville/points/body.h>
 
 #include <map>
 #include <string>

@@ -4,8 +4,8 @@
 #define greville_stiffness_tangent_system_h
 
 #include <greville/linear_algebra/solve_result.h>
-#include <greville/particles/trial_step.h>
-#include <greville/particles/volume_projection.h>
+#include <greville/points/trial_step.h>
+#include <greville/points/volume_projection.h>
 #include <greville/stiffness/tangent_level.h>
 #include <greville/stiffness/tangent_parameters.h>
 

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_boundary_surface_loads_h
+#define greville_boundary_surface_loads_h
+
+#include <greville/parameters/simulation_parameters.h>
+#include <greville/points/trial_surface.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * A load on points of a surface, as a force per initial area.
+   */
+  template <int dim>
+  class SurfaceLoad
+  {
+  public:
+    virtual ~SurfaceLoad() = default;
+
+    /**
+     * Pa, at time @p t (s). Throws dealii::ExcMessage where a formula has no
+     * value.
+     */
+    virtual dealii::Tensor<1, dim>
+    load(const SurfaceState<dim> &state, const double t) const = 0;
+
+    /**
+     * Surface::stiffness and Surface::damping.
+     */
+    virtual double
+    stiffness() const
+    {
+      return 0.;
+    }
+
+    virtual double
+    damping() const
+    {
+      return 0.;
+    }
+  };
+
+
+
+  /**
+   * The loads on the surfaces of bodies, see SurfaceLoadParameters. Each has a
+   * Surface in the State, in the same order.
+   */
+  template <int dim>
+  class SurfaceLoads
+  {
+  public:
+    /**
+     * Throws dealii::ExcMessage for wrong formulas.
+     */
+    SurfaceLoads(const SimulationParameters &parameters);
+
+    bool
+    empty() const
+    {
+      return loads.empty();
+    }
+
+    /**
+     * The parameters that make them strong, with their values, for messages.
+     */
+    std::string
+    description() const;
+
+    /**
+     * Collective. Surfaces of the bodies. Where these have an initial
+     * displacement, the points still lie in the cells of their positions
+     * before. Throws dealii::ExcMessage where there are none.
+     */
+    std::vector<Surface<dim>>
+    make_surfaces(const std::vector<Body<dim>> &bodies,
+                  const SplineSpace<dim>       &space) const;
+
+    /**
+     * Set the loads of points at time @p t (s).
+     */
+    void
+    set(std::vector<Surface<dim>> &surfaces, const double t) const;
+
+    /**
+     * Set them to zero.
+     */
+    static void
+    clear(std::vector<Surface<dim>> &surfaces);
+
+    /**
+     * The @p surfaces with their loads at time @p t, for TangentSystem. What it
+     * returns refers to both.
+     */
+    std::vector<LoadedSurface<dim>>
+    loaded(const std::vector<Surface<dim>> &surfaces, const double t) const;
+
+    /**
+     * Collective. The name of each load and its force at time @p t, N (in 2D
+     * N / m).
+     */
+    std::vector<std::pair<std::string, dealii::Tensor<1, dim>>>
+    resultants(const std::vector<Surface<dim>> &surfaces,
+               const double                     t,
+               const MPI_Comm                   comm) const;
+
+  private:
+    std::vector<std::string>                       names;
+    std::vector<SurfaceLoadParameters>             parameters;
+    std::vector<std::unique_ptr<SurfaceLoad<dim>>> loads;
+  };
+} // namespace greville
+
+#endif

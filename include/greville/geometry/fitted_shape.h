@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_geometry_fitted_shape_h
+#define greville_geometry_fitted_shape_h
+
+#include <greville/geometry/convex_part.h>
+#include <greville/geometry/level_set.h>
+#include <greville/geometry/shape.h>
+#include <greville/spline/lattice.h>
+
+#include <array>
+
+namespace greville
+{
+  /**
+   * What of a cell is inside of a shape, in coordinates of the cell, which are
+   * in [0, 1].
+   */
+  template <int dim>
+  struct CellPart
+  {
+    /// Then there are no points.
+    bool                                   is_full = false;
+    std::vector<WeightedPoint<dim>>        points;
+    std::vector<WeightedSurfacePoint<dim>> surface;
+  };
+
+  /**
+   * A shape that knows where in a cell its boundary is.
+   */
+  template <int dim>
+  class FittedShape
+  {
+  public:
+    virtual ~FittedShape() = default;
+
+    /**
+     * Points that integrate over the part of the cell at @p position inside,
+     * and over the boundary in it, with at least order 2 n where that is
+     * smooth. What of the boundary lies in the faces of cells belongs to the
+     * cell on its inner side. The cell may lie next to the grid.
+     */
+    virtual CellPart<dim>
+    cut(const std::array<int, dim> &position, const unsigned int n) const = 0;
+
+    virtual bool
+    contains(const dealii::Point<dim> &x) const = 0;
+  };
+
+  /**
+   * A shape of level sets on a lattice. Parts between planes, and those next to
+   * one curved surface, are found exactly up to the quadrature; where curved
+   * surfaces meet others cells are divided, and the smallest parts have planes.
+   */
+  template <int dim>
+  class LevelSetShape : public FittedShape<dim>
+  {
+  public:
+    LevelSetShape(const std::string  &formula,
+                  const std::string  &parameter,
+                  const Lattice<dim> &lattice);
+
+    CellPart<dim>
+    cut(const std::array<int, dim> &position,
+        const unsigned int          n) const override;
+
+    bool
+    contains(const dealii::Point<dim> &x) const override
+    {
+      return shape.contains(x);
+    }
+
+  private:
+    Shape<dim>     shape;
+    ShapeTree<dim> tree;
+    Lattice<dim>   lattice;
+  };
+} // namespace greville
+
+#endif

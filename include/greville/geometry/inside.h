@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_geometry_inside_h
+#define greville_geometry_inside_h
+
+#include <greville/geometry/placement.h>
+
+#include <functional>
+
+namespace greville
+{
+  /**
+   * Whether a place (m) is inside of the formula or file of @p placement.
+   * Throws as place_points().
+   */
+  template <int dim>
+  std::function<bool(const dealii::Point<dim> &)>
+  make_inside(const PointPlacement   &placement,
+              const std::string      &section,
+              const SplineSpace<dim> &space);
+} // namespace greville
+
+#endif

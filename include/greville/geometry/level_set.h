@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_geometry_level_set_h
+#define greville_geometry_level_set_h
+
+#include <deal.II/base/function.h>
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <greville/base/expression.h>
+#include <greville/geometry/convex_part.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * A smooth function that is negative on one side of a surface: a plane, a
+   * quadric (ball, cylinder without ends), or a formula.
+   */
+  template <int dim>
+  struct LevelSet
+  {
+    enum Kind
+    {
+      plane,
+      quadric,
+      formula
+    };
+
+    double
+    value(const dealii::Point<dim> &x) const;
+
+    bool
+    operator==(const LevelSet &other) const;
+
+    Kind       kind = plane;
+    Plane<dim> as_plane;
+    /// (x - center) . metric (x - center) / (2 radius) - radius / 2.
+    dealii::Point<dim>              center;
+    dealii::SymmetricTensor<2, dim> metric;
+    double                          radius = 0.;
+    std::string                     text;
+    std::optional<Expression>       expression;
+  };
+
+
+
+  /**
+   * A level set in the coordinates of a cell, which are in [0, 1]. Derivatives
+   * of formulas are differences of sixth and fourth order.
+   */
+  template <int dim>
+  class CellLevelSet : public dealii::Function<dim>
+  {
+  public:
+    CellLevelSet(const LevelSet<dim>          &level_set,
+                 const dealii::Point<dim>     &corner,
+                 const dealii::Tensor<1, dim> &size);
+
+    double
+    value(const dealii::Point<dim> &xi,
+          const unsigned int        component = 0) const override;
+
+    dealii::Tensor<1, dim>
+    gradient(const dealii::Point<dim> &xi,
+             const unsigned int        component = 0) const override;
+
+    dealii::SymmetricTensor<2, dim>
+    hessian(const dealii::Point<dim> &xi,
+            const unsigned int        component = 0) const override;
+
+    /**
+     * -1 or 1 where the function has one sign in a box, which may be flat;
+     * 0 where that is not known.
+     */
+    int
+    sign(const dealii::BoundingBox<dim> &box) const;
+
+    /**
+     * The largest number f such that one derivative is nowhere in a box smaller
+     * than f times the size of the gradient at its center; not positive where
+     * each derivative may be zero.
+     */
+    double
+    flatness(const dealii::BoundingBox<dim> &box) const;
+
+    /**
+     * The plane itself, or one that touches the surface near @p xi.
+     */
+    Plane<dim>
+    tangent_plane(const dealii::Point<dim> &xi) const;
+
+    /**
+     * The direction of a plane along axes, or dim.
+     */
+    unsigned int
+    axis() const;
+
+    typename LevelSet<dim>::Kind
+    kind() const
+    {
+      return level_set.kind;
+    }
+
+  private:
+    const LevelSet<dim>   &level_set;
+    dealii::Point<dim>     corner;
+    dealii::Tensor<1, dim> size;
+    double                 scale = 1.;
+  };
+
+
+
+  /**
+   * A shape as unions and intersections of level sets and their complements,
+   * from the formula of a Shape. Of the formulas that Shape knows it takes
+   * shapes, their combinations (also by & and |), comparisons f < g and
+   * level_set(f).
+   */
+  template <int dim>
+  class ShapeTree
+  {
+  public:
+    /// Of a level set, or of the shape.
+    enum Side : signed char
+    {
+      inside  = -1,
+      unknown = 0,
+      outside = 1
+    };
+
+    /**
+     * Throws dealii::ExcMessage, which names the @p parameter, where there is
+     * no level set.
+     */
+    ShapeTree(const std::string &formula, const std::string &parameter);
+
+    /**
+     * The side of the shape from those of the level sets. Where it is unknown,
+     * the level sets on which it depends are added to @p active.
+     */
+    Side
+    evaluate(const std::vector<Side> &sides, std::vector<bool> &active) const;
+
+    const std::vector<LevelSet<dim>> &
+    level_sets() const
+    {
+      return all_level_sets;
+    }
+
+  private:
+    struct Node
+    {
+      enum Kind
+      {
+        leaf,
+        all_of,
+        any_of
+      };
+      Kind              kind      = leaf;
+      bool              inverted  = false;
+      unsigned int      level_set = 0;
+      std::vector<Node> children;
+    };
+
+    class Parser;
+
+    Side
+    evaluate(const Node              &node,
+             const std::vector<Side> &sides,
+             std::vector<bool>       *active) const;
+
+    std::vector<LevelSet<dim>> all_level_sets;
+    Node                       root;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_parameters_run_parameters_h
+#define greville_parameters_run_parameters_h
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Exact solutions to compare with.
+   */
+  struct ExactParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string displacement;
+    std::string velocity;
+    std::string stress;
+  };
+
+
+
+  /**
+   * Measured data to compare with.
+   */
+  struct ReferenceParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string surface_file;
+    std::string failure_line_file;
+    double      failure_displacement = 0.002;
+    std::string series_file;
+    std::string series_quantity = "front";
+    double      time_unit       = 1.;
+    double      value_unit      = 1.;
+  };
+
+
+
+  /**
+   * Runs over many meshes.
+   */
+  struct SweepParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    /**
+     * Whether there is one run only.
+     */
+    bool
+    is_empty() const;
+
+    std::vector<unsigned int> cells;
+    std::vector<unsigned int> degrees;
+    std::vector<std::string>  formulations;
+    std::vector<std::string>  masses;
+    std::vector<std::string>  quadratures;
+  };
+
+
+
+  /**
+   * What a run leaves.
+   */
+  struct OutputParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string              directory;
+    std::string              earlier_results  = "move aside";
+    double                   fields_every     = 0.;
+    double                   statistics_every = 0.;
+    double                   front_above      = -1e100;
+    bool                     grid_fields      = true;
+    bool                     surface_points   = true;
+    std::vector<std::string> fields           = {"velocity",
+                                                 "displacement",
+                                                 "stress",
+                                                 "pressure",
+                                                 "von_mises",
+                                                 "J",
+                                                 "density",
+                                                 "body",
+                                                 "id",
+                                                 "size",
+                                                 "history"};
+    std::string              probes;
+    bool                     load        = false;
+    bool                     print_times = true;
+  };
+
+
+
+  /**
+   * When a run writes its state to the disk. It does so on SIGUSR1, SIGTERM,
+   * SIGINT and SIGHUP in any case.
+   */
+  struct CheckpointParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    unsigned int every_steps   = 0;
+    double       every_minutes = 15.;
+    bool         at_end        = true;
+  };
+
+
+
+  /**
+   * When the cells of the grid are shared among the processes anew.
+   */
+  struct LoadBalanceParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    /**
+     * Throw dealii::ExcMessage for values without a meaning.
+     */
+    void
+    check() const;
+
+    double       threshold   = 1.2;
+    unsigned int check_every = 50;
+    unsigned int every_steps = 0;
+    double       empty_cell  = 0.1;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_parameters_stage_parameters_h
+#define greville_parameters_stage_parameters_h
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <array>
+#include <string>
+
+namespace greville
+{
+  /**
+   * The time stepping.
+   */
+  struct TimeParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    double       start = 0.;
+    double       end   = 1.;
+    std::string  step;
+    double       cfl               = 0.5;
+    double       safety            = 0.7;
+    std::string  too_large_step    = "refuse";
+    unsigned int estimate_every    = 20;
+    std::string  velocities        = "half steps";
+    unsigned int max_steps         = 0;
+    double       most_displacement = 0.;
+  };
+
+
+
+  /**
+   * How points and grid exchange what they know.
+   */
+  struct SchemeParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string formulation           = "updated Lagrangian";
+    std::string mass                  = "auto";
+    double      filling               = -1.;
+    double      filter                = 0.4;
+    std::string energy_gain           = "stop";
+    double      energy_tolerance      = 0.1;
+    double      flip_time             = 0.;
+    std::string stress_update         = "USL";
+    std::string transfer              = "FLIP";
+    double      flip                  = 1.;
+    std::string quadrature            = "points";
+    std::string volumetric_projection = "none";
+    double      full_cell             = 0.5;
+    std::string outside               = "error";
+
+    bool
+    is_total_lagrangian() const
+    {
+      return formulation == "total Lagrangian";
+    }
+
+    /**
+     * Of explicit steps. Extended functions cost accuracy: where points stay in
+     * their cells, thinner cuts are good enough.
+     */
+    double
+    filling_threshold() const
+    {
+      return filling >= 0. ? filling : (is_total_lagrangian() ? 0.1 : 0.45);
+    }
+  };
+
+
+
+  /**
+   * The walls of the grid.
+   */
+  struct WallParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    /// In the order of the faces of a cell of deal.II.
+    static const std::array<std::string, 6> names;
+
+    std::array<std::string, 6> type{
+      {"free", "free", "free", "free", "free", "free"}};
+    std::array<std::string, 6> region;
+    std::array<std::string, 6> velocity;
+    std::array<std::string, 6> displacement;
+    std::array<double, 6>      friction{};
+  };
+
+
+
+  /**
+   * Forces on points, and damping.
+   */
+  struct LoadParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string gravity;
+    std::string body_force;
+    double      cundall     = 0.;
+    bool        kinetic     = false;
+    double      damping_end = -1.;
+  };
+
+
+
+  /**
+   * Constants of implicit schemes, and how a step is solved for.
+   */
+  struct ImplicitParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    double       beta            = 0.25;
+    double       gamma           = 0.5;
+    double       spectral_radius = 0.8;
+    double       smallest_step   = 1e-3;
+    unsigned int easy_iterations = 6;
+    double       filling         = -1.;
+
+    /**
+     * Points that move through the grid need more of a cell than those of @p
+     * total_lagrangian steps.
+     */
+    double
+    filling_threshold(const bool total_lagrangian) const
+    {
+      return filling >= 0. ? filling : (total_lagrangian ? 0.1 : 0.55);
+    }
+  };
+
+
+
+  /**
+   * When Newton's method ends, and how exactly it solves its linear systems.
+   */
+  struct NewtonParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    double       tolerance          = 1e-8;
+    double       absolute_tolerance = 0.;
+    unsigned int max_iterations     = 20;
+    unsigned int max_cuts           = 6;
+    double       largest_forcing    = 0.01;
+    double       smallest_forcing   = 1e-8;
+    bool         log                = false;
+  };
+
+
+
+  /**
+   * What may change from one stage of a simulation to the next.
+   */
+  struct StageSections
+  {
+    /**
+     * Each in its section.
+     */
+    void
+    declare_sections(dealii::ParameterHandler &prm);
+
+    TimeParameters     time;
+    SchemeParameters   scheme;
+    WallParameters     walls;
+    LoadParameters     loads;
+    ImplicitParameters implicit;
+    NewtonParameters   newton;
+  };
+
+
+
+  /**
+   * A stage of a simulation.
+   */
+  struct StageParameters : StageSections
+  {
+    /**
+     * The parameters that are not in the sections.
+     */
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string name;
+    bool        reset_displacements = false;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_body_list_h
+#define greville_points_body_list_h
+
+#include <greville/points/body.h>
+
+#include <boost/iterator/indirect_iterator.hpp>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Bodies to look at, which may belong to several vectors. The list refers to
+   * them.
+   */
+  template <int dim>
+  class BodyList
+  {
+  public:
+    BodyList() = default;
+
+    /**
+     * Not explicit: a vector of bodies is a list of them.
+     */
+    BodyList(const std::vector<Body<dim>> &bodies)
+    {
+      add(bodies);
+    }
+
+    void
+    add(const std::vector<Body<dim>> &bodies)
+    {
+      for (const Body<dim> &body : bodies)
+        pointers.push_back(&body);
+    }
+
+    std::size_t
+    size() const
+    {
+      return pointers.size();
+    }
+
+    const Body<dim> &
+    operator[](const std::size_t b) const
+    {
+      return *pointers[b];
+    }
+
+    auto
+    begin() const
+    {
+      return boost::make_indirect_iterator(pointers.begin());
+    }
+
+    auto
+    end() const
+    {
+      return boost::make_indirect_iterator(pointers.end());
+    }
+
+  private:
+    std::vector<const Body<dim> *> pointers;
+  };
+} // namespace greville
+
+#endif

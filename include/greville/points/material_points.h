@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_material_points_h
+#define greville_points_material_points_h
+
+#include <deal.II/base/aligned_vector.h>
+#include <deal.II/base/array_view.h>
+
+#include <greville/points/point_ref.h>
+#include <greville/spline/spline_space.h>
+
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The material points of one body on this process, sorted by cells.
+   *
+   * Points lie in *groups* of four points of one cell, an array
+   * [number of the point's double][lane] each, so that a kernel loads one
+   * number of all points of a group by one instruction. The groups of a cell
+   * form a list; all but the first are full. Lanes without a point hold one
+   * without mass and volume at the centre of the cell, which adds nothing
+   * anywhere: no kernel needs masks. A point that changes its cell is copied,
+   * all others stay where they are; defragment() puts groups into the order of
+   * the cells again when many have moved.
+   *
+   * Cells are counted as in SplineSpace::owned_cells().
+   */
+  template <int dim>
+  class MaterialPoints
+  {
+  public:
+    static constexpr unsigned int none = -1;
+
+    /**
+     * Points of a group.
+     */
+    static constexpr unsigned int width = 4;
+
+    /**
+     * The space is kept by reference; its order does not matter.
+     */
+    void
+    reinit(const SplineSpace<dim> &space, const PointLayout<dim> &layout);
+
+    const PointLayout<dim> &
+    layout() const
+    {
+      return point_layout;
+    }
+
+    /**
+     * Take another space on the same cells.
+     */
+    void
+    set_space(const SplineSpace<dim> &space)
+    {
+      AssertDimension(space.owned_cells().size(), heads.size());
+      spline_space = &space;
+    }
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return *spline_space;
+    }
+
+    /**
+     * Points on this process.
+     */
+    std::size_t
+    n_points() const
+    {
+      return n_all_points;
+    }
+
+    unsigned int
+    n_points(const unsigned int cell) const
+    {
+      return counts[cell];
+    }
+
+    /**
+     * The cells with points, ascending.
+     */
+    const std::vector<unsigned int> &
+    cells() const;
+
+    /**
+     * The first group of a cell, none where there is no point.
+     */
+    unsigned int
+    first_group(const unsigned int cell) const
+    {
+      return heads[cell];
+    }
+
+    /**
+     * The group behind @p group in the list of its cell, or none.
+     */
+    unsigned int
+    next_group(const unsigned int group) const
+    {
+      return links[group];
+    }
+
+    /**
+     * Number of points in the first group of a cell; the others are full.
+     */
+    unsigned int
+    n_in_first_group(const unsigned int cell) const
+    {
+      return counts[cell] == 0 ? 0 : (counts[cell] - 1) % width + 1;
+    }
+
+    /**
+     * The numbers of a group: number k of lane l is at k * width + l.
+     */
+    double *
+    group(const unsigned int g)
+    {
+      return data.data() + std::size_t(g) * point_layout.size * width;
+    }
+
+    const double *
+    group(const unsigned int g) const
+    {
+      return data.data() + std::size_t(g) * point_layout.size * width;
+    }
+
+    /**
+     * Call @p action(cell, point) for all points, with a PointRef or a
+     * ConstPointRef.
+     */
+    template <typename Action>
+    void
+    for_each(const Action &action)
+    {
+      for_each_of<PointRef<dim>>(*this, action);
+    }
+
+    template <typename Action>
+    void
+    for_each(const Action &action) const
+    {
+      for_each_of<ConstPointRef<dim>>(*this, action);
+    }
+
+    /**
+     * Call @p action(point) for all points of a cell.
+     */
+    template <typename Action>
+    void
+    for_each_in_cell(const unsigned int cell, const Action &action) const
+    {
+      unsigned int n = n_in_first_group(cell);
+      for (unsigned int g = heads[cell]; g != none; g = links[g], n = width)
+        for (unsigned int lane = 0; lane < n; ++lane)
+          action(ConstPointRef<dim>(group(g) + lane, width));
+    }
+
+    /**
+     * The point in a lane of a group.
+     */
+    PointRef<dim>
+    point(const unsigned int g, const unsigned int lane)
+    {
+      return PointRef<dim>(group(g) + lane, width);
+    }
+
+    ConstPointRef<dim>
+    point(const unsigned int g, const unsigned int lane) const
+    {
+      return ConstPointRef<dim>(group(g) + lane, width);
+    }
+
+    /**
+     * Add a point with layout().size numbers to a cell.
+     */
+    void
+    insert(const unsigned int                     cell,
+           const dealii::ArrayView<const double> &values);
+
+    /**
+     * Take the points out of @p cell whose position is not in it any more and
+     * append their numbers to @p leaving.
+     */
+    void
+    remove_leaving(const unsigned int cell, std::vector<double> &leaving);
+
+    /**
+     * Whether a point lies in the half-open box of a cell; at the upper walls
+     * of the grid in the closed one. False for NaN.
+     */
+    bool
+    is_inside(const unsigned int cell, const ConstPointRef<dim> point) const;
+
+    /**
+     * Make the lanes without a point harmless again.
+     */
+    void
+    clean(const unsigned int cell);
+
+    /**
+     * Put the groups into the order of the cells.
+     */
+    void
+    defragment();
+
+    /**
+     * Bytes of points and lists on this process.
+     */
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    template <typename Ref, typename Points, typename Action>
+    static void
+    for_each_of(Points &points, const Action &action)
+    {
+      for (const unsigned int cell : points.cells())
+        {
+          unsigned int n = points.n_in_first_group(cell);
+          for (unsigned int g = points.heads[cell]; g != none;
+               g = points.links[g], n = width)
+            for (unsigned int lane = 0; lane < n; ++lane)
+              action(cell, Ref(points.group(g) + lane, width));
+        }
+    }
+
+    unsigned int
+    new_group();
+
+    void
+    clear_lane(const unsigned int cell,
+               const unsigned int g,
+               const unsigned int lane);
+
+    const SplineSpace<dim> *spline_space = nullptr;
+    PointLayout<dim>        point_layout;
+    std::size_t             n_all_points = 0;
+
+    // More than the groups need, so that it seldom has to grow.
+    dealii::AlignedVector<double> data;
+    std::vector<unsigned int>     heads;  // per cell
+    std::vector<unsigned int>     counts; // per cell
+    std::vector<unsigned int>     links;  // per group
+    unsigned int                  free_groups = none;
+
+    mutable std::vector<unsigned int> filled_cells;
+    mutable bool                      filled_cells_are_valid = false;
+  };
+} // namespace greville
+
+#endif

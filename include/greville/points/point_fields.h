@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_point_fields_h
+#define greville_points_point_fields_h
+
+#include <greville/points/body_list.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * A field that points_NNNN.pvtu may have, by its name in `Output/Fields`.
+   */
+  template <int dim>
+  struct OutputField
+  {
+    std::string name;
+    /// Names of its numbers in the file; those of a vector are all the same.
+    std::vector<std::string> components;
+    bool                     is_vector = false;
+    /// Write the numbers of a point of body number b.
+    std::function<void(const ConstPointRef<dim> p,
+                       const Body<dim>         &body,
+                       const unsigned int       b,
+                       double                  *values)>
+      evaluate;
+  };
+
+
+
+  /**
+   * The fields @p names of the points of @p bodies on a process: F is the
+   * deformation gradient, strain Green's, (F^T F - 1) / 2, size the edge of a
+   * cube of the volume of a point, m, and history what materials keep, a field
+   * of all points that is zero where a material does not have it.
+   */
+  template <int dim>
+  std::vector<OutputField<dim>>
+  point_fields(const std::vector<std::string> &names,
+               const BodyList<dim>            &bodies,
+               const unsigned int              process);
+
+  /**
+   * All names, separated by '|'.
+   */
+  std::string
+  output_field_names();
+} // namespace greville
+
+#endif

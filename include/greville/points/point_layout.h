@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_point_layout_h
+#define greville_points_point_layout_h
+
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * What points carry beyond the numbers that all of them have.
+   */
+  struct PointField
+  {
+    std::string  name;
+    unsigned int first;
+    unsigned int n_components;
+  };
+
+
+
+  /**
+   * Where the numbers of a material point lie. Each is counted in doubles from
+   * the begin of the point; symmetric tensors are stored as xx, yy, zz, xy (in
+   * 3D then xz, yz), the deformation gradient row by row, in 2D followed by
+   * F_zz. Behind what all points have come fields with names, first the history
+   * variables of the material, then those of
+   *   "affine", dim x dim numbers: the matrix of APIC, row by row, 1 / s,
+   *   "load", dim numbers: the acceleration by loads, m / s^2,
+   *   "initial_F", dim x dim numbers: the deformation gradient (in 2D in the
+   *     plane) from the stress-free state to the initial one,
+   *   "projected_J", one number: the ratio of volumes that the material sees
+   *     where changes of volume are projected (VolumeProjection),
+   * and of what else somebody keeps at points (PointLoad) that there are.
+   */
+  template <int dim>
+  class PointLayout
+  {
+  public:
+    static constexpr unsigned int n_stress = dim == 2 ? 4 : 6;
+    static constexpr unsigned int n_F      = dim == 2 ? 5 : 9;
+
+    /// x, m.
+    static constexpr unsigned int position = 0;
+    /// v, m / s.
+    static constexpr unsigned int velocity = position + dim;
+    /// m, kg (in 2D per metre of thickness).
+    static constexpr unsigned int mass = velocity + dim;
+    /// V0, volume of the stress-free state, m^3 (in 2D m^2).
+    static constexpr unsigned int volume0 = mass + 1;
+    /// J = V / V0.
+    static constexpr unsigned int J = volume0 + 1;
+    /// Cauchy stress, Pa.
+    static constexpr unsigned int stress = J + 1;
+    /// rho c^2 of the fastest wave, Pa (MaterialPoint::wave_modulus).
+    static constexpr unsigned int wave_modulus = stress + n_stress;
+    /// Deformation gradient from the stress-free state.
+    static constexpr unsigned int F = wave_modulus + 1;
+    /// The initial position, m.
+    static constexpr unsigned int reference = F + n_F;
+    /// A number that no other point of the body has.
+    static constexpr unsigned int id = reference + dim;
+    /// Number of doubles that every point has.
+    static constexpr unsigned int n_fixed = id + 1;
+
+    /**
+     * Where entry (i, j) of a stress, or of the deformation gradient, lies
+     * behind its begin.
+     */
+    static constexpr unsigned int
+    stress_index(const unsigned int i, const unsigned int j)
+    {
+      return i == j ? i : (dim == 2 ? 3 : 2 + i + j);
+    }
+
+    static constexpr unsigned int
+    F_index(const unsigned int i, const unsigned int j)
+    {
+      return dim == 2 && i == 2 && j == 2 ? 4 : i * dim + j;
+    }
+
+    /// Where history variables begin.
+    static constexpr unsigned int state = n_fixed;
+
+    /**
+     * With the history variables of a material as fields of one component.
+     */
+    PointLayout(const std::vector<std::string> &state_names = {});
+
+    /**
+     * Add a field, unless there is one of this name.
+     */
+    void
+    add(const std::string &name, const unsigned int n_components);
+
+    /**
+     * A history variable or added field, nullptr where there is none.
+     */
+    const PointField *
+    find(const std::string &name) const;
+
+    /**
+     * The first number of a field that there is.
+     */
+    unsigned int
+    first(const std::string &name) const;
+
+    /**
+     * A name for each number, in their order: "position_0", ..., "mass", ...
+     */
+    std::vector<std::string>
+    names() const;
+
+    unsigned int n_state = 0;
+    /// Number of doubles of a point.
+    unsigned int size = n_fixed;
+    /// The first number of the position at which basis functions are taken:
+    /// `position` in updated Lagrangian steps, `reference` in total Lagrangian
+    /// ones, in which gradients are those with respect to it.
+    unsigned int basis_position = position;
+
+    /// The first number of "initial_F", 0 where there is none. Points of total
+    /// Lagrangian steps with initial stresses have it: F F_initial^-1 is the
+    /// deformation since the configuration of their basis functions.
+    unsigned int initial_F = 0;
+
+    /// "projected_J", 0 where there is none. J and F are always those of the
+    /// motion.
+    unsigned int projected_J = 0;
+
+    void
+    add_projected_J()
+    {
+      add("projected_J", 1);
+      projected_J = first("projected_J");
+    }
+
+    void
+    add_initial_F()
+    {
+      add("initial_F", dim * dim);
+      initial_F = first("initial_F");
+    }
+
+    bool
+    is_total_lagrangian() const
+    {
+      return basis_position == reference;
+    }
+
+  private:
+    std::vector<PointField> all_fields;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_point_ref_h
+#define greville_points_point_ref_h
+
+#include <deal.II/base/point.h>
+
+#include <greville/materials/material.h>
+#include <greville/points/point_layout.h>
+
+#include <cmath>
+#include <type_traits>
+
+namespace greville
+{
+  /**
+   * A point in the storage of MaterialPoints, or in an array of its numbers
+   * (stride 1), by the names of its numbers; see PointLayout for their units.
+   * It is a pointer: copying it does not copy the point, and a `const PointRef`
+   * may be written to, but not a ConstPointRef.
+   */
+  template <int dim, typename Number = double>
+  class PointRef
+  {
+  public:
+    using Layout = PointLayout<dim>;
+
+    explicit PointRef(Number *values, const unsigned int stride = 1)
+      : values(values)
+      , stride(stride)
+    {}
+
+    /**
+     * A ConstPointRef from a PointRef.
+     */
+    template <
+      typename Other,
+      typename = std::enable_if_t<std::is_convertible_v<Other *, Number *>>>
+    PointRef(const PointRef<dim, Other> &other)
+      : values(other.values)
+      , stride(other.stride)
+    {}
+
+    /**
+     * Number k of the point, for what PointLayout knows at run time only.
+     */
+    Number &
+    operator[](const unsigned int k) const
+    {
+      return values[k * stride];
+    }
+
+    Number &
+    position(const unsigned int d) const
+    {
+      return (*this)[Layout::position + d];
+    }
+
+    dealii::Point<dim>
+    position() const
+    {
+      return dealii::Point<dim>(vector(Layout::position));
+    }
+
+    Number &
+    velocity(const unsigned int d) const
+    {
+      return (*this)[Layout::velocity + d];
+    }
+
+    dealii::Tensor<1, dim>
+    velocity() const
+    {
+      return vector(Layout::velocity);
+    }
+
+    Number &
+    reference(const unsigned int d) const
+    {
+      return (*this)[Layout::reference + d];
+    }
+
+    dealii::Point<dim>
+    reference() const
+    {
+      return dealii::Point<dim>(vector(Layout::reference));
+    }
+
+    /**
+     * Where basis functions are taken.
+     */
+    dealii::Point<dim>
+    basis_position(const Layout &layout) const
+    {
+      return dealii::Point<dim>(vector(layout.basis_position));
+    }
+
+    Number &
+    mass() const
+    {
+      return (*this)[Layout::mass];
+    }
+
+    Number &
+    volume0() const
+    {
+      return (*this)[Layout::volume0];
+    }
+
+    Number &
+    J() const
+    {
+      return (*this)[Layout::J];
+    }
+
+    /**
+     * V = J V0.
+     */
+    double
+    volume() const
+    {
+      return volume0() * J();
+    }
+
+    Number &
+    wave_modulus() const
+    {
+      return (*this)[Layout::wave_modulus];
+    }
+
+    Number &
+    id() const
+    {
+      return (*this)[Layout::id];
+    }
+
+    /**
+     * Component k of the n_stress that are stored.
+     */
+    Number &
+    stress(const unsigned int k) const
+    {
+      return (*this)[Layout::stress + k];
+    }
+
+    dealii::SymmetricTensor<2, 3>
+    stress() const
+    {
+      dealii::SymmetricTensor<2, 3> result;
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int j = i; j < 3; ++j)
+          if (dim == 3 || i == j || j < 2)
+            result[i][j] = stress(Layout::stress_index(i, j));
+      return result;
+    }
+
+    void
+    set_stress(const dealii::SymmetricTensor<2, 3> &sigma) const
+    {
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int j = i; j < 3; ++j)
+          if (dim == 3 || i == j || j < 2)
+            stress(Layout::stress_index(i, j)) = sigma[i][j];
+    }
+
+    /**
+     * Entry (i, j) with i, j < dim, or F_zz.
+     */
+    Number &
+    F(const unsigned int i, const unsigned int j) const
+    {
+      return (*this)[Layout::F + Layout::F_index(i, j)];
+    }
+
+    dealii::Tensor<2, 3>
+    F() const
+    {
+      dealii::Tensor<2, 3> result;
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          result[i][j] = F(i, j);
+      result[2][2] = F(2, 2);
+      return result;
+    }
+
+    void
+    set_F(const dealii::Tensor<2, 3> &F_3d) const
+    {
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          F(i, j) = F_3d[i][j];
+      F(2, 2) = F_3d[2][2];
+    }
+
+    /**
+     * The dim, or dim x dim, numbers that begin at number @p first.
+     */
+    dealii::Tensor<1, dim>
+    vector(const unsigned int first) const
+    {
+      dealii::Tensor<1, dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = (*this)[first + d];
+      return result;
+    }
+
+    dealii::Tensor<2, dim>
+    matrix(const unsigned int first) const
+    {
+      dealii::Tensor<2, dim> result;
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          result[i][j] = (*this)[first + i * dim + j];
+      return result;
+    }
+
+  private:
+    Number      *values;
+    unsigned int stride;
+
+    template <int, typename>
+    friend class PointRef;
+  };
+
+  template <int dim>
+  using ConstPointRef = PointRef<dim, const double>;
+
+
+
+  /**
+   * Multiply the determinant of a deformation gradient by @p ratio, in 2D
+   * without a change of thickness.
+   */
+  template <int dim>
+  inline void
+  scale_volume(dealii::Tensor<2, 3> &F, const double ratio)
+  {
+    const double factor = dim == 2 ? std::sqrt(ratio) : std::cbrt(ratio);
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        F[i][j] *= factor;
+  }
+
+
+
+  /**
+   * A point as its material sees it, with the increment 1, from the numbers of
+   * a point: with the projected J where there is one, and F scaled to it. @p
+   * point is a new one.
+   */
+  template <int dim>
+  inline void
+  load_material_point(const ConstPointRef<dim> p,
+                      const PointLayout<dim>  &layout,
+                      MaterialPoint           &point)
+  {
+    for (unsigned int d = 0; d < 3; ++d)
+      point.increment[d][d] = 1.;
+    point.F      = p.F();
+    point.J      = p.J();
+    point.stress = p.stress();
+    if (layout.projected_J != 0)
+      {
+        point.J = p[layout.projected_J];
+        scale_volume<dim>(point.F, point.J / p.J());
+      }
+    for (unsigned int k = 0; k < layout.n_state; ++k)
+      point.state[k] = p[layout.state + k];
+  }
+
+
+
+  /**
+   * Write what Material::update() has changed.
+   */
+  template <int dim>
+  inline void
+  store_material_point(const MaterialPoint    &point,
+                       const PointRef<dim>     p,
+                       const PointLayout<dim> &layout)
+  {
+    p.set_stress(point.stress);
+    p.wave_modulus() = point.wave_modulus;
+    for (unsigned int k = 0; k < layout.n_state; ++k)
+      p[layout.state + k] = point.state[k];
+  }
+} // namespace greville
+
+#endif

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_point_transfer_h
+#define greville_points_point_transfer_h
+
+#include <greville/base/vector_field.h>
+#include <greville/mass/density_weights.h>
+#include <greville/mass/stencil_matrix.h>
+#include <greville/materials/material.h>
+#include <greville/points/material_points.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+
+namespace greville
+{
+  /**
+   * The univariate B-splines of all cells of a direction as polynomials, for
+   * kernels that evaluate them at any point.
+   */
+  class SplinePolynomials
+  {
+  public:
+    void
+    reinit(const KnotVector &knots);
+
+    /**
+     * With t = (x - centre of the cell) / h: N_a = sum_k c[a (p+1) + k] t^k.
+     */
+    const double *
+    coefficients(const unsigned int cell) const
+    {
+      return polynomials.data() + std::size_t(cell) * n * n;
+    }
+
+    /**
+     * Greville abscissae of the functions of a cell minus its centre.
+     */
+    const double *
+    greville_offsets(const unsigned int cell) const
+    {
+      return offsets.data() + std::size_t(cell) * n;
+    }
+
+  private:
+    unsigned int        n = 0;
+    std::vector<double> polynomials, offsets;
+  };
+
+  /**
+   * Those of all directions of a space.
+   */
+  template <int dim>
+  struct SpacePolynomials
+  {
+    const SplineSpace<dim>            *space = nullptr;
+    std::array<SplinePolynomials, dim> directions;
+  };
+
+
+
+  template <int dim>
+  class VolumeProjection;
+
+  /**
+   * How grid_to_points() moves points.
+   */
+  template <int dim>
+  struct PointUpdate
+  {
+    /// Grid acceleration a: points are kicked if it is given.
+    const VectorField<dim> *acceleration = nullptr;
+    /// Grid velocity v: points are moved by it if @p move, and PIC and APIC
+    /// take it over where points are kicked.
+    const VectorField<dim> *velocity = nullptr;
+    /// Grid velocity w whose gradient deforms the points, if it is given.
+    const VectorField<dim> *deformation = nullptr;
+    /// Whether x changes.
+    bool move = false;
+    /// Steps of time (s) of velocity and of position and deformation.
+    double velocity_step = 0.;
+    double step          = 0.;
+    /// 1: FLIP, 0: PIC.
+    double flip = 1.;
+    /// APIC: points have an affine matrix.
+    bool apic = false;
+    /// The projection of the changes of volume, if there is one.
+    VolumeProjection<dim> *projection = nullptr;
+    /// The law of the points, which gives them a stress where they are
+    /// deformed; null: they have none.
+    const Material *material = nullptr;
+    /// What it says at the end of the step, see Material.
+    double strength_reduction = 1.;
+  };
+
+
+
+  /**
+   * Sums and extremes over points after they have been updated, which show
+   * whether a step was sound.
+   */
+  struct PointSums
+  {
+    /// Of points that have moved: their mass (kg; 2D: kg / m) and momentum, and
+    /// the largest part of a cell that one of them has crossed in a direction.
+    double                mass     = 0.;
+    std::array<double, 3> momentum = {};
+    double                crossed  = 0.;
+    /// Of points that have been deformed: the extremes of J.
+    double smallest_J = std::numeric_limits<double>::max();
+    double largest_J  = 0.;
+
+    /**
+     * Add those of other points, or of another pass over the same ones.
+     */
+    void
+    add(const PointSums &other)
+    {
+      mass += other.mass;
+      for (unsigned int d = 0; d < momentum.size(); ++d)
+        momentum[d] += other.momentum[d];
+      crossed    = std::max(crossed, other.crossed);
+      smallest_J = std::min(smallest_J, other.smallest_J);
+      largest_J  = std::max(largest_J, other.largest_J);
+    }
+  };
+
+
+
+  /**
+   * What grid_to_points() found on this process.
+   */
+  struct PointReport
+  {
+    /// The largest c + |v| (m / s) with the speed c of pressure waves, and c.
+    double    fastest_signal = 0., fastest_wave = 0.;
+    PointSums sums;
+    /// Cells that at least one point has left.
+    std::vector<unsigned int> left_cells;
+    /// First point with J <= 0 or NaN in stress or position: id, and reason.
+    std::int64_t bad_point = -1;
+    std::string  bad_reason;
+  };
+
+
+
+  /**
+   * Where a point is, for messages: "at (0.1, 0.2) m, in the cell (3, 4)", with
+   * the lexicographic index of the owned cell number @p cell.
+   */
+  template <int dim>
+  std::string
+  describe_place(const SplineSpace<dim>   &space,
+                 const unsigned int        cell,
+                 const dealii::Point<dim> &x);
+
+
+
+  /**
+   * Two isotropic tensors that make stress out of a gradient: that of
+   * elasticity, which follows the state of a point (lambda and G of the
+   * stress-free state are multiplied by the wave modulus of the point over
+   * lambda + 2 G, and by @p elastic_factor), and that of viscosity, which is
+   * the same in any state.
+   */
+  struct Stiffness
+  {
+    double lambda         = 0.;
+    double shear          = 0.;
+    double viscous_lambda = 0.;
+    double viscous_shear  = 0.;
+    double elastic_factor = 1.;
+  };
+
+
+
+  /**
+   * Sums over points and grid functions. For a space with functions N_i, of
+   * points p with mass m, velocity v, volume V = J V0 and Cauchy stress sigma:
+   *   mass      m_i = sum_p m_p N_i(x_p),
+   *   momentum  P_i = sum_p m_p (v_p + C_p (xi_i - x_p)) N_i(x_p),
+   *   force     f_i = sum_p (m_p b_p N_i(x_p) - V_p sigma_p grad N_i(x_p)),
+   * with the acceleration b_p by loads and, for APIC, the affine matrix C_p and
+   * the Greville point xi_i
+   * (@ref Jiang2015 "Jiang et al., 2015"). The way back is
+   *   v_p <- flip (v_p + dt' a(x_p)) + (1 - flip) v(x_p),    (PIC: flip = 0)
+   *   x_p <- x_p + dt v(x_p),
+   *   F_p <- (1 + dt grad w(x_p)) F_p,  J_p likewise, sigma_p by the material.
+   * Values of all fields are those at the x_p before the call. For APIC,
+   * v_p = v(x_p) and C_p = sum_i N_i v_i (xi_i - x_p)^T D_p^-1 with the
+   * diagonal matrix D_p = sum_i N_i (xi_i - x_p)(xi_i - x_p)^T.
+   *
+   * Kernels take the points of a group by SIMD; loops over a cell's functions
+   * are a tensor product. The space has order 1 to 5.
+   */
+  template <int dim>
+  class PointTransfer
+  {
+  public:
+    /**
+     * The space is kept by reference.
+     */
+    void
+    reinit(const SplineSpace<dim> &space);
+
+    /**
+     * Collective. Overwrite those of the three that are given with the sums
+     * over all @p bodies, which have to live on cells of the space. Mass and
+     * momentum go together.
+     */
+    void
+    points_to_grid(const std::vector<const MaterialPoints<dim> *> &bodies,
+                   VectorType                                     *mass,
+                   VectorField<dim>                               *momentum,
+                   VectorField<dim>                               *force);
+
+    /**
+     * Collective. Move @p points. Ghost entries of the fields are updated.
+     */
+    PointReport
+    grid_to_points(MaterialPoints<dim> &points, const PointUpdate<dim> &update);
+
+    /**
+     * Fill the weights, with n points per direction, from the masses of the
+     * points: exact for mass matrices of order (n - 1) / 2.
+     */
+    void
+    mass_weights(const std::vector<const MaterialPoints<dim> *> &bodies,
+                 DensityWeights<dim>                            &weights) const;
+
+    /**
+     * Add sum_p m_p N_i(x_p) N_j(x_p), which this process's points contribute
+     * to the mass matrix.
+     */
+    void
+    add_mass_matrix(const std::vector<const MaterialPoints<dim> *> &bodies,
+                    StencilMatrix<dim> &matrix) const;
+
+    /**
+     * The part of each owned cell that points fill: the sum of their volumes
+     * over that of the cell, for CellFilling. A point counts V0 if it is
+     * compressed and 1.5 V0 at most if it is expanded, so that a stretched body
+     * stays filled and spray does not look like a body. In total Lagrangian
+     * steps it counts V0.
+     */
+    void
+    filling(const std::vector<const MaterialPoints<dim> *> &bodies,
+            std::vector<double>                            &result) const;
+
+    /**
+     * Collective. Add k_i = sum_p V_p (lambda div u 1 + 2 G sym grad u)
+     * grad N_i at x_p, with lambda and G of the @p stiffness of @p points. @p k
+     * is overwritten if @p overwrite.
+     */
+    void
+    add_stiffness(const MaterialPoints<dim> &points,
+                  const Stiffness           &stiffness,
+                  const VectorField<dim>    &u,
+                  VectorField<dim>          &k,
+                  const bool                 overwrite);
+
+    /**
+     * Collective. y = M x with the mass matrix M_ij = sum_p m_p N_i(x_p)
+     * N_j(x_p) of all @p bodies.
+     */
+    void
+    multiply_mass(const std::vector<const MaterialPoints<dim> *> &bodies,
+                  const VectorField<dim>                         &x,
+                  VectorField<dim>                               &y);
+
+    /**
+     * Collective. Points share their changes of volume with their neighbours:
+     *   J_p <- J_p + part sum_i N_i(x_p) w_i (J_i - J_p),
+     *   J_i = sum_p V0_p J_p N_i(x_p) / sum_p V0_p N_i(x_p),
+     *   w_i = sum_p V0_p max(J_p - 1, 0) N_i / sum_p V0_p |J_p - 1| N_i,
+     * which keeps the sum of V0 J. The velocity of the grid moves all points of
+     * a cell alike, so that nothing else removes differences of J between them:
+     * where some points have J < 1 and bear pressure, others J > 1 and none, a
+     * fluid bears a pressure with more than its volume. The weight w_i leaves
+     * alone what is all compressed, whose pressure is a smooth field. F stays.
+     */
+    void
+    share_volume(MaterialPoints<dim> &points, const double part);
+
+    /**
+     * The diagonal of D_p = sum_i N_i (xi_i - x)(xi_i - x)^T for a point @p x
+     * of owned cell number @p cell, m^2.
+     */
+    dealii::Tensor<1, dim>
+    spread(const unsigned int cell, const dealii::Point<dim> &x) const;
+
+  private:
+    SpacePolynomials<dim> tables;
+    std::vector<double>   buffer;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_point_transport_h
+#define greville_points_point_transport_h
+
+#include <greville/points/material_points.h>
+
+#include <unordered_map>
+
+namespace greville
+{
+  /**
+   * Brings points to the cells, and the processes, that they have moved to.
+   * Points that leave the grid by less than 1e-9 cells are put back onto its
+   * wall. Those that leave it where it is periodic come back on the other side:
+   * position and reference position, whose difference is the displacement, move
+   * by whole periods.
+   */
+  template <int dim>
+  class PointTransport
+  {
+  public:
+    /**
+     * Collective. Triangulation and space are kept by reference.
+     */
+    void
+    reinit(DistributedTriangulation<dim> &triangulation,
+           const SplineSpace<dim>        &space);
+
+    /**
+     * What became of the points of a body that left their cells, on this
+     * process.
+     */
+    struct Result
+    {
+      std::size_t n_moved   = 0;
+      std::size_t n_sent    = 0;
+      std::size_t n_removed = 0;
+      /// Mass of those that were removed.
+      double removed_mass = 0.;
+      /// The id of a point outside of the grid, and its position.
+      std::int64_t       outside = -1;
+      dealii::Point<dim> outside_position;
+    };
+
+    /**
+     * Collective. Move the points that have left @p left_cells. Points outside
+     * of the grid are removed and counted.
+     */
+    Result
+    move(MaterialPoints<dim>             &points,
+         const std::vector<unsigned int> &left_cells);
+
+    /**
+     * Collective. Insert points into their cells, wherever these are: @p rows
+     * has the lexicographic position of the cell and the numbers of a point,
+     * one point after the other. Points of a cell get the order of the
+     * processes that call with them, and of their rows there.
+     */
+    void
+    insert(MaterialPoints<dim> &points, const std::vector<double> &rows);
+
+  private:
+    std::vector<unsigned int>
+    find_owners(const std::vector<std::uint64_t> &cells) const;
+
+    DistributedTriangulation<dim>                  *tria         = nullptr;
+    const SplineSpace<dim>                         *spline_space = nullptr;
+    MPI_Comm                                        comm = MPI_COMM_NULL;
+    std::unordered_map<std::uint64_t, unsigned int> owners_of_ghost_cells;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_points_copy_h
+#define greville_points_points_copy_h
+
+#include <greville/points/material_points.h>
+
+namespace greville
+{
+  /**
+   * A copy of the material points of one body on this process, which takes
+   * about half of their memory: to go back to an earlier state that is looked
+   * at then, not to continue as if nothing had happened.
+   *
+   * Mass, stress-free volume and id are kept as they are, all other numbers in
+   * single precision: the position relative to the centre of its cell (so to
+   * 1e-7 of a cell), the initial position relative to that of today,
+   * J, its projection and the diagonal of F less 1, others relative to their
+   * own size. Lanes without a point are not kept.
+   */
+  template <int dim>
+  class PointsCopy
+  {
+  public:
+    void
+    copy(const MaterialPoints<dim> &points);
+
+    /**
+     * Overwrite @p points, which have to be those that were copied or others
+     * of the same space with the same layout, with the copy.
+     */
+    void
+    restore(MaterialPoints<dim> &points) const;
+
+    /**
+     * Bytes on this process.
+     */
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    std::vector<unsigned int> cells, counts; // cells with points, their points
+    std::vector<double>       exact;
+    std::vector<float>        rounded;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_surface_h
+#define greville_points_surface_h
+
+#include <greville/geometry/fitted_points.h>
+#include <greville/points/body.h>
+
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Points on a part of the surface of a body, which move and deform with it
+   * and bear one load. What is their mass for others is their initial area dA0,
+   * m^2 (in 2D m), so that sums over points take their field "load" as the
+   * force per initial area, Pa. They have no volume, no stress and no material;
+   * F is that from the initial positions, and the field "normal" the normal
+   * there, outwards.
+   */
+  template <int dim>
+  struct Surface
+  {
+    std::string         name;
+    MaterialPoints<dim> points;
+    /// At most what the load per initial area changes by displacement, Pa / m,
+    /// and by velocity, Pa s / m: they bound explicit steps.
+    double stiffness = 0., damping = 0.;
+  };
+
+
+
+  /**
+   * A point of a surface at some time, as its load sees it.
+   */
+  template <int dim>
+  struct SurfaceState
+  {
+    dealii::Point<dim> X, x;
+    /// In the initial configuration.
+    dealii::Tensor<1, dim> normal;
+    dealii::Tensor<2, dim> F;
+    /// m / s
+    dealii::Tensor<1, dim> velocity;
+
+    /**
+     * The normal today times the area over the initial one: J F^-T N.
+     */
+    dealii::Tensor<1, dim>
+    area_vector() const
+    {
+      dealii::Tensor<1, dim> result;
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          if constexpr (dim == 2)
+            result[i] += (i == j ? 1. : -1.) * F[1 - i][1 - j] * normal[j];
+          else
+            {
+              const int a = (i + 1) % 3, b = (i + 2) % 3;
+              const int c = (j + 1) % 3, d = (j + 2) % 3;
+              result[i] += (F[a][c] * F[b][d] - F[a][d] * F[b][c]) * normal[j];
+            }
+      return result;
+    }
+  };
+
+  template <int dim>
+  SurfaceState<dim>
+  surface_state(const ConstPointRef<dim> p, const PointLayout<dim> &layout);
+
+
+
+  /**
+   * Collective. The surface of those of the @p placed points of @p body that
+   * lie in the shape @p where (empty: all). They have the initial displacement
+   * and velocity of the body. @p section names the load. Throws
+   * dealii::ExcMessage where there are none.
+   */
+  template <int dim>
+  Surface<dim>
+  make_surface(const std::string                    &name,
+               const std::string                    &section,
+               const std::string                    &where,
+               const Body<dim>                      &body,
+               const std::vector<SurfacePoint<dim>> &placed,
+               const SplineSpace<dim>               &space);
+} // namespace greville
+
+#endif

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_trial_surface_h
+#define greville_points_trial_surface_h
+
+#include <greville/points/point_transfer.h>
+#include <greville/points/surface.h>
+
+#include <functional>
+
+namespace greville
+{
+  /**
+   * A point of a surface in a trial step, in the configuration at its begin.
+   */
+  template <int dim>
+  struct TrialSurfacePoint
+  {
+    /// Where the basis functions are taken, m.
+    dealii::Point<dim> x;
+    /// The initial area, m^2 (in 2D m), or the mass of a point of a body.
+    double area;
+    /// Force per initial area, Pa, or per mass.
+    dealii::Tensor<1, dim> load;
+    /// Its derivatives by the displacement, [i][k], and by the gradient of the
+    /// displacement with respect to x, [i][k][L], where they are asked for.
+    dealii::Tensor<2, dim> by_displacement;
+    dealii::Tensor<3, dim> by_gradient;
+  };
+
+
+
+  /**
+   * A surface and the force per initial area on its points; or the points of a
+   * body, which have a mass in place of the area and no normal, and the force
+   * per mass, which depends on their position and velocity only.
+   */
+  template <int dim>
+  struct LoadedSurface
+  {
+    const MaterialPoints<dim> *points;
+    std::function<dealii::Tensor<1, dim>(const ConstPointRef<dim> p,
+                                         const SurfaceState<dim> &state)>
+      load;
+  };
+
+
+
+  /**
+   * Where a surface is in a trial step with the displacement u: after the share
+   * of it that is given, with the velocity v + v_by_u u.
+   */
+  template <int dim>
+  struct SurfaceMotion
+  {
+    double                  share  = 1.;
+    const VectorField<dim> *v      = nullptr; // null: zero
+    double                  v_by_u = 0.;
+  };
+
+
+
+  /**
+   * Loads on surfaces, and on points of bodies, that a displacement u of the
+   * grid has moved. The derivatives are central differences, which are exact up
+   * to round-off for loads that are quadratic in F, x and v, as pressure is.
+   */
+  template <int dim>
+  class TrialSurfaces
+  {
+  public:
+    /**
+     * The space is kept by reference.
+     */
+    void
+    reinit(const SplineSpace<dim> &space);
+
+    /**
+     * Evaluate the points of a surface and give them cell by cell to @p action.
+     */
+    using Action =
+      std::function<void(const unsigned int                         cell,
+                         const std::vector<TrialSurfacePoint<dim>> &points)>;
+
+    void
+    evaluate(const LoadedSurface<dim> &surface,
+             const VectorField<dim>   &u,
+             const SurfaceMotion<dim> &motion,
+             const bool                with_derivatives,
+             const Action             &action);
+
+  private:
+    SpacePolynomials<dim> tables;
+    std::vector<double>   buffer;
+  };
+} // namespace greville
+
+#endif

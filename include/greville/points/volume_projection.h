@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_volume_projection_h
+#define greville_points_volume_projection_h
+
+#include <greville/points/point_transfer.h>
+
+#include <memory>
+
+namespace greville
+{
+  /**
+   * A projection of ratios of volumes against locking, F-bar: the material of a
+   * body sees, in place of F and J = det F of the motion,
+   * @f[
+   *   \hat F = (\hat J / J)^{1/dim} F, \qquad
+   *   \hat J = \sum_I c_I N_I, \qquad
+   *   \sum_J \sum_q V_q N_I(x_q) N_J(x_q) \, c_J
+   *     = \sum_q V_q N_I(x_q) J_q,
+   * @f]
+   * the L2 projection with the stress-free volumes V of the points. The N_I are
+   * B-splines of order p - 1 on the mesh (for p = 1 they are one in a cell
+   * each), or of order p on the coarse mesh of cells of twice the size. The
+   * forces on the grid are those of the stress sigma(F hat) in the true
+   * configuration, J sigma F^-T (@ref deSouzaNeto1996 "de Souza Neto, Peric,
+   * Dutko and Owen, 1996"; with B-splines: @ref Elguedj2008 "Elguedj, Bazilevs,
+   * Calo and Hughes, 2008"). J hat is a function of where points are at the end
+   * of a step, so that no error adds up from step to step.
+   *
+   * In updated Lagrangian steps x is the position at the start of the step. In
+   * total Lagrangian ones it is the initial position, and J and V are those
+   * relative to the initial configuration, so that initial stresses remain.
+   *
+   * The system is solved by a few iterations with the lumped matrix, as many
+   * for all right-hand sides, so that J hat is linear in J. They need no
+   * extension of the N_I at surfaces, keep a constant J, and are exact for p =
+   * 1. Where bodies hardly change their volume, the first of them would be
+   * enough; the others make J hat accurate where they do, at surfaces above
+   * all. Where functions of order p = 1 are extended, bodies still lock with
+   * the N_I on the mesh. Cells of the coarse mesh begin at the lower corner of
+   * the grid, and the last ones reach beyond it where the number of cells is
+   * odd.
+   *
+   * Bodies are projected one by one: their points may differ in stiffness.
+   */
+  template <int dim>
+  class VolumeProjection
+  {
+  public:
+    /**
+     * Collective. The space of order p is kept by reference. With @p coarse the
+     * cells of the projection have twice the size. Throws dealii::ExcMessage
+     * where a periodic direction has not the cells for that.
+     */
+    void
+    reinit(const SplineSpace<dim>        &space,
+           DistributedTriangulation<dim> &triangulation,
+           const bool                     coarse);
+
+    /**
+     * Collective. J hat of the @p points of a body, in the order of
+     * MaterialPoints::for_each(), after a step @p dt (s) with the velocity @p w
+     * of the grid; or, with a @p direction, its derivative by dt w.
+     */
+    const std::vector<double> &
+    project(const MaterialPoints<dim> &points,
+            const VectorField<dim>    &w,
+            const double               dt,
+            const VectorField<dim>    *direction = nullptr);
+
+    /**
+     * Collective. The derivative of log J hat, less a @p share of that of log
+     * J, of the same points in the direction @p du of the displacement @p u,
+     * which has given them @p J_hat.
+     */
+    const std::vector<double> &
+    differentiate(const MaterialPoints<dim> &points,
+                  const VectorField<dim>    &u,
+                  const VectorField<dim>    &du,
+                  const std::vector<double> &J_hat,
+                  const double               share);
+
+  private:
+    void
+    number_coarse_functions();
+
+    template <int n>
+    void
+    find_J(const MaterialPoints<dim> &points,
+           const double               dt,
+           const bool                 with_direction);
+
+    template <int n>
+    void
+    project_J(const MaterialPoints<dim> &points);
+
+    SpacePolynomials<dim> tables;
+
+    // The functions N_I: of q + 1 polynomials in each direction, cell by cell
+    // of the projection, and local numbers of functions, cell by cell of the
+    // mesh.
+    unsigned int                       coarsening = 1;
+    unsigned int                       q          = 0;
+    std::array<SplinePolynomials, dim> polynomials;
+    std::vector<unsigned int>          functions;
+    VectorType                         weighted, weight;
+
+    std::vector<double> buffer, sums;
+    // Of the points: J of the motion, then J hat; dJ / J in the direction.
+    std::vector<double> J, rates;
+  };
+} // namespace greville
+
+#endif

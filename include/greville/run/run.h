@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_run_run_h
+#define greville_run_run_h
+
+#include <greville/base/csv.h>
+#include <greville/run/checkpoint.h>
+#include <greville/run/comparison.h>
+#include <greville/run/output.h>
+#include <greville/run/run_notes.h>
+#include <greville/steps/ensemble.h>
+
+#include <chrono>
+#include <functional>
+
+namespace greville
+{
+  /**
+   * What a run found.
+   */
+  struct RunSummary
+  {
+    double wall_time = 0.; // s
+    double front     = 0.; // the largest, m
+    double front_99  = 0.; // likewise
+    /// EnergyBalance::loss() of all parts, J (2D: J / m), and its fraction of
+    /// the largest energy or work so far.
+    double                  numerical_loss = 0., relative_loss = 0.;
+    ExactErrors             errors;
+    std::optional<Distance> surface, series;
+    std::optional<double>   failure_line; // mean distance, m
+  };
+
+
+
+  /**
+   * How runs begin.
+   */
+  struct RunOptions
+  {
+    /// Go on from the last checkpoint in the folder of the run.
+    bool resumes = false;
+    /// Not empty: the folder of another run, from whose last checkpoint bodies
+    /// and surfaces are taken.
+    std::string from;
+    /// Parameters that take the place of those of the file, see
+    /// read_parameter_lines().
+    std::vector<std::string> settings;
+    /// What is to be done in the folder before the first file is written, when
+    /// parameters and checkpoints have been accepted; all processes call it.
+    std::function<void()> prepare_folder;
+  };
+
+
+
+  /**
+   * Thrown where a signal has ended a run.
+   */
+  class RunStopped : public dealii::ExcMessage
+  {
+  public:
+    using dealii::ExcMessage::ExcMessage;
+  };
+
+
+
+  /**
+   * Runs an Ensemble to its end, and shows and writes what a parameter file
+   * asks for:
+   * - statistics.csv, probes.csv, points.pvd and grid.pvd (grid_BODY.pvd where
+   *   bodies have grids of their own) with their files, summary.json, and
+   *   RunNotes;
+   * - checkpoints, from which another run goes on as if nothing had happened;
+   * - header, progress and summary on the first process's @p out.
+   */
+  template <int dim>
+  class SimulationRun
+  {
+  public:
+    /**
+     * Collective. @p directory has to exist. Throws dealii::ExcMessage where
+     * parameters, or the checkpoint to begin with, are wrong.
+     */
+    SimulationRun(const SimulationParameters &parameters,
+                  const std::string          &directory,
+                  std::ostream               &out,
+                  const MPI_Comm              comm,
+                  const RunOptions           &options = RunOptions());
+
+    /**
+     * Collective. Throws what Simulation::step() throws, where it has gone back
+     * after the last good state has been written, and RunStopped after a
+     * signal, with a checkpoint and all results.
+     */
+    RunSummary
+    run();
+
+  private:
+    /**
+     * What run() does, which notes errors besides.
+     */
+    RunSummary
+    run_to_end();
+
+    /**
+     * Begin as the options want it.
+     */
+    void
+    begin_run(const RunOptions &options);
+
+    /**
+     * Go on from a checkpoint in the folder of this run.
+     */
+    void
+    go_on(const Checkpoint &checkpoint);
+
+    /**
+     * What the files of the run have when the simulation keeps a state.
+     */
+    struct Mark
+    {
+      unsigned int  n_steps             = 0;
+      std::uint64_t bytes_of_statistics = 0, bytes_of_probes = 0;
+      Largest       front, front_99;
+      std::string   fields;
+      std::pair<std::vector<double>, std::vector<double>> series;
+    };
+
+    Mark
+    make_mark() const;
+
+    /**
+     * Write a checkpoint of the state at hand, with which the files go on from
+     * a mark. Returns its content.
+     */
+    TablesFile
+    write_checkpoint(const Mark &mark);
+
+    /**
+     * Write a checkpoint, and go on as a run that begins from it.
+     */
+    void
+    write_checkpoint();
+
+    /**
+     * Collective. After a step that has failed: write the state that the
+     * simulation has gone back to. Returns what the message is to say of it.
+     */
+    std::string
+    write_last_good_state();
+
+    /**
+     * Write a checkpoint if it is time, or a signal wants it. Throws RunStopped
+     * where the signal ends the run.
+     */
+    void
+    look_for_checkpoint(const bool is_last);
+
+    void
+    print_progress(const bool is_last);
+
+    void
+    print_summary(const RunSummary &summary);
+
+    /**
+     * Those of statistics.csv.
+     */
+    std::vector<std::string>
+    columns() const;
+
+    void
+    write_statistics();
+
+    void
+    write_fields();
+
+    /**
+     * Those of the surfaces of a part.
+     */
+    std::vector<SurfaceNumbers>
+    numbers_of_surfaces(const Simulation<dim> &part) const;
+
+    /**
+     * What is due after a step.
+     */
+    void
+    write_due(const bool is_last);
+
+    /**
+     * The time of the state and a bit, against round-off.
+     */
+    double
+    rounded_up_time() const;
+
+    /**
+     * The first multiple of @p every, counted from the start of the run, behind
+     * @p t.
+     */
+    double
+    next_time(const double every, const double t) const;
+
+    double
+    next_time_of_fields(const double t) const;
+
+    RunSummary
+    summarize();
+
+    /**
+     * summary.json.
+     */
+    void
+    write_summary(const RunSummary &summary);
+
+    /**
+     * Collective. Bytes of memory per point.
+     */
+    double
+    bytes_per_point() const;
+
+    /**
+     * A state whose time, steps and stage are those of all parts.
+     */
+    const State<dim> &
+    common() const
+    {
+      return ensemble.first().state();
+    }
+
+    const SimulationParameters parameters;
+    const std::string          directory;
+    std::ostream              &out;
+    MPI_Comm                   comm;
+    bool                       is_first;
+    Ensemble<dim>              ensemble;
+    ExactSolution<dim>         exact;
+    MeasuredData<dim>          measured;
+    FieldOutput<dim>           fields;
+    Probes<dim>                probes;
+    CsvWriter                  statistics_file;
+    RunNotes                   notes;
+    // Walls and components of the forces that are written.
+    std::vector<std::pair<unsigned int, unsigned int>> reactions;
+    double        next_fields = 0., next_statistics = 0.;
+    Largest       largest_front, largest_front_99;
+    std::uint64_t n_points = 0;
+
+    std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;
+    double                                last_shown_time = 0.;
+    unsigned int                          last_stage      = 0;
+    // Steps that the last rows and fields belong to.
+    unsigned int last_written_statistics = -1, last_written_fields = -1;
+    // What the files had when a state was kept, and the last checkpoint.
+    Mark         mark;
+    std::string  checkpoint_file;
+    unsigned int checkpoint_step = -1;
+    bool         is_resumed      = false;
+    unsigned int first_step      = 0;
+    double       first_time      = 0.;
+    bool         is_terminal;
+  };
+
+
+
+  /**
+   * Collective. Run what a parameter file describes: one simulation, or a sweep
+   * over meshes, orders, mass solvers and quadratures, which ends with a table
+   * and convergence.csv. Results of an earlier run in its folder become what
+   * 'Output/Earlier results' says. Throws dealii::ExcMessage where file or run
+   * go wrong.
+   */
+  void
+  run_simulations(const std::string &file,
+                  const MPI_Comm     comm,
+                  const RunOptions  &options = RunOptions());
+
+  /**
+   * Collective. Make all that run_simulations() would begin with, go some steps
+   * in memory, and write to std::cout what a run would take: sizes, the step
+   * and the number of steps, time, and memory. Writes no file, except for the
+   * initial points, which go to the folder @p drawing if that is not empty.
+   * Throws what run_simulations() would throw so far.
+   */
+  void
+  check_simulations(const std::string &file,
+                    const MPI_Comm     comm,
+                    const RunOptions  &options = RunOptions(),
+                    const std::string &drawing = "");
+} // namespace greville
+
+#endif

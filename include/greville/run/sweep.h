@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_run_sweep_h
+#define greville_run_sweep_h
+
+#include <greville/run/run.h>
+
+#include <limits>
+
+namespace greville
+{
+  /**
+   * A run of a sweep and what it found.
+   */
+  struct SweepRow
+  {
+    /**
+     * The name of its folder in that of the sweep.
+     */
+    std::string
+    folder(const SweepParameters &sweep) const;
+
+    SimulationParameters parameters;
+    unsigned int         cells = 0;
+    Errors               errors;
+    /// Empty, or why the run did not come to its end.
+    std::string failure;
+    /// Of the L2 error, against the row before of the same kind.
+    double order = std::numeric_limits<double>::quiet_NaN();
+  };
+
+  /**
+   * All runs of the section 'Sweep', in the order in which they run.
+   */
+  std::vector<SweepRow>
+  make_sweep_rows(const SimulationParameters &parameters);
+
+  /**
+   * Where the results of a parameter file go.
+   */
+  std::string
+  folder_of_run(const SimulationParameters &parameters,
+                const std::string          &file,
+                const RunOptions           &options);
+
+  /**
+   * Collective. Throw where a run is to begin with the results in its own
+   * folder, which it would move away.
+   */
+  void
+  check_other_folder(const RunOptions  &options,
+                     const std::string &folder,
+                     const MPI_Comm     comm);
+
+  /**
+   * Throw dealii::ExcMessage where a run with these parameters cannot go on
+   * from a checkpoint with others.
+   */
+  void
+  check_changes(const TablesFile           &checkpoint,
+                const SimulationParameters &parameters);
+} // namespace greville
+
+#endif

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_consistent_mass_h
+#define greville_steps_consistent_mass_h
+
+#include <greville/multigrid/extended_mass_solver.h>
+#include <greville/multigrid/extended_multigrid.h>
+#include <greville/steps/grid_mass.h>
+
+namespace greville
+{
+  /**
+   * The consistent mass matrix M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the points
+   * on extended B-splines, see Extension and ExtendedMass. All components of
+   * the fields are solved together by an ExtendedMassSolver.
+   */
+  template <int dim>
+  class ConsistentMass : public GridMass<dim>
+  {
+  public:
+    /**
+     * Collective. Parameters, triangulation and walls are kept by reference.
+     */
+    ConsistentMass(const unsigned int             degree,
+                   DistributedTriangulation<dim> &triangulation,
+                   const SimulationParameters    &parameters,
+                   const Walls<dim>              &walls);
+
+    std::string
+    solver() const override
+    {
+      return parameters.solver.method;
+    }
+
+    bool
+    is_exact() const override
+    {
+      return true;
+    }
+
+    bool
+    is_diagonal() const override
+    {
+      return false;
+    }
+
+    void
+    update(const VectorType                               &lumped,
+           const std::vector<const MaterialPoints<dim> *> &bodies,
+           const PointTransfer<dim>                       &transfer) override;
+
+    void
+    solve(const std::vector<VectorField<dim> *>       &x,
+          const std::vector<const VectorField<dim> *> &b,
+          const std::vector<double>                   &shares = {}) override;
+
+    /**
+     * Collective. The same for one pair, where more coefficients are held: bit
+     * c of @p more[i] holds component c of the owned function i.
+     */
+    void
+    solve_held(VectorField<dim>                 &x,
+               const VectorField<dim>           &b,
+               const std::vector<unsigned char> &more);
+
+    void
+    rows_of_held(VectorField<dim>       &rows,
+                 const VectorField<dim> &x,
+                 const VectorField<dim> &b,
+                 const unsigned int) const override
+    {
+      extended_mass.rows_of_held(rows, x, b);
+    }
+
+    /**
+     * Collective. The rows of M x at all unknowns that are not held: what
+     * solve_held() has given to those of more coefficients.
+     */
+    void
+    reactions(VectorField<dim> &rows, const VectorField<dim> &x) const
+    {
+      extended_mass.multiply_field(rows, x, true);
+    }
+
+    /**
+     * Collective. Give the extended functions of a field the coefficients that
+     * they depend on, see ExtendedMass::extend().
+     */
+    void
+    extend(VectorField<dim> &field) const
+    {
+      extended_mass.extend(field, this->lumped_mass);
+    }
+
+    const Extension<dim> &
+    extension() const
+    {
+      return spline_extension;
+    }
+
+    std::uint64_t
+    n_fragments() const override
+    {
+      return filling.n_fragments();
+    }
+
+    /**
+     * Cells of fragments as a fraction of those with points. Collective.
+     */
+    double
+    fragment_fraction() const;
+
+    void
+    begin_trial() override;
+
+    void
+    end_trial() override;
+
+    void
+    forget() override
+    {
+      for (auto *const solver : {mass_solver.get(), solver_of_held.get()})
+        if (solver)
+          solver->forget();
+    }
+
+    unsigned int
+    n_factorizations() const override
+    {
+      return mass_solver->n_factorizations();
+    }
+
+  private:
+    /**
+     * The preconditioner of Solver/Method, empty for "cg-ic0".
+     */
+    ColumnPreconditioner
+    make_preconditioner();
+
+    void
+    change_held() override
+    {
+      extended_mass.hold(this->held);
+    }
+
+    void
+    multiply_at_held(VectorField<dim>       &rows,
+                     const VectorField<dim> &x,
+                     const std::array<bool, dim> &) const override
+    {
+      extended_mass.multiply_at_held(rows, x);
+    }
+
+    /**
+     * Before the first solve of a trial: what it is not to change.
+     */
+    void
+    keep_memory();
+
+    /**
+     * Throw where a solver did not converge.
+     */
+    void
+    check(const SolveResult &result);
+
+    const SimulationParameters              &parameters;
+    const Walls<dim>                        &walls;
+    std::vector<double>                      filled_part; // of owned cells
+    CellFilling<dim>                         filling;
+    Extension<dim>                           spline_extension;
+    ExtendedMass<dim>                        extended_mass;
+    VectorType                               diagonal;  // for "cg-jacobi"
+    std::unique_ptr<ExtendedMultigrid<dim>>  multigrid; // "cg-p-multigrid"
+    std::unique_ptr<ExtendedMassSolver<dim>> mass_solver;
+    std::unique_ptr<ExtendedMassSolver<dim>> solver_of_held; // solve_held()
+    bool                                     held_solver_is_behind = true;
+    double                                   total_mass            = 0.;
+
+    // What solvers had before the first solve of a trial.
+    using SolverMemory =
+      std::shared_ptr<const typename ExtendedMassSolver<dim>::Memory>;
+    bool         is_trial = false, is_behind_before_trial = true;
+    SolverMemory memory_before_trial, memory_of_held_before_trial;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_critical_step_h
+#define greville_steps_critical_step_h
+
+#include <greville/steps/grid_mass.h>
+#include <greville/steps/state.h>
+
+namespace greville
+{
+  /**
+   * When stresses are updated: with the new velocity of the grid (USL), before
+   * the forces are summed up (USF), or with the velocity of the kicked points
+   * (MUSL).
+   */
+  enum class StressUpdate
+  {
+    USL,
+    USF,
+    MUSL
+  };
+
+
+
+  /**
+   * What a step does with velocities, as far as its stability depends on it.
+   */
+  struct StepScheme
+  {
+    StressUpdate stress_update = StressUpdate::USL;
+    /// 1: FLIP, 0: PIC.
+    double flip = 1.;
+    bool   apic = false;
+    /// The factor alpha of Cundall's damping, 0 if it does not act.
+    double damping = 0.;
+  };
+
+
+
+  /**
+   * The largest step dt that is stable: the one at which the largest eigenvalue
+   * of
+   * @f[ B \left(\frac{\Delta t^2}{4} K + \frac{\Delta t}{2} C\right) @f]
+   * is one. K is the stiffness matrix of the bodies, with the moduli of their
+   * materials scaled by the wave moduli of the points, and C that of their
+   * largest viscosities, which do not follow the state of a point: a torn fluid
+   * has no pressure, but its viscosity. Without viscosity dt is 2 / omega with
+   * the largest eigenvalue omega^2 of B K, without stiffness 2 / gamma with
+   * that of B C. K and C enter together, so a stiff body beside a viscous one
+   * does not make a step that is too short for both.
+   *
+   * With the exact mass, B = M^-1. Otherwise velocities that live on the points
+   * and come to the grid by an approximate inverse A of M (lumped, FMPM) lose
+   * what A M takes from them. For a mode with the eigenvalues k of dt^2 A K and
+   * s <= 1 of A M, and with the FLIP share f, sigma = f + (1 - f) s, a step has
+   * the characteristic polynomial
+   * @f{align*}{
+   *   & z^2 - (1 + \sigma - k) z + \sigma - k (\sigma - s) && \text{(USL)},
+   *   \\
+   *   & z^2 - (1 + \sigma - k s) z + \sigma && \text{(USF, MUSL)},
+   * @f}
+   * which is stable for k (1 + sigma - s) <= 2 (1 + sigma) and k s <= 2 (1 +
+   * sigma). B is a polynomial in s, times A, that is not below the 4 / k of
+   * these, and equal to it for f = 1 and at s = 0 and 1:
+   * @f[
+   *   (2 - s) A \quad \text{(USL)}, \qquad
+   *   \frac{2 s - (1 - f) s^2}{1 + f} A \quad \text{(USF, MUSL)}.
+   * @f]
+   * APIC is PIC with an s that is nearer to one: (2 - s) A (USL), A (USF,
+   * MUSL). Lumped USL, with s near 0 for the highest frequency, has a step that
+   * is shorter by up to the root of 2 than that of A K, lumped MUSL a longer
+   * one. Cundall's damping multiplies
+   * forces by 1 + alpha at most, and the step is that of stiffness times
+   * 1 + alpha. With other masses than lumped it is that of (1 + alpha)^2: the
+   * damping changes its signs from step to step, and with the root of that
+   * factor a block that slid on its base gained strain energy again and again.
+   *
+   * The eigenvalue is that of largest_eigenvalue(), until it changes by less
+   * than 1 % per step. It comes from below, so a safety factor belongs to the
+   * result. An estimate begins with the eigenvector of the last one and some
+   * noise. A linear B-spline at the rim of a body has a mass that vanishes with
+   * the distance of the outermost point, but not so its stiffness; for p = 1
+   * functions with less than 1 % of the largest mass are left out.
+   *
+   * (T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua
+   * and structures, section 6.2, has the step of a damped mode.)
+   */
+  template <int dim>
+  class CriticalStep
+  {
+  public:
+    /**
+     * Collective. Infinite where nothing is stiff or viscous. @p mass is that
+     * of the current positions of @p bodies, and of @p mass_points. Springs
+     * and dashpots of the loads on @p surfaces count as well. Begins with the
+     * last @p mode, and overwrites it.
+     */
+    double
+    estimate(GridMass<dim>                                  &mass,
+             PointTransfer<dim>                             &transfer,
+             const std::vector<const Body<dim> *>           &bodies,
+             const std::vector<Surface<dim>>                &surfaces,
+             const std::vector<const MaterialPoints<dim> *> &mass_points,
+             const StepScheme                               &scheme,
+             HighestMode<dim>                               &mode);
+
+  private:
+    /**
+     * The functions that take part, and the force to begin with.
+     */
+    void
+    choose_unknowns(const GridMass<dim> &mass, const HighestMode<dim> &mode);
+
+    void
+    read_field(std::vector<double>    &values,
+               const VectorField<dim> &field) const;
+
+    void
+    write_field(VectorField<dim>          &field,
+                const std::vector<double> &values) const;
+
+    /**
+     * x = B b.
+     */
+    void
+    multiply_by_B(std::vector<double>                            &x,
+                  const std::vector<double>                      &b,
+                  GridMass<dim>                                  &mass,
+                  PointTransfer<dim>                             &transfer,
+                  const std::vector<const MaterialPoints<dim> *> &mass_points,
+                  const StepScheme                               &scheme);
+
+    // By component: owned functions that are unknowns. Fields and arrays of
+    // their values, component by component.
+    std::array<std::vector<unsigned int>, dim> unknowns;
+    VectorField<dim>                           source, target, product;
+    std::vector<double>                        start;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_damping_h
+#define greville_steps_damping_h
+
+#include <greville/steps/discretization.h>
+
+namespace greville
+{
+  /**
+   * Damping towards rest, until 'Loads/Damping end':
+   *
+   * - Cundall's, a_i -= alpha |f_i| / m_i sign(P_i) with the lumped mass m_i:
+   *   it takes alpha sum |f_i| |P_i| / m_i out of the kinetic energy of the
+   *   points per time, with any mass. To damp the force before the solve is the
+   *   same for a lumped mass; an inverse that is not diagonal amplifies changes
+   *   of sign from one function to the next.
+   * - kinetic: the bodies without an imposed velocity stop where their kinetic
+   *   energy has passed a maximum.
+   */
+  template <int dim>
+  class Damping
+  {
+  public:
+    /**
+     * Both are kept by reference.
+     */
+    Damping(const LoadParameters      &parameters,
+            const Discretization<dim> &discretization);
+
+    /**
+     * The factor alpha that acts at time @p t, s.
+     */
+    double
+    factor(const double t) const
+    {
+      return acts(t) ? parameters.cundall : 0.;
+    }
+
+    /**
+     * Damp the acceleration that the @p force has led to.
+     */
+    void
+    damp(VectorField<dim>       &acceleration,
+         const VectorField<dim> &force,
+         const double            t) const;
+
+    /**
+     * The power of that on this process, W (2D: W / m), where points have the
+     * momentum P before and P' after the kick, and @p momenta is P + P': a kick
+     * dt' a adds dt' a . (P + P') / 2 to their kinetic energy, and damping has
+     * its part of a in that.
+     */
+    double
+    power(const VectorField<dim> &momenta,
+          const VectorField<dim> &force,
+          const double            t) const;
+
+    /**
+     * Collective. Kinetic damping at the end of a step.
+     */
+    void
+    damp_kinetically(State<dim> &state) const;
+
+  private:
+    bool
+    acts(const double t) const
+    {
+      return parameters.damping_end < 0. || t < parameters.damping_end;
+    }
+
+    /**
+     * What damping with the factor @p alpha takes from component @p d of the
+     * acceleration of function @p i of this process.
+     */
+    double
+    taken(const VectorField<dim> &force,
+          const double            alpha,
+          const unsigned int      i,
+          const unsigned int      d) const;
+
+    const LoadParameters      &parameters;
+    const Discretization<dim> &discretization;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_ensemble_h
+#define greville_steps_ensemble_h
+
+#include <greville/points/body_list.h>
+#include <greville/steps/simulation.h>
+
+namespace greville
+{
+  /**
+   * What a parameter file describes: one Simulation, or one of each body where
+   * bodies have grids of their own. These do not see one another, and go in
+   * common steps.
+   */
+  template <int dim>
+  class Ensemble
+  {
+  public:
+    /**
+     * Collective. Throws dealii::ExcMessage where parameters are wrong.
+     */
+    Ensemble(const SimulationParameters &parameters,
+             const MPI_Comm              comm = MPI_COMM_WORLD);
+
+    /**
+     * Collective. See Simulation::fill_grid().
+     */
+    void
+    fill_grid();
+
+    /**
+     * Collective. A common step, see Simulation::step().
+     */
+    void
+    step();
+
+    bool
+    is_finished() const;
+
+    /**
+     * See Simulation::exceeds_displacement(): of one part, which ends the run.
+     */
+    bool
+    exceeds_displacement() const;
+
+    unsigned int
+    n_parts() const
+    {
+      return parts.size();
+    }
+
+    /**
+     * Those of bodies are in the order of the bodies.
+     */
+    Simulation<dim> &
+    part(const unsigned int k)
+    {
+      return *parts[k];
+    }
+
+    const Simulation<dim> &
+    part(const unsigned int k) const
+    {
+      return *parts[k];
+    }
+
+    /**
+     * The first part, whose times, numbers of steps and stage are those of all.
+     */
+    const Simulation<dim> &
+    first() const
+    {
+      return *parts.front();
+    }
+
+    /**
+     * The states of all parts: a value to go back to.
+     */
+    std::vector<State<dim>>
+    state() const;
+
+    /**
+     * Collective. See Simulation::set_state().
+     */
+    void
+    set_state(const std::vector<State<dim>> &states);
+
+    /**
+     * Collective. The states as tables, see make_tables().
+     */
+    std::vector<DistributedTable>
+    tables() const;
+
+    /**
+     * Collective. Go on from tables() of an ensemble with the same parameters.
+     * What follows has the same bits on the same number of processes.
+     */
+    void
+    set_from_tables(const TablesFile &content);
+
+    /**
+     * Collective. See Simulation::begin_with().
+     */
+    void
+    begin_with(const TablesFile &content);
+
+    /**
+     * All bodies. The list holds until the next step.
+     */
+    BodyList<dim>
+    bodies() const;
+
+    /**
+     * Collective. Sums and extremes over all parts.
+     */
+    Statistics<dim>
+    statistics() const;
+
+    /**
+     * Warnings since the last call; of several parts with the body.
+     */
+    std::vector<std::string>
+    take_warnings();
+
+    /**
+     * What Newton's method has done in the last step, once.
+     */
+    std::vector<NewtonRecord>
+    take_newton();
+
+    /**
+     * Sums over the parts, see Simulation.
+     */
+    std::map<std::string, double>
+    part_times() const;
+
+    std::size_t
+    points_memory() const;
+
+    /**
+     * The sum over the parts of what @p value(part) gives.
+     */
+    template <typename Value>
+    auto
+    sum(const Value &value) const
+    {
+      auto result = value(first());
+      for (unsigned int k = 1; k < parts.size(); ++k)
+        result += value(part(k));
+      return result;
+    }
+
+  private:
+    /**
+     * What the names of tables of a part begin with.
+     */
+    std::string
+    prefix(const unsigned int part) const;
+
+    const MPI_Comm comm;
+    const double   front_above;
+    // They stay where they are, as what they consist of refers to them.
+    std::vector<std::unique_ptr<Simulation<dim>>> parts;
+    std::vector<std::string>                      load_names;
+  };
+} // namespace greville
+
+#endif

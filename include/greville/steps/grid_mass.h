@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_grid_mass_h
+#define greville_steps_grid_mass_h
+
+#include <greville/boundary/walls.h>
+#include <greville/mass/extended_mass.h>
+#include <greville/points/point_transfer.h>
+#include <greville/spline/order_hierarchy.h>
+
+namespace greville
+{
+  /**
+   * The mass of the points on the grid, and its inverse: M x = b for vector
+   * fields, with coefficients at walls held. See LumpedMass and ConsistentMass.
+   * Coefficients without mass are *inactive*: their x is zero.
+   */
+  template <int dim>
+  class GridMass
+  {
+  public:
+    virtual ~GridMass() = default;
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return orders.finest();
+    }
+
+    /**
+     * The orders that the solver makes use of.
+     */
+    const OrderHierarchy<dim> &
+    hierarchy() const
+    {
+      return orders;
+    }
+
+    /**
+     * The name of the solver.
+     */
+    virtual std::string
+    solver() const = 0;
+
+    /**
+     * Whether solve() has the inverse of the mass matrix of the points, and
+     * not of an approximation, which loses part of what it maps.
+     */
+    virtual bool
+    is_exact() const = 0;
+
+    /**
+     * Whether solve() divides by the lumped mass.
+     */
+    virtual bool
+    is_diagonal() const = 0;
+
+    /**
+     * Collective. New masses: @p lumped as PointTransfer::points_to_grid()
+     * gives it, for these @p bodies.
+     */
+    virtual void
+    update(const VectorType                               &lumped,
+           const std::vector<const MaterialPoints<dim> *> &bodies,
+           const PointTransfer<dim>                       &transfer) = 0;
+
+    /**
+     * Collective. Solve M x = b for pairs of fields. On entry the @p x have
+     * initial guesses and the values of held coefficients. Right-hand sides
+     * need not be solved for where they are below @p shares[k] times the first
+     * one (see ExtendedMassSolver::solve()). Throws dealii::ExcMessage where
+     * the solver does not converge.
+     */
+    virtual void
+    solve(const std::vector<VectorField<dim> *>       &x,
+          const std::vector<const VectorField<dim> *> &b,
+          const std::vector<double>                   &shares = {}) = 0;
+
+    /**
+     * Collective. Hold more coefficients than walls do, until the next call:
+     * bit c of @p more[i] holds component c of the owned function i.
+     */
+    void
+    hold(const std::vector<unsigned char> &more);
+
+    /**
+     * Components (bits) that are held of a local function.
+     */
+    unsigned char
+    held_components(const unsigned int function) const
+    {
+      return held[function];
+    }
+
+    unsigned char
+    held_by_walls(const unsigned int function) const
+    {
+      return wall_held[function];
+    }
+
+    /**
+     * Collective. The momentum @p b of points that a velocity @p x, the
+     * solution of M x = b, leaves out since it is held, as a velocity: (b - M
+     * x)_i / m_i where coefficients are held, zero elsewhere.
+     */
+    void
+    held_residual(VectorField<dim>       &residual,
+                  const VectorField<dim> &b,
+                  const VectorField<dim> &x) const;
+
+    /**
+     * Collective. What held coefficients give to the momentum: at each of them
+     * the row of M x - b for the pair @p k of the last solve(), so that the sum
+     * of m_i x_i is that of b_i and of these rows, for all masses. Other
+     * entries may have any value.
+     */
+    virtual void
+    rows_of_held(VectorField<dim>       &rows,
+                 const VectorField<dim> &x,
+                 const VectorField<dim> &b,
+                 const unsigned int      k) const = 0;
+
+    /**
+     * Most iterations of a component in the last solve().
+     */
+    unsigned int
+    n_iterations() const
+    {
+      return iterations;
+    }
+
+    /**
+     * Collective. Between these calls solves leave no trace: those that follow
+     * have the bits that they would have without. One update() may come before
+     * the first of these solves, and the next update() has to be for the same
+     * points.
+     */
+    virtual void
+    begin_trial();
+
+    virtual void
+    end_trial();
+
+    /**
+     * Forget the factorizations of earlier matrices: results then depend on the
+     * points alone, to the bit and not only to the tolerance of the solver.
+     */
+    virtual void
+    forget()
+    {}
+
+    /**
+     * Factorizations so far.
+     */
+    virtual unsigned int
+    n_factorizations() const
+    {
+      return 0;
+    }
+
+    /**
+     * Cells of fragments, which have lumped mass. Collective.
+     */
+    virtual std::uint64_t
+    n_fragments() const
+    {
+      return 0;
+    }
+
+    /**
+     * Active coefficients of all processes. Collective.
+     */
+    std::uint64_t
+    n_active() const;
+
+    const VectorType &
+    lumped() const
+    {
+      return lumped_mass;
+    }
+
+  protected:
+    /**
+     * Collective. The walls are not needed afterwards.
+     */
+    GridMass(const unsigned int             degree,
+             DistributedTriangulation<dim> &triangulation,
+             const std::string             &coarsening,
+             const Walls<dim>              &walls);
+
+    /**
+     * What held_components() are has changed. Collective.
+     */
+    virtual void
+    change_held() = 0;
+
+    /**
+     * Collective. The rows of M x at functions that are held, for the given
+     * components; others may have any value.
+     */
+    virtual void
+    multiply_at_held(VectorField<dim>            &rows,
+                     const VectorField<dim>      &x,
+                     const std::array<bool, dim> &components) const = 0;
+
+    OrderHierarchy<dim> orders;
+    // Bits of components, by local function: all that are held, and by walls.
+    std::vector<unsigned char> held, wall_held;
+    std::vector<unsigned char> held_before_trial;
+    VectorType                 lumped_mass;
+    unsigned int               iterations = 0;
+
+  private:
+    /**
+     * Collective. The components in which functions with mass are held.
+     */
+    std::array<bool, dim>
+    held_meet_mass() const;
+  };
+
+
+
+  /**
+   * Collective. Values of owned functions, for all local ones.
+   */
+  template <int dim>
+  std::vector<unsigned char>
+  with_ghosts(const SplineSpace<dim>           &space,
+              const std::vector<unsigned char> &owned);
+
+  /**
+   * Collective. The local functions of a space that walls hold in a component:
+   * 1, others 0.
+   */
+  template <int dim>
+  std::vector<unsigned char>
+  held_at_walls(const SplineSpace<dim> &space,
+                const Walls<dim>       &walls,
+                const unsigned int      component);
+
+
+
+  /**
+   * Collective. The components (bits) in which walls hold the local functions
+   * of a space.
+   */
+  template <int dim>
+  std::vector<unsigned char>
+  held_components_at_walls(const SplineSpace<dim> &space,
+                           const Walls<dim>       &walls);
+
+
+
+  /**
+   * Collective. Make the mass of the name @p mass, one of
+   * SchemeParameters::mass. Parameters, triangulation and walls are kept by
+   * reference.
+   */
+  template <int dim>
+  std::unique_ptr<GridMass<dim>>
+  make_grid_mass(const std::string             &mass,
+                 const unsigned int             degree,
+                 DistributedTriangulation<dim> &triangulation,
+                 const SimulationParameters    &parameters,
+                 const Walls<dim>              &walls);
+} // namespace greville
+
+#endif

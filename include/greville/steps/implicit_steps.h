@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_implicit_steps_h
+#define greville_steps_implicit_steps_h
+
+#include <greville/steps/implicit_scheme.h>
+#include <greville/steps/move_points.h>
+#include <greville/steps/newton.h>
+#include <greville/steps/time_integrator.h>
+#include <greville/stiffness/tangent_system.h>
+
+#include <optional>
+
+namespace greville
+{
+  /**
+   * Implicit steps in the updated Lagrangian form: the basis functions are
+   * those at the x_n of the points, and the unknowns the displacement u of the
+   * grid. With the velocity v of the grid, M v = P, and its acceleration a, M a
+   * = F - f, at x_n, u solves the equations of an ImplicitScheme by Newton's
+   * method. Loads F that depend on the position of points follow u. Then points
+   * take
+   * @f[
+   *   x_p \leftarrow x_p + u(x_p), \qquad F_p \leftarrow (1 + \nabla u) F_p,
+   *   \qquad v_p \leftarrow v_p + (v' - v)(x_p),
+   * @f]
+   * or with PIC v_p = v'(x_p). A scheme that keeps its acceleration gives it to
+   * them, too, a_p = a'(x_p), and M a = sum_p m_p a_p N in the next step; total
+   * Lagrangian steps keep it on the grid. M is the consistent mass on extended
+   * B-splines or, with Scheme/Mass = lumped, its row sums before the extension.
+   *
+   * A step that Newton's method does not solve is tried again with half of the
+   * length; after easy steps the length doubles up to the given one. Nothing is
+   * written to the state before Newton's method has converged.
+   */
+  template <int dim>
+  class ImplicitSteps : public TimeIntegrator<dim>
+  {
+  public:
+    /**
+     * Throws dealii::ExcMessage where parameters do not go with implicit steps.
+     */
+    ImplicitSteps(const std::string &name, const IntegratorParts<dim> &parts);
+
+    double
+    propose_step(State<dim> &state) override;
+
+    /**
+     * Newton's method; a step is rejected where it does not converge.
+     */
+    void
+    try_step(State<dim> &state, const double dt) override;
+
+    void
+    advance(State<dim> &state, const double dt) override;
+
+    void
+    forget() override
+    {
+      system.forget();
+      expected_iterations = 1;
+    }
+
+    std::vector<SolverLevel>
+    solver_levels() const override;
+
+    bool
+    is_implicit() const override
+    {
+      return true;
+    }
+
+  private:
+    void
+    check_parameters(const std::string &name, const State<dim> &initial) const;
+
+    /**
+     * Where neither walls nor springs hold a static body.
+     */
+    void
+    check_support(const State<dim> &state) const;
+
+    /**
+     * The loads at a time, as forces on the functions; with those that depend
+     * on the position of points where they are at the start, or without.
+     */
+    void
+    sum_loads(State<dim>       &state,
+              const double      t,
+              const bool        with_following,
+              VectorField<dim> &loads);
+
+    /**
+     * Velocity and acceleration of the grid at the start.
+     */
+    void
+    start_step(State<dim> &state, const double dt);
+
+    /**
+     * The acceleration of the grid at the start: that which the scheme has
+     * kept, or else, as in its first step, that of the forces. Held
+     * coefficients are given.
+     */
+    void
+    find_acceleration(State<dim> &state);
+
+    /**
+     * a' of the ImplicitScheme.
+     */
+    void
+    find_new_acceleration(VectorField<dim> &result, const double dt) const;
+
+    /**
+     * Hand the new acceleration to the next step: as the history of the state,
+     * and in updated Lagrangian steps as the field "acceleration" of points.
+     */
+    void
+    keep_acceleration(State<dim> &state, const double dt);
+
+    void
+    solve_mass(VectorField<dim> &x, const VectorField<dim> &b);
+
+    /**
+     * The residual at x, and the stiffness there. Returns what is wrong with a
+     * point, empty if nothing is.
+     */
+    std::string
+    find_residual(VectorType       &r,
+                  const VectorType &x,
+                  const double      dt,
+                  const bool        with_stiffness);
+
+    /**
+     * The sum of the norms of the terms of inertia that are known at the start.
+     */
+    double
+    find_inertia_at_begin(const double dt);
+
+    /**
+     * What round-off may make of the residual of a solution: the sum of the
+     * norms of terms that cancel, times some units of round-off.
+     */
+    double
+    find_round_off() const;
+
+    /**
+     * The loads on surfaces at the start, and what find_residual() needs for
+     * those in the step, and for loads on points that depend on their position.
+     */
+    void
+    start_surfaces(const State<dim> &state, const double dt);
+
+    /**
+     * Why steps that have been cut to the smallest one still fail.
+     */
+    std::string
+    describe_failure(const State<dim> &state) const;
+
+    /**
+     * Where the last residual is largest.
+     */
+    std::string
+    describe_residual() const;
+
+    void
+    print(const State<dim>   &state,
+          const double        dt,
+          const NewtonResult &result) const;
+
+    /**
+     * Find the forces of walls, and count the work.
+     */
+    void
+    find_reactions(State<dim> &state, const double dt);
+
+    /**
+     * Count the work of loads and of walls that move, with their @p reaction.
+     */
+    void
+    add_work(State<dim>             &state,
+             const VectorField<dim> &reaction,
+             const double            dt);
+
+    /**
+     * Points shall not keep what the held velocity leaves out of theirs: take
+     * it from them with the kick, and count it as momentum of walls.
+     */
+    void
+    take_held_momentum(State<dim> &state, const double dt);
+
+    /**
+     * Kick the points by state.acceleration, and move them by the
+     * displacement, which is divided by dt then.
+     */
+    void
+    move_points(State<dim> &state, const double dt);
+
+    const SimulationParameters &parameters;
+    Discretization<dim>        &discretization;
+    Loads<dim>                 &loads;
+    StepLog                    &log;
+    StepGuard<dim>             &guard;
+    const ImplicitScheme        scheme;
+    std::optional<Expression>   step_formula;
+    TangentSystem<dim>          system;
+    bool                        is_symmetric = true;
+
+    // Of the state at hand.
+    std::vector<TrialBody<dim>>     bodies;
+    std::vector<LoadedSurface<dim>> surfaces;
+    SurfaceMotion<dim>              surface_motion;
+    bool                            surfaces_are_symmetric = true;
+    unsigned int                    expected_iterations    = 1; // of Newton
+    std::uint64_t                   stamp                  = 0; // of the mass
+
+    VectorField<dim> velocity, acceleration, displacement;
+    VectorField<dim> held_momentum; // that walls give to the mapped velocity
+    VectorField<dim> old_force, old_loads, new_loads, force, work;
+    // Of surfaces, and of bodies behind them where loads depend on the position
+    // of points: the velocity without what follows from the displacement, and
+    // loads. At the start, the bodies are not among them.
+    VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;
+    VectorType       last_residual;
+    double           force_scale = 0., round_off = 0.; // of the last residual
+    double           inertia_at_begin = 0.;            // its terms, N
+    bool             has_stiffness    = false;         // of the last residual
+    bool             forces_vanish    = false; // where Newton's method failed
+    std::string      rejection;
+
+    // Of the step that has been tried: iterations of Newton's method, the most
+    // of the solver in one of them, and all.
+    unsigned int n_newton = 0, n_linear = 0, n_all_linear = 0;
+  };
+} // namespace greville
+
+#endif

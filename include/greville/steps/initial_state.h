@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_initial_state_h
+#define greville_steps_initial_state_h
+
+#include <greville/steps/discretization.h>
+
+namespace greville
+{
+  /**
+   * Collective. The partition that gives each process the same share of the
+   * points, which the parameters describe, and of the cells of @p mesh. Without
+   * rows on one process.
+   */
+  template <int dim>
+  Partition
+  initial_partition(DistributedTriangulation<dim> &mesh,
+                    const SimulationParameters    &parameters,
+                    const Loads<dim>              &loads);
+
+  /**
+   * Collective. The largest speeds, with waves as fast as those of bodies
+   * without stress.
+   */
+  template <int dim>
+  Signals
+  initial_signals(const std::vector<Body<dim>> &bodies,
+                  const SplineSpace<dim>       &space);
+
+  /**
+   * Collective. The bodies with their points, at rest on the grid. Throws
+   * dealii::ExcMessage where two bodies fill the same cells, by half a cell or
+   * more, where an initial displacement moves points out of the grid, and where
+   * no body feels forces. Points have the fields of all
+   * stages.
+   */
+  template <int dim>
+  State<dim>
+  make_initial_state(const SimulationParameters &parameters,
+                     const Loads<dim>           &loads,
+                     Discretization<dim>        &discretization);
+} // namespace greville
+
+#endif

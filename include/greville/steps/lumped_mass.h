@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_lumped_mass_h
+#define greville_steps_lumped_mass_h
+
+#include <greville/mass/mass_operator.h>
+#include <greville/steps/grid_mass.h>
+
+#include <optional>
+
+namespace greville
+{
+  /**
+   * The row sums M_L of the mass matrix M of the points, or FMPM's series of
+   * K terms, see add_fmpm_terms(), on all functions that meet mass.
+   */
+  template <int dim>
+  class LumpedMass : public GridMass<dim>
+  {
+  public:
+    /**
+     * Collective. K = @p n_terms; 1 is M_L^-1. The triangulation is kept by
+     * reference.
+     */
+    LumpedMass(const unsigned int             n_terms,
+               const unsigned int             degree,
+               DistributedTriangulation<dim> &triangulation,
+               const Walls<dim>              &walls);
+
+    std::string
+    solver() const override;
+
+    bool
+    is_exact() const override
+    {
+      return false;
+    }
+
+    bool
+    is_diagonal() const override
+    {
+      return n_terms == 1;
+    }
+
+    void
+    update(const VectorType                               &lumped,
+           const std::vector<const MaterialPoints<dim> *> &bodies,
+           const PointTransfer<dim>                       &transfer) override;
+
+    /**
+     * What is held takes part in the series with its values.
+     */
+    void
+    solve(const std::vector<VectorField<dim> *>       &x,
+          const std::vector<const VectorField<dim> *> &b,
+          const std::vector<double>                   &shares = {}) override;
+
+    void
+    rows_of_held(VectorField<dim>       &rows,
+                 const VectorField<dim> &x,
+                 const VectorField<dim> &b,
+                 const unsigned int      k) const override;
+
+  private:
+    void
+    change_held() override;
+
+    void
+    multiply_at_held(VectorField<dim>            &rows,
+                     const VectorField<dim>      &x,
+                     const std::array<bool, dim> &components) const override;
+
+    const unsigned int                      n_terms;
+    VectorField<dim>                        inverse; // of M_L, 0 where held
+    std::optional<DensityWeights<dim>>      weights;
+    std::unique_ptr<CrossMassOperator<dim>> product; // M, where K > 1
+    std::vector<VectorField<dim>> products; // of the last solve(), where K > 1
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_partition_h
+#define greville_steps_partition_h
+
+#include <deal.II/base/mpi.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * How cells are shared among processes: weights of the cells with points,
+   * from which p4est finds the same partition again on the same number of
+   * processes. All other cells weigh as much as one without points.
+   */
+  struct Partition
+  {
+    /**
+     * Collective. @p rows has the lexicographic position of a cell
+     * (Lattice::n_cells()) and its weight, one cell after the other, each on
+     * one process, whichever it is.
+     */
+    Partition(std::vector<double> rows, const MPI_Comm comm);
+
+    const std::vector<double> rows;
+    /// Of all processes, and a checksum of all rows in any order.
+    std::uint64_t n_rows = 0, checksum = 0;
+
+    bool
+    is_same(const Partition &other) const
+    {
+      return n_rows == other.n_rows && checksum == other.checksum;
+    }
+  };
+} // namespace greville
+
+#endif

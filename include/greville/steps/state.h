@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_state_h
+#define greville_steps_state_h
+
+#include <greville/points/body.h>
+#include <greville/points/point_transfer.h>
+#include <greville/points/points_copy.h>
+#include <greville/points/surface.h>
+#include <greville/steps/energy_balance.h>
+#include <greville/steps/partition.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The fastest speeds on all processes, which steps depend on.
+   */
+  struct Signals
+  {
+    /// The largest c + |v|, with the speed c of pressure waves, m / s.
+    double fastest = 0.;
+    /// The largest c, m / s.
+    double wave = 0.;
+    /// Cells that a point crosses in a second.
+    double crossing_rate = 0.;
+  };
+
+
+
+  /**
+   * The mode of the highest frequency: where the next estimate of the critical
+   * step begins.
+   */
+  template <int dim>
+  struct HighestMode
+  {
+    bool             is_known = false;
+    VectorField<dim> force;
+    double           step = 0.; // critical, s
+  };
+
+
+
+  /**
+   * Estimates of the critical step.
+   */
+  template <int dim>
+  struct StepEstimates
+  {
+    /// The smallest of the last estimates, s.
+    double              critical = 0.;
+    std::vector<double> last;
+    /// The step before which the next one is due, and those in between.
+    unsigned int next = 0, n_between = 0;
+    /// Signals::wave at the last one.
+    double           wave = 0.;
+    HighestMode<dim> mode;
+  };
+
+
+
+  /**
+   * The accelerations of the grid in the last two steps and their lengths, the
+   * latest first.
+   */
+  template <int dim>
+  struct AccelerationHistory
+  {
+    std::array<VectorField<dim>, 2> accelerations;
+    std::array<double, 2>           steps{};
+    unsigned int                    n = 0;
+  };
+
+
+
+  /**
+   * All that a step changes besides the bodies.
+   */
+  template <int dim>
+  struct StateWithoutBodies
+  {
+    /// t, and the time to which velocities belong, s.
+    double time = 0., velocity_time = 0.;
+    /// Lengths of the last step: of t, and of the velocities, s.
+    double step = 0., velocity_step = 0.;
+
+    /// The stage, see SimulationParameters::stages.
+    unsigned int stage = 0;
+
+    unsigned int  n_steps   = 0;
+    std::uint64_t n_removed = 0; // points outside of the grid
+    std::uint64_t n_free    = 0; // points of bodies that feel forces
+    std::uint64_t n_sent    = 0; // points that left this process
+    std::uint64_t n_points  = 0; // those of all bodies after the last step
+
+    /// largest_displacement() of the points where 'Time/Largest displacement'
+    /// asks for it, and else 0, m.
+    double displacement = 0.;
+
+    /// Mass that the points had at first, of those that have been removed
+    /// before the last step, and in it, kg (2D: kg / m).
+    double mass = 0., removed_mass = 0., mass_removed_last = 0.;
+
+
+    /// Most iterations of a solve of the last step, and those of all solves.
+    unsigned int  n_iterations     = 0;
+    std::uint64_t n_all_iterations = 0;
+
+    /// How often the step that is being tried has been rejected, and all steps
+    /// since the begin.
+    unsigned int  n_rejections     = 0;
+    std::uint64_t n_all_rejections = 0;
+
+    /// Implicit steps: the fraction of the given step that is tried.
+    double step_fraction = 1.;
+
+    /// Coefficients of the grid after the last step: guesses for the next one.
+    VectorField<dim> velocity, acceleration;
+
+    Signals                  signals;
+    double                   first_signal = 0.; // Signals::fastest initially
+    StepEstimates<dim>       estimates;
+    AccelerationHistory<dim> history;
+    std::vector<bool>        slid; // by contact, see FrictionContact
+    EnergyBalance            energy;
+
+    /// Forces of walls on the bodies in the last step, the share of this
+    /// process, N (2D: N / m): the momentum that they gave in the step of the
+    /// velocities, over its length.
+    std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
+
+    /// How the cells are shared among processes, how often they were shared
+    /// anew, and the imbalance() that the last time has left.
+    std::shared_ptr<const Partition> partition;
+    unsigned int                     n_partitions = 0;
+    double                           imbalance    = 1.;
+
+    double warned_gain   = 0.; // of energy
+    double last_kinetic  = 0.; // see KineticDamping
+    double time_to_share = 0.; // since share_volume()
+  };
+
+
+
+  /**
+   * The state of a simulation between two steps: a value. A copy is a state to
+   * go back to (exactly, on the same processes), or to try a step with.
+   *
+   * What is not here is a function of the state (sums over the points), or
+   * changes results within the tolerance of solvers (factorizations).
+   */
+  template <int dim>
+  struct State : StateWithoutBodies<dim>
+  {
+    std::vector<Body<dim>> bodies;
+    /// One for each of SurfaceLoads, in its order.
+    std::vector<Surface<dim>> surfaces;
+
+    /**
+     * Tells positions and velocities of points from all others: sums over the
+     * points belong to a stamp. Copies share it.
+     */
+    std::uint64_t points_stamp = 0;
+
+    /**
+     * To be called by who moves or kicks points.
+     */
+    void
+    points_have_changed()
+    {
+      static std::atomic<std::uint64_t> last{0};
+      points_stamp = ++last;
+    }
+  };
+
+
+
+  /**
+   * A copy of a state with the points as a PointsCopy has them: half of the
+   * memory, to single precision.
+   */
+  template <int dim>
+  class Snapshot
+  {
+  public:
+    void
+    take(const State<dim> &state)
+    {
+      rest = static_cast<const StateWithoutBodies<dim> &>(state);
+      points.resize(state.bodies.size());
+      for (unsigned int b = 0; b < points.size(); ++b)
+        points[b].copy(state.bodies[b].points);
+      surfaces.resize(state.surfaces.size());
+      for (unsigned int s = 0; s < surfaces.size(); ++s)
+        surfaces[s].copy(state.surfaces[s].points);
+    }
+
+    /**
+     * Overwrite a state of the same bodies and surfaces.
+     */
+    void
+    restore(State<dim> &state) const
+    {
+      static_cast<StateWithoutBodies<dim> &>(state) = rest;
+      for (unsigned int b = 0; b < points.size(); ++b)
+        points[b].restore(state.bodies[b].points);
+      for (unsigned int s = 0; s < surfaces.size(); ++s)
+        surfaces[s].restore(state.surfaces[s].points);
+      state.points_have_changed();
+    }
+
+    unsigned int
+    stage() const
+    {
+      return rest.stage;
+    }
+
+    /**
+     * Bytes of the points on this process.
+     */
+    std::size_t
+    memory_consumption() const
+    {
+      std::size_t n = 0;
+      for (const PointsCopy<dim> &copy : points)
+        n += copy.memory_consumption();
+      for (const PointsCopy<dim> &copy : surfaces)
+        n += copy.memory_consumption();
+      return n;
+    }
+
+  private:
+    StateWithoutBodies<dim>      rest;
+    std::vector<PointsCopy<dim>> points, surfaces;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_statistics_h
+#define greville_steps_statistics_h
+
+#include <greville/points/body_list.h>
+#include <greville/points/point_transfer.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Work since the begin, J (2D: J / m). See EnergyBalance.
+   */
+  struct Work
+  {
+    double gravity   = 0.;
+    double loads     = 0.; // on points
+    double walls     = 0.; // that move
+    double obstacles = 0.;
+    double friction  = 0.; // of friction walls
+    double damping   = 0.; // Cundall's and kinetic
+    /// In the order of Statistics::loads.
+    std::vector<double> surfaces;
+  };
+
+
+
+  /**
+   * The largest of the numbers that have been added, and 0 where there are
+   * none.
+   */
+  struct Largest
+  {
+    static constexpr double none = std::numeric_limits<double>::lowest();
+
+    Largest(const double value = none)
+      : value(value)
+    {}
+
+    void
+    add(const Largest other)
+    {
+      value = std::max(value, other.value);
+    }
+
+    operator double() const
+    {
+      return value == none ? 0. : value;
+    }
+
+    double value;
+  };
+
+
+
+  /**
+   * Sums and extremes over the points of a body, see Statistics.
+   */
+  template <int dim>
+  struct BodyStatistics
+  {
+    std::string            name;
+    double                 kinetic     = 0.;
+    double                 strain      = 0.;
+    double                 dissipation = 0.;
+    dealii::Tensor<1, dim> momentum;
+    Largest                front, height;
+  };
+
+
+
+  /**
+   * Sums and extremes over the points of all free bodies, those without an
+   * imposed velocity, and of all processes. Units: kg, m, s, J; in 2D per metre
+   * of thickness.
+   */
+  template <int dim>
+  struct Statistics
+  {
+    double                 time = 0.;
+    double                 step = 0.;
+    double                 mass = 0.;
+    dealii::Tensor<1, dim> momentum;
+    /// About the origin; with APIC including that of the affine matrices. In 2D
+    /// the first entry.
+    dealii::Tensor<1, 3> angular_momentum;
+    /// With APIC including that of the affine matrices.
+    double                 kinetic       = 0.;
+    double                 strain        = 0.;
+    double                 dissipation   = 0.;
+    double                 gravitational = 0.;
+    dealii::Tensor<1, dim> center;
+    /// Largest x of a point above Output/Front above, and largest y, with half
+    /// of its size; what front_quantile() gives.
+    Largest       front, height, front_99;
+    unsigned int  iterations    = 0;
+    double        largest_speed = 0.;
+    std::uint64_t active        = 0;
+    /// Cells whose points see no well-filled cell (consistent mass).
+    std::uint64_t fragments = 0;
+    /// Of all bodies.
+    std::uint64_t n_points = 0;
+    /// Steps that have been done again with a shorter length, since the begin.
+    std::uint64_t redone = 0;
+    Work          work;
+    /// Of walls in implicit steps. These are not among the columns().
+    std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
+    /// Loads on surfaces with their forces, N (2D: N / m).
+    std::vector<std::pair<std::string, dealii::Tensor<1, dim>>> loads;
+    /// Among the columns() where there are several.
+    std::vector<BodyStatistics<dim>> bodies;
+
+    /**
+     * The columns of statistics.csv with their names.
+     */
+    std::vector<std::pair<std::string, double>>
+    columns() const;
+
+    /**
+     * The names, with those of the @p loads on surfaces and those of the @p
+     * bodies.
+     */
+    static std::vector<std::string>
+    names(const std::vector<std::string> &loads  = {},
+          const std::vector<std::string> &bodies = {});
+
+    std::vector<double>
+    values() const;
+
+    /**
+     * Add those of other bodies, with their loads, at the same time. Of
+     * front_99, which does not follow from those of parts, the larger one is
+     * kept.
+     */
+    void
+    add(const Statistics &other);
+  };
+
+  /**
+   * Collective. @p gravity is the acceleration of the potential energy. Only
+   * points whose y is larger than @p front_above count for fronts. The fields
+   * that points do not know are left alone.
+   */
+  template <int dim>
+  Statistics<dim>
+  compute_statistics(
+    const std::vector<Body<dim>> &bodies,
+    const PointTransfer<dim>     &transfer,
+    const dealii::Tensor<1, dim> &gravity,
+    const MPI_Comm                comm,
+    const double front_above = std::numeric_limits<double>::lowest());
+
+  /**
+   * Collective. The smallest x beyond which there is no more than 0.5 % of the
+   * mass of all free points above @p front_above, where x of a point is its
+   * position with half of its size. Unlike the outermost point it does not
+   * follow single points. Each process keeps its own points: histograms of
+   * masses, each within one bar of the one before, find the point.
+   */
+  template <int dim>
+  Largest
+  front_quantile(
+    const BodyList<dim> &bodies,
+    const MPI_Comm       comm,
+    const double         front_above = std::numeric_limits<double>::lowest());
+
+  /**
+   * Collective. Kinetic energy of the bodies whose velocity is not imposed, and
+   * unless @p only_kinetic their strain energy and dissipation: what
+   * EnergyBalance watches.
+   */
+  template <int dim>
+  double
+  free_energy(const std::vector<Body<dim>> &bodies,
+              const PointTransfer<dim>     &transfer,
+              const MPI_Comm                comm,
+              const bool                    only_kinetic = false);
+
+  /**
+   * Collective. The largest distance of a point of these bodies from its
+   * initial position, m.
+   */
+  template <int dim>
+  double
+  largest_displacement(const std::vector<Body<dim>> &bodies,
+                       const MPI_Comm                comm);
+} // namespace greville
+
+#endif

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_step_guard_h
+#define greville_steps_step_guard_h
+
+#include <greville/steps/discretization.h>
+#include <greville/steps/move_points.h>
+
+namespace greville
+{
+  /**
+   * The momentum of bodies that feel forces, as a step changes it: the share of
+   * this process, N s (2D: N s / m).
+   */
+  template <int dim>
+  struct MomentumBalance
+  {
+    /// What the points have to have after the step.
+    dealii::Tensor<1, dim> expected;
+
+    /**
+     * Add @p factor times the sum over the owned coefficients.
+     */
+    void
+    add(const VectorField<dim> &field, const double factor);
+
+    /**
+     * Likewise of the @p field times the @p mass of its functions.
+     */
+    void
+    add(const VectorType       &mass,
+        const VectorField<dim> &field,
+        const double            factor);
+
+    void
+    add(const dealii::Tensor<1, dim> &momentum)
+    {
+      expected += momentum;
+    }
+  };
+
+
+
+  /**
+   * Looks after each step whether it was sound, and throws StepFailed where it
+   * was not:
+   * - no point is lost, but for those that have left the grid;
+   * - the mass of the points is what it was;
+   * - mass and momentum are finite (stresses and J are looked at where the laws
+   *   give them);
+   * - J is within the bounds of a volume that a body can have;
+   * - explicit steps: no point crosses more than a cell, no pressure wave more
+   *   than three;
+   * - the momentum of the points is what it was and what forces and walls have
+   *   given. Explicit steps take forces and walls as they are on the grid;
+   *   implicit ones, whose forces are those of Newton's method, what the grid
+   *   gives to the points. It is not known with obstacles, Cundall's damping
+   *   and quadratures of reconstructions.
+   * The sums come from the passes over points and grid that a step has anyway.
+   *
+   * Every hundred steps it looks at the EnergyBalance of the state, and warns
+   * or stops the run where energy has come from nothing.
+   */
+  template <int dim>
+  class StepGuard
+  {
+  public:
+    /**
+     * All are kept by reference.
+     */
+    StepGuard(const SimulationParameters &parameters,
+              const Discretization<dim>  &discretization,
+              StepLog                    &log);
+
+    /**
+     * Collective. The initial energy and mass.
+     */
+    void
+    start(State<dim> &state) const;
+
+    /**
+     * Collective. The mass of points that come from elsewhere.
+     */
+    void
+    weigh(State<dim> &state) const;
+
+    /**
+     * For integrators: what the points of this process have come to in the step
+     * at hand. check() forgets it.
+     */
+    void
+    set(const PointMotion &motion);
+
+    /**
+     * Likewise the balance of momentum.
+     */
+    void
+    set(const MomentumBalance<dim> &balance);
+
+    /**
+     * For integrators, in finish(): dt^2 / 8 a^T M a of this process, J (2D:
+     * J / m). In linear vibrations, central differences keep E less that, with
+     * the energy E of finished states: E swings, the more the closer modes are
+     * to their critical step. check() forgets it.
+     */
+    void
+    set_swing(const double energy)
+    {
+      swing = energy;
+    }
+
+    /**
+     * Collective. Look at a state after a step of an integrator that is
+     * implicit or not. What it has not set is not looked at. Throws StepFailed.
+     */
+    void
+    check(State<dim> &state, const bool is_implicit);
+
+    /**
+     * Whether check_energy() is due after a step: every hundred steps, and
+     * after the last one.
+     */
+    bool
+    is_energy_due(const State<dim> &state, const bool is_last) const;
+
+    /**
+     * Collective. Look at the balance of energy, of which @p now is that of a
+     * finished state, without most of what it swings by: all of it would hide
+     * modes beyond their critical step, too. Warns, or throws StepFailed.
+     */
+    void
+    check_energy(State<dim> &state, const EnergyTotals &now) const;
+
+  private:
+    /**
+     * The point of all processes for which @p measure(body, point) is largest
+     * or NaN: "point 12 of the body 'disk' at (0.1, 0.2) m, in the cell
+     * (3, 4)".
+     */
+    template <typename Measure>
+    std::string
+    worst_point(const State<dim> &state, const Measure &measure) const;
+
+    void
+    check_count(const State<dim> &state) const;
+
+    void
+    check_points(const State<dim> &state,
+                 const double      mass,
+                 const bool        is_implicit) const;
+
+    void
+    check_momentum(const dealii::Tensor<1, dim> &expected,
+                   const dealii::Tensor<1, dim> &found,
+                   const double                  size,
+                   const bool                    is_implicit) const;
+
+    const SimulationParameters &parameters;
+    const Discretization<dim>  &discretization;
+    StepLog                    &log;
+
+    // Of the step at hand.
+    PointSums                           sums;
+    double                              wave     = 0.; // speed, m / s
+    double                              swing    = 0.; // energy, J
+    bool                                has_sums = false;
+    std::optional<MomentumBalance<dim>> balance;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_step_log_h
+#define greville_steps_step_log_h
+
+#include <greville/steps/newton.h>
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * What Newton's method has done in a step from @p time over @p dt, which is
+   * done again with a shorter length where it has not converged. @p step and
+   * @p part count from 1, parts are bodies with grids of their own.
+   */
+  struct NewtonRecord
+  {
+    unsigned int step = 0, part = 1;
+    double       time = 0., dt = 0.;
+    NewtonResult result;
+  };
+
+
+
+  /**
+   * What the parts of a simulation report besides their results: the seconds
+   * that they take on this process, warnings, and Newton's method; and the
+   * words that tell it from others that go in common steps, such as " of 'Body
+   * disk'".
+   */
+  struct StepLog
+  {
+    std::map<std::string, double> seconds;
+    std::vector<std::string>      warnings;
+    std::string                   of;
+    std::vector<NewtonRecord>     newton;
+  };
+
+
+
+  /**
+   * Adds the time of its life to a part.
+   */
+  class PartTimer
+  {
+  public:
+    PartTimer(StepLog &log, const std::string &part)
+      : sum(log.seconds[part])
+      , begin(std::chrono::steady_clock::now())
+    {}
+
+    PartTimer(const PartTimer &) = delete;
+    PartTimer &
+    operator=(const PartTimer &) = delete;
+
+    ~PartTimer()
+    {
+      sum +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
+          .count();
+    }
+
+  private:
+    double                               &sum;
+    std::chrono::steady_clock::time_point begin;
+  };
+} // namespace greville
+
+#endif

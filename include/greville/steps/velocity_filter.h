@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_velocity_filter_h
+#define greville_steps_velocity_filter_h
+
+#include <greville/base/zeroed_array.h>
+#include <greville/spline/spline_space.h>
+
+namespace greville
+{
+  /**
+   * A high-order filter for velocities of the grid that keeps explicit steps
+   * with the consistent mass stable while points move through the grid.
+   *
+   * Central differences conserve an energy only as long as the basis functions
+   * of the points stay the same. Points that cross cells change their basis and
+   * pump the highest modes of the grid (parametric resonance). Lumped mass and
+   * FMPM damp these modes, the exact inverse of the mass matrix does not.
+   *
+   * The filter acts on jumps of the p-th derivative across the knots. With the
+   * coefficients c of a component of the velocity and the jumps g_s . c, a
+   * difference of order p + 1 of the p + 2 coefficients of a run s in a line,
+   * the correction is
+   * @f[
+   *   z = -\frac{1}{4^{p+1}} M_L^{-1}
+   *       \sum_s w_s \, \theta_s \, g_s (g_s \cdot c),
+   *   \qquad
+   *   \theta_s = \min(1 / dim,
+   *              \kappa \Delta t \max_{i \in s} \sum_d |v_{i,d}| / h_d).
+   * @f]
+   * The sum is over the runs of all lines in all directions. The entries of
+   * g_s have absolute values with a sum of 2^(p+1), and w_s is the smallest
+   * mass of the functions of a run, so that the eigenvalues of c -> z lie
+   * between -1 and 0. theta_s is the number of cells that a point crosses in
+   * the step, times the strength kappa (five times it for p = 1): what is at
+   * rest is not filtered. On uniform knots a wave of angle k_d per coefficient
+   * is multiplied in each step by
+   * @f[ 1 - \theta \sum_d \sin(k_d / 2)^{2 (p + 1)}. @f]
+   *
+   * The jumps of splines of order p + 1 and of smooth fields are of order
+   * h^(p+1), and those of polynomials of order p are zero, so that translation,
+   * rotation and strain are not touched, and the order p + 1 is kept. The sum
+   * of M_L z is zero: momentum is conserved. Extended B-splines then take the
+   * corrections of the functions that they depend on, see
+   * ExtendedMass::extend().
+   *
+   * The references are
+   * @ref Burman2004 "Burman and Hansbo, 2004", for jumps and
+   * @ref Fischer2001 "Fischer and Mullen, 2001", for
+   * filters.
+   */
+  template <int dim>
+  class VelocityFilter
+  {
+  public:
+    /**
+     * Collective. The space is kept by reference.
+     */
+    void
+    reinit(const SplineSpace<dim> &space);
+
+    /**
+     * Collective. The lumped mass, a vector of the space. Runs with a function
+     * without mass are left out.
+     */
+    void
+    set_mass(const VectorType &lumped);
+
+    /**
+     * Collective. The corrections z of all components for the velocity of a
+     * step of length @p dt, vectors of the space.
+     */
+    void
+    apply(std::array<VectorType, dim>       &z,
+          const std::array<VectorType, dim> &velocity,
+          const double                       strength,
+          const double                       dt) const;
+
+  private:
+    /**
+     * A line of coefficients in direction x. That at x, counted from the lower
+     * wall of the grid (where x is periodic from p + 1 functions before), has
+     * the place place + x. Other lines begin at the
+     * places of their neighbours, which have room for them.
+     */
+    struct Line
+    {
+      int begin = 0, end = 0; // empty if equal
+      int place = 0;
+      // The runs in each direction that begin in the line and have mass.
+      std::array<int, dim> first_run{}, end_of_runs{};
+    };
+
+    /**
+     * Copy a vector to the places, with the entries of other processes.
+     */
+    void
+    to_places(const ZeroedArray<double> &values,
+              const VectorType          &vector) const;
+
+    /**
+     * The distance in lines of two coefficients that follow each other.
+     */
+    int
+    line_step(const unsigned int direction) const
+    {
+      return direction == 0 ? 0 : direction == 1 ? 1 : n_lines_y;
+    }
+
+    const SplineSpace<dim> *space = nullptr;
+
+    // The entries of g_s by direction: entry k of all runs, for k from 0 to
+    // p + 1, in the order of their first coefficients.
+    std::array<std::vector<double>, dim> differences;
+
+    // Functions of this process, and those of others in the same runs.
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partitioner;
+    std::vector<unsigned int> places; // of owned functions
+
+    // Other places and the local numbers in the partitioner of what they have:
+    // functions of other processes, and images where a direction is periodic.
+    std::vector<std::pair<unsigned int, unsigned int>> copies;
+
+    std::vector<Line> lines; // of a box, y first
+    int               n_lines_y = 0;
+    int               low_y = 0, low_z = 0;
+    std::size_t       n_places = 0;
+
+    ZeroedArray<double>                  inverse_mass;
+    std::array<ZeroedArray<double>, dim> run_mass; // w, at the first place
+    ZeroedArray<double>                  crossings;
+    mutable std::array<ZeroedArray<double>, dim> velocities, results;
+    mutable std::vector<double>                  jumps, strengths; // of a line
+    mutable VectorType                           exchanged;
+  };
+} // namespace greville
+
+#endif

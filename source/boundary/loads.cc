@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/boundary/body_force.h>
+#include <greville/boundary/loads.h>
+#include <greville/boundary/traction.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Loads that move a point by more than this part of a cell in a step can be
+    // why a step fails.
+    constexpr double large_move = 0.1;
+
+
+
+    // All kinds of loads on points, one line each.
+    template <int dim>
+    std::vector<MakePointLoads<dim>> &
+    kinds_of_point_loads()
+    {
+      static std::vector<MakePointLoads<dim>> list = {BodyForce<dim>::make,
+                                                      Traction<dim>::make};
+      return list;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  add_point_load(const MakePointLoads<dim> &make)
+  {
+    kinds_of_point_loads<dim>().push_back(make);
+  }
+
+
+
+  template <int dim>
+  Loads<dim>::Loads(const SimulationParameters &parameters)
+    : surface_loads(parameters)
+  {
+    if (!parameters.loads.gravity.empty())
+      gravity_formulas = {parameters.loads.gravity, "Loads/Gravity", {"t"}};
+    for (const auto &make : kinds_of_point_loads<dim>())
+      for (auto &load : make(parameters))
+        point_loads.push_back(std::move(load));
+  }
+
+
+
+  template <int dim>
+  void
+  Loads<dim>::add_fields(PointLayout<dim> &layout) const
+  {
+    if (act_on_points())
+      layout.add("load", dim);
+    for (const auto &load : point_loads)
+      load->add_fields(layout);
+  }
+
+
+
+  template <int dim>
+  void
+  Loads<dim>::find_points(std::vector<Body<dim>> &bodies,
+                          const MPI_Comm          comm) const
+  {
+    for (const auto &load : point_loads)
+      load->find_points(bodies, comm);
+  }
+
+
+
+  template <int dim>
+  std::string
+  Loads<dim>::names(const bool with_gravity) const
+  {
+    std::string result =
+      with_gravity && !gravity_formulas.is_zero() ? "'Loads/Gravity'" : "";
+    for (const auto &load : point_loads)
+      result += (result.empty() ? "" : ", ") + load->parameter_names();
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::string
+  Loads<dim>::what_is_large(const double   t,
+                            const double   dt,
+                            const double   h,
+                            const MPI_Comm comm) const
+  {
+    const double most = Utilities::MPI::max(largest, comm) + gravity(t).norm();
+    if (!(most * dt * dt > large_move * h))
+      return "";
+    std::ostringstream message;
+    message << "Loads alone accelerate points by up to " << most
+            << " m / s^2, which moves them by " << most * dt * dt / h
+            << " cells in a step: " << names(true) << ". ";
+    return message.str();
+  }
+
+
+
+  template <int dim>
+  Tensor<1, dim>
+  Loads<dim>::gravity(const double t) const
+  {
+    try
+      {
+        return gravity_formulas(t);
+      }
+    catch (const ExcMessage &error)
+      {
+        throw ErrorOnAll(message_of(error));
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Loads<dim>::clear(std::vector<Body<dim>> &bodies) const
+  {
+    // Other stages may have loads.
+    for (Body<dim> &body : bodies)
+      if (const PointField *load = body.points.layout().find("load"))
+        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+          for (unsigned int d = 0; d < dim; ++d)
+            p[load->first + d] = 0.;
+        });
+  }
+
+
+
+  template <int dim>
+  void
+  Loads<dim>::set(std::vector<Body<dim>> &bodies,
+                  const double            t,
+                  const bool              with_following)
+  {
+    if (with_following)
+      largest = 0.;
+    if (!act_on_points())
+      return;
+    clear(bodies);
+    for (Body<dim> &body : bodies)
+      {
+        const unsigned int first = body.points.layout().first("load");
+        for (const auto &load : point_loads)
+          if (with_following || !load->at_position(body.points.layout(), t))
+            load->add_acceleration(body.points, first, t);
+        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+          const double size = p.vector(first).norm();
+          if (!(size <= 1e100))
+            {
+              std::ostringstream message;
+              message << "the point of the initial position (" << p.reference()
+                      << ") m gets more than 1e100 m / s^2 at t = " << t
+                      << " s from " << names(false);
+              AssertThrow(false, ExcMessage(message.str()));
+            }
+          if (!body.rigid_motion)
+            largest = std::max(largest, size);
+        });
+      }
+  }
+
+
+
+  template <int dim>
+  std::vector<LoadedSurface<dim>>
+  Loads<dim>::following(const std::vector<Body<dim>> &bodies,
+                        const double                  t) const
+  {
+    std::vector<LoadedSurface<dim>> result;
+    for (const Body<dim> *body : deformable_bodies(bodies))
+      {
+        std::vector<typename PointLoad<dim>::AtPosition> accelerations;
+        for (const auto &load : point_loads)
+          if (auto acceleration = load->at_position(body->points.layout(), t))
+            accelerations.push_back(std::move(acceleration));
+        if (!accelerations.empty())
+          result.push_back({&body->points,
+                            [accelerations](const ConstPointRef<dim> p,
+                                            const SurfaceState<dim> &state) {
+                              Tensor<1, dim> sum;
+                              for (const auto &acceleration : accelerations)
+                                sum += acceleration(p, state.x);
+                              return sum;
+                            }});
+      }
+    return result;
+  }
+
+
+
+  template decltype(add_point_load<2>) add_point_load<2>;
+  template decltype(add_point_load<3>) add_point_load<3>;
+  template class Loads<2>;
+  template class Loads<3>;
+} // namespace greville

@@ -1,0 +1,422 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/step_errors.h>
+#include <greville/boundary/walls.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    std::vector<std::string>
+    position_and_time()
+    {
+      std::vector<std::string> names = coordinate_names<dim>();
+      names.push_back("t");
+      return names;
+    }
+
+
+
+    template <int dim>
+    Tensor<1, dim>
+    value_at(const VectorExpression<dim> &formula,
+             const Point<dim>            &x,
+             const double                 t)
+    {
+      std::array<double, dim + 1> values;
+      for (unsigned int d = 0; d < dim; ++d)
+        values[d] = x[d];
+      values[dim] = t;
+      return formula(ArrayView<const double>(values.data(), dim + 1));
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  Walls<dim>::Walls(const WallParameters &parameters)
+  {
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      {
+        type[w]                = parameters.type[w];
+        friction[w]            = parameters.friction[w];
+        const std::string name = "Walls/" + WallParameters::names[w];
+        if (!parameters.region[w].empty())
+          region[w].emplace(parameters.region[w], name + " region");
+        if (!parameters.velocity[w].empty())
+          velocity[w] = {parameters.velocity[w],
+                         name + " velocity",
+                         position_and_time<dim>()};
+        if (!parameters.displacement[w].empty())
+          displacement[w] = {parameters.displacement[w],
+                             name + " displacement",
+                             position_and_time<dim>()};
+      }
+  }
+
+
+
+  template <int dim>
+  std::array<bool, dim>
+  Walls<dim>::periodic_directions(const WallParameters &parameters)
+  {
+    std::array<bool, dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = parameters.type[2 * d] == "periodic";
+    return result;
+  }
+
+
+
+  namespace
+  {
+    template <int dim>
+    Point<dim>
+    greville_abscissa(const SplineSpace<dim> &space,
+                      const unsigned int      function)
+    {
+      const auto k = multi_index<dim>(space.owned_functions()[function],
+                                      space.n_functions());
+      Point<dim> x;
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] = space.knots(d).greville_abscissa(k[d]);
+      return x;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  std::vector<unsigned int>
+  Walls<dim>::coefficients_at(const SplineSpace<dim> &space,
+                              const unsigned int      wall) const
+  {
+    const unsigned int d   = wall / 2;
+    const unsigned int end = wall % 2 == 0 ? 0 : space.n_functions()[d] - 1;
+    std::vector<unsigned int> result;
+    if (space.lattice().is_periodic(d))
+      return result;
+    for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
+      if (multi_index<dim>(space.owned_functions()[i],
+                           space.n_functions())[d] == end &&
+          (!region[wall] ||
+           region[wall]->contains(greville_abscissa(space, i))))
+        result.push_back(i);
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  Walls<dim>::reinit(const SplineSpace<dim> &space)
+  {
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      {
+        coefficients[w] = coefficients_at(space, w);
+        places[w].clear();
+        for (const unsigned int i : coefficients[w])
+          places[w].push_back(greville_abscissa(space, i));
+      }
+    // The last wall that holds a coefficient gives it its value.
+    std::vector<unsigned char> others(space.owned_functions().size(), 0);
+    for (unsigned int w = 2 * dim; w-- > 0;)
+      {
+        counted[w].clear();
+        for (const unsigned int i : coefficients[w])
+          {
+            counted[w].push_back(held_components(w) & ~others[i]);
+            others[i] |= held_components(w);
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  Tensor<1, dim>
+  Walls<dim>::velocity_at(const unsigned int wall,
+                          const Point<dim>  &x,
+                          const WallTime    &time) const
+  {
+    const VectorExpression<dim> &d = displacement[wall];
+    if (d.is_zero())
+      return value_at(velocity[wall], x, time.t);
+    if (time.begin == time.end)
+      return Tensor<1, dim>();
+    return (value_at(d, x, time.end) - value_at(d, x, time.begin)) /
+           (time.end - time.begin);
+  }
+
+
+
+  template <int dim>
+  void
+  Walls<dim>::check_paths(const SplineSpace<dim> &space,
+                          const double            start,
+                          const double            end,
+                          const bool              walls_have_to_stay) const
+  {
+    constexpr unsigned int n  = 1000; // steps of the trapezoidal rule
+    const double           dt = (end - start) / n;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (is_moving(w))
+        for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+          {
+            const unsigned int d = w / 2;
+            if (((corner >> d) & 1) != w % 2)
+              continue;
+            Point<dim> x;
+            for (unsigned int c = 0; c < dim; ++c)
+              x[c] = (corner >> c) & 1 ? space.lattice().upper(c)
+                                       : space.lattice().lower(c);
+            const double h    = space.lattice().cell_size(d);
+            double       path = 0., last = 0.;
+            for (unsigned int k = 0; k <= n; ++k)
+              {
+                const double t = start + dt * k;
+                if (displacement[w].is_zero())
+                  {
+                    const double v = value_at(velocity[w], x, t)[d];
+                    if (k > 0)
+                      path += 0.5 * dt * (last + v);
+                    last = v;
+                  }
+                else
+                  path = (value_at(displacement[w], x, t) -
+                          value_at(displacement[w], x, start))[d];
+                AssertThrow(
+                  !walls_have_to_stay || std::abs(path) <= 0.1 * h,
+                  ExcMessage(
+                    "The parameter 'Walls/" + WallParameters::names[w] +
+                    (displacement[w].is_zero() ? " velocity"
+                                               : " displacement") +
+                    "' moves the wall along its normal: by " +
+                    std::to_string(path) + " m until t = " + std::to_string(t) +
+                    " s. Walls of the grid can move along themselves only (or "
+                    "a tenth of a cell, " +
+                    std::to_string(0.1 * h) +
+                    " m), but for total Lagrangian steps: take a body with an "
+                    "'Imposed velocity' as a piston."));
+              }
+          }
+  }
+
+
+
+  template <int dim>
+  bool
+  Walls<dim>::holds(const unsigned int wall, const unsigned int component) const
+  {
+    return type[wall] == "fixed" || type[wall] == "moving" ||
+           (type[wall] == "sliding" && wall / 2 == component);
+  }
+
+
+
+  template <int dim>
+  std::vector<unsigned int>
+  Walls<dim>::held_functions(const SplineSpace<dim> &space,
+                             const unsigned int      component) const
+  {
+    std::vector<unsigned int> result;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (holds(w, component))
+        for (const unsigned int i : coefficients_at(space, w))
+          result.push_back(i);
+    return result;
+  }
+
+
+
+  template <int dim>
+  bool
+  Walls<dim>::have_moving() const
+  {
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (is_moving(w))
+        return true;
+    return false;
+  }
+
+
+
+  template <int dim>
+  bool
+  Walls<dim>::have_friction() const
+  {
+    return std::find(type.begin(), type.end(), "friction") != type.end();
+  }
+
+
+
+  template <int dim>
+  template <typename Value>
+  void
+  Walls<dim>::hold(VectorField<dim> &field, const Value &value_at) const
+  {
+    if (have_moving())
+      fail_with(
+        [&]() {
+          run_on_all([&]() { set_held(field, value_at); },
+                     field[0].get_mpi_communicator());
+        },
+        false);
+    else
+      set_held(field, value_at);
+  }
+
+
+
+  template <int dim>
+  template <typename Value>
+  void
+  Walls<dim>::set_held(VectorField<dim> &field, const Value &value_at) const
+  {
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      {
+        std::array<bool, dim> is_held;
+        for (unsigned int c = 0; c < dim; ++c)
+          is_held[c] = holds(w, c);
+        if (!is_held[w / 2])
+          continue;
+        for (unsigned int k = 0; k < coefficients[w].size(); ++k)
+          {
+            const Tensor<1, dim> value = value_at(w, places[w][k]);
+            for (unsigned int c = 0; c < dim; ++c)
+              if (is_held[c])
+                field[c].local_element(coefficients[w][k]) = value[c];
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Walls<dim>::hold_velocity(VectorField<dim> &field, const WallTime &time) const
+  {
+    hold(field, [&](const unsigned int w, const Point<dim> &x) {
+      return velocity_at(w, x, time);
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  Walls<dim>::hold_acceleration(VectorField<dim> &field,
+                                const WallTime   &before,
+                                const WallTime   &after,
+                                const double      dt) const
+  {
+    hold(field, [&](const unsigned int w, const Point<dim> &x) {
+      return dt > 0.
+               ? (velocity_at(w, x, after) - velocity_at(w, x, before)) / dt
+               : Tensor<1, dim>();
+    });
+  }
+
+
+
+  template <int dim>
+  unsigned char
+  Walls<dim>::held_components(const unsigned int wall) const
+  {
+    unsigned char result = 0;
+    for (unsigned int c = 0; c < dim; ++c)
+      result |= holds(wall, c) << c;
+    return result;
+  }
+
+
+
+  template <int dim>
+  unsigned char
+  Walls<dim>::components_with_force(const unsigned int wall) const
+  {
+    return is_friction(wall) ? (1 << dim) - 1 : held_components(wall);
+  }
+
+
+
+  template <int dim>
+  WallSums<dim>
+  Walls<dim>::sums_of_held(const VectorField<dim> &field) const
+  {
+    WallSums<dim> sums;
+    add_held(sums, [&](const unsigned int c, const unsigned int i) {
+      return field[c].local_element(i);
+    });
+    return sums;
+  }
+
+
+
+  template <int dim>
+  WallSums<dim>
+  Walls<dim>::add_contact(VectorField<dim> &v,
+                          VectorField<dim> &acceleration,
+                          const double      dt,
+                          const VectorType &lumped_mass) const
+  {
+    WallSums<dim> impulses;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (is_friction(w))
+        {
+          const unsigned int normal = w / 2;
+          const double       sign   = w % 2 == 0 ? -1. : 1.;
+          for (const unsigned int i : coefficients[w])
+            {
+              const double v_n = sign * v[normal].local_element(i);
+              if (v_n <= 0.)
+                continue;
+              Tensor<1, dim> change, v_t;
+              for (unsigned int c = 0; c < dim; ++c)
+                if (c != normal)
+                  v_t[c] = v[c].local_element(i);
+              change[normal] = -sign * v_n;
+              if (v_t.norm() > 0.)
+                change -= std::min(friction[w] * v_n / v_t.norm(), 1.) * v_t;
+              impulses[w] += lumped_mass.local_element(i) * change;
+              for (unsigned int c = 0; c < dim; ++c)
+                {
+                  v[c].local_element(i) += change[c];
+                  if (dt > 0.)
+                    acceleration[c].local_element(i) += change[c] / dt;
+                }
+            }
+        }
+    return impulses;
+  }
+
+
+
+  template <int dim>
+  WallSums<dim>
+  Walls<dim>::stop(VectorField<dim> &v, const VectorType &lumped_mass) const
+  {
+    WallSums<dim> impulses;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (is_friction(w))
+        for (const unsigned int i : coefficients[w])
+          {
+            double      &v_n = v[w / 2].local_element(i);
+            const double old = v_n;
+            v_n = w % 2 == 0 ? std::max(0., v_n) : std::min(0., v_n);
+            impulses[w][w / 2] += lumped_mass.local_element(i) * (v_n - old);
+          }
+    return impulses;
+  }
+
+
+
+  template class Walls<2>;
+  template class Walls<3>;
+} // namespace greville

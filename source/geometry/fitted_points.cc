@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/quadrature_lib.h>
+
+#include <greville/base/errors.h>
+#include <greville/geometry/compressed_quadrature.h>
+#include <greville/geometry/fitted_points.h>
+#include <greville/geometry/surface_shape.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Of a cell: parts below it have no points, and nothing larger may stick
+    // out of the grid.
+    constexpr double smallest_part = 1e-10;
+
+    // Ids are stored as doubles.
+    constexpr std::uint64_t largest_id = std::uint64_t(1) << 53;
+
+    // Surface points of a cell.
+    constexpr std::uint64_t surface_ids = 1 << 16;
+
+
+
+    template <int dim>
+    unsigned int
+    largest_of(const MultiIndex<dim> &extents)
+    {
+      return *std::max_element(extents.begin(), extents.end());
+    }
+
+
+
+    template <int dim>
+    void
+    check_ids(const Lattice<dim> &lattice,
+              const std::uint64_t n_per_cell,
+              const std::string  &section)
+    {
+      double n_cells = 1.;
+      for (const unsigned int n : lattice.n_cells())
+        n_cells *= n;
+      AssertThrow(n_cells * n_per_cell < largest_id,
+                  ExcMessage("The grid has too many cells to number the "
+                             "points of '" +
+                             section +
+                             "': make 'Points per direction' smaller."));
+    }
+
+
+
+    /**
+     * Throw where a cell next to the grid has a part of the shape.
+     */
+    template <int dim>
+    void
+    check_walls(const FittedShape<dim> &shape,
+                const Lattice<dim>     &lattice,
+                const MultiIndex<dim>  &index,
+                const std::string      &section)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        for (const int side : {-1, 1})
+          if (index[d] == (side < 0 ? 0 : lattice.n_cells()[d] - 1))
+            {
+              std::array<int, dim> outside;
+              for (unsigned int e = 0; e < dim; ++e)
+                outside[e] = int(index[e]) + (e == d ? side : 0);
+              const CellPart<dim> part   = shape.cut(outside, 1);
+              double              volume = part.is_full ? 1. : 0.;
+              for (const auto &point : part.points)
+                volume += point.weight;
+              Point<dim> x = lattice.cell_center(index);
+              for (unsigned int e = 0; e < dim; ++e)
+                if (!part.points.empty())
+                  x[e] += lattice.cell_size(e) *
+                          (part.points[0].x[e] - 0.5 + (e == d ? side : 0));
+                else if (e == d)
+                  x[e] += lattice.cell_size(e) * side;
+              AssertThrow(volume < smallest_part,
+                          ExcMessage(
+                            "The body of '" + section +
+                            "' sticks out of the grid, for instance at (" +
+                            text_of(x) +
+                            ") m. Make the grid larger ('Grid/Lower corner', "
+                            "'Grid/Upper corner'), the shape smaller, or set "
+                            "'Clip at the grid' to true."));
+            }
+    }
+
+
+
+    template <int dim>
+    std::array<int, dim>
+    signed_index(const MultiIndex<dim> &index)
+    {
+      std::array<int, dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = index[d];
+      return result;
+    }
+
+
+
+    /**
+     * The points of a cell that is wholly inside.
+     */
+    template <int dim>
+    std::vector<WeightedPoint<dim>>
+    whole_cell(const MultiIndex<dim> &extents, const bool has_lattice)
+    {
+      std::vector<QGauss<1>> quadratures;
+      unsigned int           n_points = 1;
+      for (const unsigned int n : extents)
+        {
+          quadratures.emplace_back(n);
+          n_points *= n;
+        }
+      std::vector<WeightedPoint<dim>> result;
+      for (unsigned int k = 0; k < n_points; ++k)
+        {
+          const auto         local = multi_index<dim>(k, extents);
+          WeightedPoint<dim> point = {Point<dim>(), 1.};
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              point.x[d] = has_lattice ? (local[d] + 0.5) / extents[d]
+                                       : quadratures[d].point(local[d])[0];
+              point.weight *=
+                has_lattice ? 1. / extents[d] : quadratures[d].weight(local[d]);
+            }
+          result.push_back(point);
+        }
+      return result;
+    }
+
+
+
+    /**
+     * Throw where the unit of a file is hardly what was meant.
+     */
+    template <int dim>
+    void
+    check_size(const ClosedSurface<dim> &surface,
+               const PointPlacement     &placement,
+               const std::string        &section,
+               const Lattice<dim>       &lattice)
+    {
+      Point<dim> lower = surface[0][0], upper = lower;
+      for (const auto &facet : surface)
+        for (const Point<dim> &x : facet)
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              lower[d] = std::min(lower[d], x[d]);
+              upper[d] = std::max(upper[d], x[d]);
+            }
+      double in_cells = 0., in_grids = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double size = upper[d] - lower[d];
+          in_cells          = std::max(in_cells, size / lattice.cell_size(d));
+          in_grids =
+            std::max(in_grids, size / (lattice.upper(d) - lattice.lower(d)));
+        }
+      AssertThrow(
+        in_cells > 1. && in_grids < 10.,
+        ExcMessage(
+          "The body in <" + placement.shape_file + "> of the parameter '" +
+          section + "/Shape file' reaches from (" + text_of(lower) + ") to (" +
+          text_of(upper) + ") m: it is " +
+          (in_cells > 1. ? "far larger than the grid" : "smaller than a cell") +
+          ". Is 'Unit of shape file' = " + text_of(placement.shape_file_unit) +
+          " m right (0.001 for mm)?"));
+    }
+
+
+
+    template <int dim>
+    Point<dim>
+    point_of_cell(const Point<dim>      &xi,
+                  const MultiIndex<dim> &index,
+                  const Lattice<dim>    &lattice)
+    {
+      Point<dim> x = lattice.cell_corner(index);
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] +=
+          std::min(std::max(xi[d], 1e-9), 1. - 1e-9) * lattice.cell_size(d);
+      return x;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  std::unique_ptr<FittedShape<dim>>
+  make_fitted_shape(const PointPlacement   &placement,
+                    const std::string      &section,
+                    const SplineSpace<dim> &space)
+  {
+    const Lattice<dim> &lattice = space.lattice();
+    if (placement.shape_file.empty())
+      return std::make_unique<LevelSetShape<dim>>(placement.shape,
+                                                  section + "/Shape",
+                                                  lattice);
+    const auto surface = read_surface<dim>(placement.shape_file,
+                                           section + "/Shape file",
+                                           placement.shape_file_unit);
+    check_size<dim>(surface, placement, section, lattice);
+    return std::make_unique<SurfaceShape<dim>>(surface, lattice);
+  }
+
+
+
+  template <int dim>
+  std::vector<PlacedPoint<dim>>
+  place_fitted_points(const PointPlacement   &placement,
+                      const std::string      &section,
+                      const SplineSpace<dim> &space)
+  {
+    AssertThrow(placement.jitter == 0.,
+                ExcMessage("The parameter '" + section +
+                           "/Jitter' has to be 0 with 'Placement = " +
+                           placement.placement +
+                           "': points that are moved do not follow the "
+                           "boundary."));
+    const auto  extents = points_of_cell<dim>(placement, section);
+    const auto  shape   = make_fitted_shape<dim>(placement, section, space);
+    const auto &lattice = space.lattice();
+    const auto  whole =
+      whole_cell<dim>(extents, placement.placement == "fitted lattice");
+    const unsigned int  n      = largest_of<dim>(extents);
+    const unsigned int  degree = 2 * n - 1;
+    const std::uint64_t n_per_cell =
+      std::max<std::uint64_t>(whole.size(), n_polynomials<dim>(degree));
+    check_ids(lattice, n_per_cell, section);
+    double cell_volume = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      cell_volume *= lattice.cell_size(d);
+
+    std::vector<PlacedPoint<dim>> result;
+    for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
+      {
+        const std::uint64_t position = space.owned_cells()[cell];
+        const auto index = multi_index<dim>(position, lattice.n_cells());
+        if (!placement.clip)
+          check_walls<dim>(*shape, lattice, index, section);
+        CellPart<dim> part = shape->cut(signed_index<dim>(index), n);
+        double        sum  = 0.;
+        for (const auto &point : part.points)
+          sum += point.weight;
+        if (!part.is_full && sum < smallest_part)
+          continue;
+        if (part.is_full)
+          part.points = whole;
+        else
+          compress_quadrature(part.points, degree);
+        std::uint64_t id = position * n_per_cell;
+        for (const auto &point : part.points)
+          if (point.weight > 0.)
+            {
+              const auto x = point_of_cell<dim>(point.x, index, lattice);
+              result.push_back({x, x, point.weight * cell_volume, id++, cell});
+            }
+      }
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<SurfacePoint<dim>>
+  place_surface_points(const PointPlacement   &placement,
+                       const std::string      &section,
+                       const SplineSpace<dim> &space)
+  {
+    const auto  shape = make_fitted_shape<dim>(placement, section, space);
+    const auto  n = largest_of<dim>(points_of_cell<dim>(placement, section));
+    const auto &lattice = space.lattice();
+    check_ids(lattice, surface_ids, section);
+
+    std::vector<SurfacePoint<dim>> result;
+    for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
+      {
+        const std::uint64_t position = space.owned_cells()[cell];
+        const auto index = multi_index<dim>(position, lattice.n_cells());
+        if (!placement.clip)
+          check_walls<dim>(*shape, lattice, index, section);
+        const CellPart<dim> part = shape->cut(signed_index<dim>(index), n);
+        AssertThrow(part.surface.size() < surface_ids, ExcInternalError());
+        std::uint64_t id = position * surface_ids;
+        for (const auto &point : part.surface)
+          {
+            // Areas are vectors that grow with the sides of the cell across
+            // them.
+            SurfacePoint<dim> placed;
+            placed.x      = point_of_cell<dim>(point.x, index, lattice);
+            placed.normal = point.weight * point.normal;
+            for (unsigned int d = 0; d < dim; ++d)
+              for (unsigned int e = 0; e < dim; ++e)
+                if (e != d)
+                  placed.normal[d] *= lattice.cell_size(e);
+            placed.area = placed.normal.norm();
+            if (placed.area == 0.)
+              continue;
+            placed.normal /= placed.area;
+            placed.cell = cell;
+            placed.id   = id++;
+            result.push_back(placed);
+          }
+      }
+    return result;
+  }
+
+
+
+  template decltype(make_fitted_shape<2>)    make_fitted_shape<2>;
+  template decltype(make_fitted_shape<3>)    make_fitted_shape<3>;
+  template decltype(place_fitted_points<2>)  place_fitted_points<2>;
+  template decltype(place_fitted_points<3>)  place_fitted_points<3>;
+  template decltype(place_surface_points<2>) place_surface_points<2>;
+  template decltype(place_surface_points<3>) place_surface_points<3>;
+} // namespace greville

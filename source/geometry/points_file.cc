@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/csv.h>
+#include <greville/base/errors.h>
+#include <greville/base/expression.h>
+#include <greville/geometry/points_file.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/algorithm/string/case_conv.hpp>
+#include <cmath>
+#include <filesystem>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * The columns of a file that are wanted.
+     */
+    struct Columns
+    {
+      std::vector<int> coordinates, further, reference, displacement;
+      int              volume = -1, mass = -1, density = -1, body = -1;
+    };
+
+    // Columns that say the same may differ by this, relatively, and densities
+    // of points and of their material by this factor; volumes may exceed the
+    // grid by this, relatively.
+    constexpr double largest_difference = 0.01, largest_ratio = 1e3,
+                     largest_excess = 0.01;
+
+
+
+    int
+    place_of(const std::vector<std::string> &names, const std::string &name)
+    {
+      const auto found = std::find(names.begin(), names.end(), name);
+      return found == names.end() ? -1 : int(found - names.begin());
+    }
+
+
+
+    /**
+     * read_csv() where the name of the file has an ending of such files.
+     */
+    void
+    read_points(const std::string                          &file,
+                const std::string                          &section,
+                const std::function<void(const CsvLine &)> &visit)
+    {
+      const std::string parameter = section + "/Points file";
+      const std::string ending    = boost::algorithm::to_lower_copy(
+        std::filesystem::path(file).extension().string());
+      AssertThrow(ending.empty() || ending == ".csv" || ending == ".txt" ||
+                    ending == ".dat",
+                  ExcMessage("The file <" + file + "> of the parameter '" +
+                             parameter + "' ends with <" + ending +
+                             ">. Points come as CSV (.csv, .txt, .dat); "
+                             "scripts/points_to_csv converts files of VTK."));
+      read_csv(file, parameter, visit);
+    }
+
+
+
+    /**
+     * Throw where two points are in one place.
+     */
+    template <int dim>
+    void
+    check_places(std::vector<const PlacedPoint<dim> *> points,
+                 const std::string                    &file,
+                 const std::string                    &section)
+    {
+      const auto key = [](const PlacedPoint<dim> *const p) {
+        std::array<double, dim> result;
+        for (unsigned int d = 0; d < dim; ++d)
+          result[d] = p->x[d];
+        return result;
+      };
+      std::sort(points.begin(),
+                points.end(),
+                [&](const auto *a, const auto *b) { return key(a) < key(b); });
+      for (std::size_t k = 1; k < points.size(); ++k)
+        if (points[k - 1]->x == points[k]->x)
+          {
+            const auto lines =
+              find_in_points_file<dim>(file, section, points[k]->x);
+            AssertThrow(false,
+                        ExcMessage(
+                          lines.back() + "the point (" + text_of(points[k]->x) +
+                          ") m is in the place of another one: there are " +
+                          std::to_string(lines.size()) +
+                          " points, the first one in " +
+                          lines[0].substr(lines[0].rfind(", ") + 2) +
+                          "their mass would be counted twice."));
+          }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  int
+  PointsOfFile<dim>::find(const std::string &name) const
+  {
+    const auto found = std::find(names.begin(), names.end(), name);
+    return found == names.end() ? -1 : found - names.begin();
+  }
+
+
+
+  template <int dim>
+  PointsOfFile<dim>
+  points_of_file(const std::string                           &file,
+                 const std::string                           &section,
+                 const int                                    body,
+                 const double                                 density,
+                 const std::vector<std::vector<std::string>> &wanted,
+                 const bool                                   at_reference,
+                 const SplineSpace<dim>                      &space)
+  {
+    const auto              &lattice     = space.lattice();
+    const std::string        volume_unit = dim == 2 ? "m^2" : "m^3";
+    PointsOfFile<dim>        result;
+    Columns                  columns;
+    std::vector<std::string> header;
+    std::uint64_t            id  = 0;
+    double                   sum = 0., grid_volume = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      grid_volume *= lattice.upper(d) - lattice.lower(d);
+
+    const auto read_header = [&](const CsvLine &line) {
+      const std::string &where = line.where, &text = line.text;
+      header          = line.words;
+      const auto find = [&](const std::string &name) {
+        return place_of(header, name);
+      };
+      // All of a group or none of it.
+      const auto find_group = [&](const std::vector<std::string> &group) {
+        std::vector<int> places;
+        std::string      there, missing;
+        for (const std::string &name : group)
+          {
+            places.push_back(find(name));
+            (places.back() < 0 ? missing : there) = name;
+          }
+        AssertThrow(there.empty() || missing.empty(),
+                    ExcMessage(where + "there is a column '" + there +
+                               "', but no '" + missing + "' in <" + text +
+                               ">."));
+        return missing.empty() ? places : std::vector<int>();
+      };
+      for (const std::string &name : coordinate_names<dim>())
+        {
+          columns.coordinates.push_back(find(name));
+          AssertThrow(columns.coordinates.back() >= 0,
+                      ExcMessage(where + "there is no column '" + name +
+                                 "' in <" + text + ">."));
+        }
+      columns.volume  = find("volume");
+      columns.mass    = find("mass");
+      columns.density = find("density");
+      AssertThrow(columns.volume >= 0 || columns.mass >= 0,
+                  ExcMessage(where + "there is no column 'volume' in <" + text +
+                             ">, and no 'mass' to find it from."));
+      columns.body = find("body");
+      AssertThrow(body < 0 || columns.body >= 0,
+                  ExcMessage(where + "there is no column 'body' in <" + text +
+                             ">, but the parameter '" + section +
+                             "/Body in points file' is " + text_of(body) +
+                             "."));
+      const auto vector = [&](const std::string &name) {
+        std::vector<std::string> group;
+        for (const std::string &axis : coordinate_names<dim>())
+          group.push_back(name + "_" + axis);
+        return group;
+      };
+      columns.reference    = find_group(vector("reference"));
+      columns.displacement = find_group(vector("displacement"));
+      auto &further        = result.names;
+      if (columns.mass >= 0 || columns.density >= 0)
+        further.push_back("mass");
+      const bool has_reference =
+        !columns.reference.empty() || !columns.displacement.empty();
+      for (const std::string &name : vector("reference"))
+        if (has_reference)
+          further.push_back(name);
+      for (const auto &group : wanted)
+        {
+          const auto places = find_group(group);
+          columns.further.insert(columns.further.end(),
+                                 places.begin(),
+                                 places.end());
+          if (!places.empty())
+            further.insert(further.end(), group.begin(), group.end());
+        }
+    };
+
+    read_points(file, section, [&](const CsvLine &row) {
+      if (row.is_header)
+        {
+          read_header(row);
+          return;
+        }
+      const auto number = [&](const int column) {
+        return row.number(column, header[column]);
+      };
+      if (body >= 0 && number(columns.body) != body)
+        return;
+      const auto positive = [&](const int column, const char *name) {
+        const double value = number(column);
+        AssertThrow(value > 0.,
+                    ExcMessage(row.where + "the " + name +
+                               " has to be positive in <" + row.text + ">."));
+        return value;
+      };
+      PlacedPoint<dim> point;
+      for (unsigned int d = 0; d < dim; ++d)
+        point.x[d] = number(columns.coordinates[d]);
+      const double rho =
+        columns.density >= 0 ? positive(columns.density, "density") : density;
+      point.volume = columns.volume >= 0 ? positive(columns.volume, "volume")
+                                         : positive(columns.mass, "mass") / rho;
+      const double mass =
+        columns.mass >= 0 ? positive(columns.mass, "mass") : rho * point.volume;
+      const auto is_near = [](const double a, const double b) {
+        return std::abs(a - b) <= largest_difference * std::max(a, b);
+      };
+      AssertThrow(columns.density < 0 || columns.volume < 0 ||
+                    is_near(mass, rho * point.volume),
+                  ExcMessage(row.where +
+                             "the columns 'mass', 'volume' and "
+                             "'density' contradict each other: " +
+                             text_of(mass) + " kg are not " + text_of(rho) +
+                             " times " + text_of(point.volume) + " in <" +
+                             row.text + ">."));
+      const double ratio = mass / (point.volume * density);
+      AssertThrow(ratio < largest_ratio && ratio > 1. / largest_ratio,
+                  ExcMessage(row.where + "the density is " +
+                             text_of(mass / point.volume) +
+                             " kg / m^3, and that of the material is " +
+                             text_of(density) + ", in <" + row.text +
+                             ">. Are volume and mass in " + volume_unit +
+                             " and kg?"));
+      sum += point.volume;
+      AssertThrow(point.volume <= (1. + largest_excess) * grid_volume,
+                  ExcMessage(row.where + "the volume of the point is " +
+                             text_of(point.volume) + ' ' + volume_unit +
+                             ", and that of the grid is " +
+                             text_of(grid_volume) + ", in <" + row.text +
+                             ">."));
+      point.id         = id++;
+      Point<dim> place = point.x, reference = point.x;
+      for (unsigned int d = 0; d < dim; ++d)
+        if (!columns.reference.empty())
+          reference[d] = number(columns.reference[d]);
+        else if (!columns.displacement.empty())
+          reference[d] -= number(columns.displacement[d]);
+      if (at_reference)
+        place = reference;
+      for (unsigned int d = 0; d < dim; ++d)
+        AssertThrow(place[d] >= lattice.lower(d) &&
+                      place[d] <= lattice.upper(d),
+                    ExcMessage(row.where + "the point (" + text_of(place) +
+                               ") m lies outside of the grid."));
+      const auto position =
+        lexicographic<dim>(lattice.find_cell(place), lattice.n_cells());
+      const auto &cells = space.owned_cells();
+      const auto found = std::lower_bound(cells.begin(), cells.end(), position);
+      if (found == cells.end() || *found != position)
+        return;
+      point.cell  = found - cells.begin();
+      point.image = point.x;
+      result.points.push_back(point);
+      if (columns.mass >= 0 || columns.density >= 0)
+        result.values.push_back(mass);
+      for (unsigned int d = 0; d < dim; ++d)
+        if (!columns.reference.empty() || !columns.displacement.empty())
+          result.values.push_back(reference[d]);
+      for (const int column : columns.further)
+        result.values.push_back(number(column));
+    });
+    AssertThrow(sum <= (1. + largest_excess) * grid_volume,
+                ExcMessage("<" + file + "> of the parameter '" + section +
+                           "/Points file': the volumes (column '" +
+                           (columns.volume >= 0 ? "volume" : "mass") +
+                           "') add up to " + text_of(sum) + ' ' + volume_unit +
+                           ", and the grid has " + text_of(grid_volume) +
+                           ". Is the unit right?"));
+    std::vector<const PlacedPoint<dim> *> points;
+    for (const PlacedPoint<dim> &point : result.points)
+      points.push_back(&point);
+    check_places<dim>(points, file, section);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  find_in_points_file(const std::string &file,
+                      const std::string &section,
+                      const Point<dim>  &x)
+  {
+    std::vector<std::string> result;
+    std::array<int, dim>     columns;
+    read_points(file, section, [&](const CsvLine &row) {
+      bool is_there = !row.is_header;
+      for (unsigned int d = 0; d < dim; ++d)
+        if (row.is_header)
+          columns[d] = place_of(row.words, coordinate_names<dim>()[d]);
+        else if (row.number(columns[d], coordinate_names<dim>()[d]) != x[d])
+          is_there = false;
+      if (is_there)
+        result.push_back(row.where);
+    });
+    return result;
+  }
+
+
+
+  template struct PointsOfFile<2>;
+  template struct PointsOfFile<3>;
+  template decltype(points_of_file<2>)      points_of_file<2>;
+  template decltype(points_of_file<3>)      points_of_file<3>;
+  template decltype(find_in_points_file<2>) find_in_points_file<2>;
+  template decltype(find_in_points_file<3>) find_in_points_file<3>;
+} // namespace greville

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/geometry/surface_shape.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Closer than this part of a cell is the same place.
+    constexpr double same_place = 1e-13;
+
+    // Among so many facets the one that divides the fewest others is sought.
+    constexpr unsigned int n_candidates = 6;
+
+
+
+    /**
+     * Not normalized.
+     */
+    Tensor<1, 2>
+    normal_of(const Facet<2> &facet)
+    {
+      const auto along = facet[1] - facet[0];
+      return Tensor<1, 2>({along[1], -along[0]});
+    }
+
+    Tensor<1, 3>
+    normal_of(const Facet<3> &facet)
+    {
+      // The sum over the triangles, for polygons that have lost corners.
+      Tensor<1, 3> sum;
+      for (unsigned int i = 1; i + 1 < facet.size(); ++i)
+        sum += cross_product_3d(facet[i] - facet[0], facet[i + 1] - facet[0]);
+      return sum;
+    }
+
+
+
+    template <int dim>
+    Plane<dim>
+    plane_of(const Facet<dim> &facet)
+    {
+      Plane<dim> plane;
+      plane.normal = normal_of(facet);
+      plane.normal /= plane.normal.norm();
+      plane.offset = plane.normal * center_of<dim>(facet);
+      return plane;
+    }
+
+
+
+    /**
+     * Whether a line along x meets a facet; each line meets one of two
+     * neighbors.
+     */
+    bool
+    is_met(const Facet<2> &facet, const Point<2> &x)
+    {
+      return (facet[0][1] <= x[1]) != (facet[1][1] <= x[1]);
+    }
+
+    bool
+    is_met(const Facet<3> &facet, const Point<3> &x)
+    {
+      bool result = false;
+      for (unsigned int i = 0; i < 3; ++i)
+        {
+          const Point<3> *a = &facet[i], *b = &facet[(i + 1) % 3];
+          if (((*a)[2] <= x[2]) == ((*b)[2] <= x[2]))
+            continue;
+          // The same rounding for both triangles at an edge.
+          if ((*a)[2] > (*b)[2])
+            std::swap(a, b);
+          const double y = (*a)[1] + ((*b)[1] - (*a)[1]) * (x[2] - (*a)[2]) /
+                                       ((*b)[2] - (*a)[2]);
+          if (y > x[1])
+            result = !result;
+        }
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  SurfaceShape<dim>::SurfaceShape(ClosedSurface<dim>  given,
+                                  const Lattice<dim> &lattice)
+    : surface(std::move(given))
+    , lattice(lattice)
+  {
+    sort_by_cells();
+    sort_by_rays();
+  }
+
+
+
+  template <int dim>
+  std::uint64_t
+  SurfaceShape<dim>::cell_key(const std::array<int, dim> &position) const
+  {
+    std::uint64_t key = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      key = key * (lattice.n_cells()[d] + 2) + (position[d] + 1);
+    return key;
+  }
+
+
+
+  template <int dim>
+  void
+  SurfaceShape<dim>::sort_by_cells()
+  {
+    for (unsigned int f = 0; f < surface.size(); ++f)
+      {
+        std::array<int, dim> first, last;
+        bool                 is_near = true;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            double low = surface[f][0][d], high = low;
+            for (const Point<dim> &x : surface[f])
+              {
+                low  = std::min(low, x[d]);
+                high = std::max(high, x[d]);
+              }
+            const auto cell = [&](const double x, const double shift) {
+              const double place =
+                (x - lattice.lower(d)) / lattice.cell_size(d) + shift;
+              return int(std::floor(
+                std::min(std::max(place, -2.), lattice.n_cells()[d] + 1.)));
+            };
+            first[d] = std::max(-1, cell(low, -1e-9));
+            last[d]  = std::min<int>(lattice.n_cells()[d], cell(high, 1e-9));
+            is_near  = is_near && first[d] <= last[d];
+          }
+        if (!is_near)
+          continue;
+        const Plane<dim> plane = plane_of<dim>(surface[f]);
+        auto             cell  = first;
+        while (cell[dim - 1] <= last[dim - 1])
+          {
+            Point<dim> center;
+            double     radius = 0.;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                const double h = lattice.cell_size(d);
+                center[d]      = lattice.lower(d) + (cell[d] + 0.5) * h;
+                radius += (0.5 + 1e-9) * h * std::abs(plane.normal[d]);
+              }
+            if (std::abs(plane.distance(center)) <= radius)
+              by_cell.emplace_back(cell_key(cell), f);
+            ++cell[0];
+            for (unsigned int d = 0; d + 1 < dim && cell[d] > last[d]; ++d)
+              {
+                cell[d] = first[d];
+                ++cell[d + 1];
+              }
+          }
+      }
+    std::sort(by_cell.begin(), by_cell.end());
+  }
+
+
+
+  template <int dim>
+  void
+  SurfaceShape<dim>::sort_by_rays()
+  {
+    lower = upper = surface[0][0];
+    for (const auto &facet : surface)
+      for (const Point<dim> &x : facet)
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            lower[d] = std::min(lower[d], x[d]);
+            upper[d] = std::max(upper[d], x[d]);
+          }
+    n_rays = std::max(1., std::pow(surface.size(), 1. / (dim - 1)));
+    by_ray.resize(dim == 2 ? n_rays : std::size_t(n_rays) * n_rays);
+    for (unsigned int f = 0; f < surface.size(); ++f)
+      {
+        Point<dim> low = surface[f][0], high = low;
+        for (const Point<dim> &x : surface[f])
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              low[d]  = std::min(low[d], x[d]);
+              high[d] = std::max(high[d], x[d]);
+            }
+        const std::size_t first = ray_key(low), last = ray_key(high);
+        for (std::size_t k = first / n_rays; k <= last / n_rays; ++k)
+          for (std::size_t i = first % n_rays; i <= last % n_rays; ++i)
+            by_ray[k * n_rays + i].push_back(f);
+      }
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  SurfaceShape<dim>::ray_key(const Point<dim> &x) const
+  {
+    std::size_t key = 0;
+    for (unsigned int d = dim - 1; d > 0; --d)
+      {
+        const double part = (x[d] - lower[d]) / (upper[d] - lower[d]) * n_rays;
+        key =
+          key * n_rays + std::size_t(std::min(std::max(0., part), n_rays - 1.));
+      }
+    return key;
+  }
+
+
+
+  template <int dim>
+  bool
+  SurfaceShape<dim>::contains(const Point<dim> &x) const
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      if (x[d] < lower[d] || x[d] > upper[d])
+        return false;
+    // How often a ray along x leaves the body, less how often it comes in.
+    int sum = 0;
+    for (const unsigned int f : by_ray[ray_key(x)])
+      if (is_met(surface[f], x))
+        {
+          const Tensor<1, dim> normal = normal_of(surface[f]);
+          if (normal[0] == 0.)
+            continue;
+          // The plane of the facet is on the far side.
+          if ((normal * (surface[f][0] - x)) / normal[0] > 0.)
+            sum += normal[0] > 0. ? 1 : -1;
+        }
+    return sum > 0;
+  }
+
+
+
+  template <int dim>
+  CellPart<dim>
+  SurfaceShape<dim>::cut(const std::array<int, dim> &position,
+                         const unsigned int          n) const
+  {
+    Point<dim> corner, upper_corner, center;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        corner[d]       = lattice.lower(d) + lattice.cell_size(d) * position[d];
+        center[d]       = corner[d] + 0.5 * lattice.cell_size(d);
+        upper_corner[d] = 1.;
+      }
+    const std::uint64_t key = cell_key(position);
+
+    CellPart<dim>           part;
+    std::vector<PlaneFacet> facets; // in coordinates of the cell
+    for (auto entry =
+           std::lower_bound(by_cell.begin(),
+                            by_cell.end(),
+                            std::pair<std::uint64_t, unsigned int>(key, 0));
+         entry != by_cell.end() && entry->first == key;
+         ++entry)
+      {
+        Facet<dim> facet = surface[entry->second], low, high;
+        for (Point<dim> &x : facet)
+          for (unsigned int d = 0; d < dim; ++d)
+            x[d] = (x[d] - corner[d]) / lattice.cell_size(d);
+        const Plane<dim> plane   = plane_of<dim>(facet);
+        bool             is_face = false, is_mine = true;
+        for (unsigned int d = 0; d < dim && facet.size() >= dim; ++d)
+          for (const int side : {-1, 1})
+            {
+              Plane<dim> face;
+              face.normal[d] = side;
+              face.offset    = side < 0 ? 0. : 1.;
+              split_facet(facet, face, same_place, low, high);
+              facet = low;
+              if (std::all_of(facet.begin(), facet.end(), [&](const auto &x) {
+                    return std::abs(face.distance(x)) <= same_place;
+                  }))
+                {
+                  is_face = true;
+                  is_mine = is_mine && plane.normal[d] * side > 0.;
+                }
+            }
+        if (facet.size() < dim || normal_of(facet).norm() < 1e-20)
+          continue;
+        if (!is_face)
+          facets.push_back({facet, plane});
+        if (is_mine)
+          append_quadrature(facet, plane.normal, n, part.surface);
+      }
+    if (facets.empty())
+      part.is_full = contains(center);
+    else
+      {
+        cut_part(ConvexPart<dim>(
+                   BoundingBox<dim>({Point<dim>(), upper_corner})),
+                 facets,
+                 corner,
+                 n,
+                 part.points);
+        double volume = 0.;
+        for (const auto &point : part.points)
+          volume += point.weight;
+        if (volume > 1. - 1e-12)
+          {
+            part.is_full = true;
+            part.points.clear();
+          }
+      }
+    return part;
+  }
+
+
+
+  template <int dim>
+  void
+  SurfaceShape<dim>::cut_part(const ConvexPart<dim>           &part,
+                              std::vector<PlaneFacet>          facets,
+                              const Point<dim>                &corner,
+                              const unsigned int               n,
+                              std::vector<WeightedPoint<dim>> &points) const
+  {
+    ConvexPart<dim> below, above;
+    Facet<dim>      low, high;
+    while (!facets.empty())
+      {
+        unsigned int best = 0, fewest = -1;
+        for (unsigned int k = 0;
+             k < std::min<std::size_t>(facets.size(), n_candidates);
+             ++k)
+          {
+            const std::size_t candidate = facets.size() <= n_candidates
+                                            ? k
+                                            : k * facets.size() / n_candidates;
+            const Plane<dim> &plane     = facets[candidate].plane;
+            unsigned int      divided   = 0;
+            for (const auto &other : facets)
+              {
+                split_facet(other.facet, plane, same_place, low, high);
+                divided += low.size() >= dim && high.size() >= dim;
+              }
+            if (divided < fewest)
+              {
+                best   = candidate;
+                fewest = divided;
+              }
+          }
+        const Plane<dim> plane = facets[best].plane;
+        facets.erase(facets.begin() + best);
+        if (!part.split(plane, same_place, below, above, low))
+          continue;
+        std::vector<PlaneFacet> facets_below, facets_above;
+        for (const auto &other : facets)
+          {
+            if (std::all_of(other.facet.begin(),
+                            other.facet.end(),
+                            [&](const auto &x) {
+                              return std::abs(plane.distance(x)) <= same_place;
+                            }))
+              continue;
+            split_facet(other.facet, plane, same_place, low, high);
+            if (low.size() >= dim && normal_of(low).norm() > 1e-20)
+              facets_below.push_back({low, other.plane});
+            if (high.size() >= dim && normal_of(high).norm() > 1e-20)
+              facets_above.push_back({high, other.plane});
+          }
+        cut_part(below, facets_below, corner, n, points);
+        cut_part(above, facets_above, corner, n, points);
+        return;
+      }
+    Point<dim> center = part.center();
+    for (unsigned int d = 0; d < dim; ++d)
+      center[d] = corner[d] + center[d] * lattice.cell_size(d);
+    if (contains(center))
+      part.append_quadrature(n, points);
+  }
+
+
+
+  template class SurfaceShape<2>;
+  template class SurfaceShape<3>;
+} // namespace greville

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/parameters/names.h>
+#include <greville/parameters/simulation_parameters.h>
+
+#include <boost/algorithm/string/join.hpp>
+#include <filesystem>
+
+namespace greville
+{
+  using namespace dealii;
+
+  void
+  SimulationParameters::check() const
+  {
+    const unsigned int dim   = general.dimension;
+    const auto         needs = [&](const std::size_t  size,
+                           const std::string &name,
+                           const std::string &what) {
+      AssertThrow(size == dim,
+                  ExcMessage("The parameter '" + name + "' takes " +
+                             std::to_string(dim) + " " + what + " in " +
+                             std::to_string(dim) +
+                             "D (see 'Simulation/Dimension'), not " +
+                             std::to_string(size) + "."));
+    };
+    needs(grid.lower.size(), "Grid/Lower corner", "numbers");
+    needs(grid.upper.size(), "Grid/Upper corner", "numbers");
+    needs(grid.cells.size(), "Grid/Cells", "numbers");
+    for (unsigned int d = 0; d < dim; ++d)
+      AssertThrow(grid.lower[d] < grid.upper[d],
+                  ExcMessage("'Grid/Upper corner' has to be larger than "
+                             "'Grid/Lower corner' in all directions, but " +
+                             text_of(grid.upper[d]) + " is not above " +
+                             text_of(grid.lower[d]) + "."));
+    if (has_body_grids())
+      check_body_grids();
+    // What is written stays below the folder that a file names.
+    AssertThrow(general.name.find('/') == std::string::npos &&
+                  general.name != "..",
+                ExcMessage("The parameter 'Simulation/Name' is <" +
+                           general.name +
+                           ">: a name has no slashes; 'Output/Directory' is "
+                           "for other folders."));
+    AssertThrow(output.directory != "~" &&
+                  output.directory.compare(0, 2, "~/") != 0,
+                ExcMessage("The parameter 'Output/Directory' is <" +
+                           output.directory +
+                           ">: shells know what ~ means, parameter files do "
+                           "not. Write the full path."));
+    for (const auto &part : std::filesystem::path(output.directory))
+      AssertThrow(part != "..",
+                  ExcMessage("The parameter 'Output/Directory' is <" +
+                             output.directory +
+                             ">: write the folder without '..'."));
+    for (const std::string &name : sweep.masses)
+      check_mass_name(name, "Sweep/Masses");
+    check_different(sweep.cells, "Sweep/Cells");
+    check_different(sweep.degrees, "Sweep/Orders");
+    check_different(sweep.formulations, "Sweep/Formulations");
+    check_different(sweep.masses, "Sweep/Masses");
+    check_different(sweep.quadratures, "Sweep/Quadratures");
+    smoother.check();
+    load_balance.check();
+    for (const auto &traction : tractions)
+      AssertThrow(traction.second.area > 0.,
+                  ExcMessage("The parameter 'Traction " + traction.first +
+                             "/Area' has to be positive."));
+    for (const auto &load : surface_loads)
+      load.second.check("Surface load " + load.first, bodies);
+    AssertThrow(reference.time_unit > 0. && reference.value_unit > 0.,
+                ExcMessage("'Reference/Time unit' and 'Reference/Value unit' "
+                           "have to be positive."));
+    for (const auto &body : bodies)
+      AssertThrow((body.second.K0 >= 0.) == !body.second.surface.empty(),
+                  ExcMessage("'Body " + body.first +
+                             "' needs both of 'K0' and 'Surface', or none."));
+    for (const auto &body : bodies)
+      {
+        AssertThrow(materials.count(body.second.material) == 1,
+                    ExcMessage(
+                      "The parameter 'Body " + body.first + "/Material' is <" +
+                      body.second.material +
+                      ">; it has to be one of the materials of "
+                      "'Simulation/Materials': " +
+                      boost::algorithm::join(general.materials, ", ") + "." +
+                      did_you_mean(body.second.material, general.materials)));
+      }
+    if (stages.empty())
+      check_stage();
+    for (unsigned int k = 0; k < stages.size(); ++k)
+      {
+        SimulationParameters parameters = *this;
+        parameters.enter_stage(k);
+        const double start = parameters.time.start, end = parameters.time.end;
+        AssertThrow(parameters.scheme.formulation ==
+                      stages[0].scheme.formulation,
+                    ExcMessage(stage_text(k) + "'Scheme/Formulation' is " +
+                               parameters.scheme.formulation +
+                               ", but the first stage has " +
+                               stages[0].scheme.formulation +
+                               ": all stages have the same."));
+        AssertThrow(!(stages[k].reset_displacements &&
+                      parameters.scheme.is_total_lagrangian()),
+                    ExcMessage(stage_text(k) +
+                               "'Reset displacements' does not go with "
+                               "'Scheme/Formulation' = total Lagrangian, in "
+                               "which basis functions belong to the initial "
+                               "positions."));
+        AssertThrow(start < end,
+                    ExcMessage(stage_text(k) + "'Time/End' is " + text_of(end) +
+                               " s, but the stage begins at " + text_of(start) +
+                               " s. Time runs on over the stages: each has an "
+                               "'End' behind that of the one before."));
+        for (unsigned int w = 0; w < 2 * general.dimension; ++w)
+          {
+            SimulationParameters first = *this;
+            first.enter_stage(0);
+            AssertThrow((parameters.walls.type[w] == "periodic") ==
+                          (first.walls.type[w] == "periodic"),
+                        ExcMessage(stage_text(k) + "the wall '" +
+                                   WallParameters::names[w] + "' is " +
+                                   parameters.walls.type[w] + ", but it is " +
+                                   first.walls.type[w] +
+                                   " in the first stage: a wall is periodic in "
+                                   "all stages, or in none."));
+          }
+        try
+          {
+            parameters.check_stage();
+          }
+        catch (const std::exception &exception)
+          {
+            AssertThrow(false,
+                        ExcMessage(stage_text(k) + message_of(exception)));
+          }
+      }
+  }
+
+
+
+  void
+  SimulationParameters::check_stage() const
+  {
+    const unsigned int dim = general.dimension;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      {
+        const std::string &name = WallParameters::names[w];
+        const std::string &v    = walls.velocity[w];
+        const std::string &d    = walls.displacement[w];
+        AssertThrow(v.empty() || d.empty(),
+                    ExcMessage("The wall '" + name + "' has both of '" + name +
+                               " velocity' (<" + v + ">) and '" + name +
+                               " displacement' (<" + d +
+                               ">): one of them is enough."));
+        AssertThrow(walls.type[w] == "sliding" ||
+                      (walls.type[w] == "moving") == !(v + d).empty(),
+                    ExcMessage("The wall '" + name + "' is " + walls.type[w] +
+                               ", and '" + name +
+                               (d.empty() ? " velocity' is <" + v
+                                          : " displacement' is <" + d) +
+                               ">: a moving wall has one, a sliding wall may "
+                               "have one, others have none."));
+        AssertThrow(walls.region[w].empty() || walls.type[w] == "fixed" ||
+                      walls.type[w] == "sliding" || walls.type[w] == "moving",
+                    ExcMessage("The wall '" + name + "' is " + walls.type[w] +
+                               ", and '" + name + " region' is <" +
+                               walls.region[w] +
+                               ">: fixed, sliding and moving walls may have "
+                               "one."));
+      }
+    for (unsigned int w = 0; w < 2 * dim; w += 2)
+      {
+        const bool is_periodic = walls.type[w] == "periodic";
+        AssertThrow(is_periodic == (walls.type[w + 1] == "periodic"),
+                    ExcMessage("The wall '" + WallParameters::names[w] +
+                               "' is " + walls.type[w] + " and '" +
+                               WallParameters::names[w + 1] + "' is " +
+                               walls.type[w + 1] +
+                               ": both or none of them are periodic."));
+        const unsigned int n = grid.cells.size() == dim ? grid.cells[w / 2] : 0;
+        AssertThrow(!is_periodic || n == 0 || n > grid.degree,
+                    ExcMessage(
+                      "The parameter 'Grid/Cells' has " + std::to_string(n) +
+                      " cells from '" + WallParameters::names[w] + "' to '" +
+                      WallParameters::names[w + 1] +
+                      "', which are periodic: B-splines of 'Grid/Order' " +
+                      std::to_string(grid.degree) + " need " +
+                      std::to_string(grid.degree + 1) +
+                      " or more, so that none meets itself."));
+      }
+    check_mass_name(scheme.mass, "Scheme/Mass");
+    if (scheme.is_total_lagrangian())
+      check_total_lagrangian();
+    AssertThrow(scheme.transfer == "FLIP" || scheme.flip == 1.,
+                ExcMessage("The parameter 'Scheme/FLIP share' is " +
+                           text_of(scheme.flip) +
+                           ", but 'Scheme/Transfer' is " + scheme.transfer +
+                           ": a share belongs to FLIP."));
+    AssertThrow(time.start <= time.end,
+                ExcMessage("'Time/Start' is " + text_of(time.start) +
+                           " s, behind 'Time/End', " + text_of(time.end) +
+                           " s."));
+    AssertThrow(!time.step.empty() || (time.cfl > 0. && time.safety > 0.),
+                ExcMessage("Without a 'Time/Step', the parameters 'Time/CFL "
+                           "number' and 'Time/Safety' have to be above zero; "
+                           "they are " +
+                           text_of(time.cfl) + " and " + text_of(time.safety) +
+                           "."));
+    for (unsigned int w = 0; w < 6; ++w)
+      AssertThrow((walls.friction[w] == 0. || walls.type[w] == "friction") &&
+                    (w < 2 * dim || walls.type[w] == "free"),
+                  ExcMessage("The wall '" + WallParameters::names[w] + "' is " +
+                             walls.type[w] +
+                             (w < 2 * dim ? ", but has a friction."
+                                          : ", but there is none in 2D.")));
+  }
+
+
+
+  void
+  SimulationParameters::check_total_lagrangian() const
+  {
+    const auto refuse = [&](const bool         wrong,
+                            const std::string &parameter,
+                            const std::string &why) {
+      AssertThrow(!wrong,
+                  ExcMessage("'Scheme/Formulation' = total Lagrangian does not "
+                             "go with " +
+                             parameter + ": " + why));
+    };
+    refuse(scheme.transfer == "APIC",
+           "'Scheme/Transfer' = APIC",
+           "take FLIP or PIC.");
+    refuse(scheme.quadrature != "points",
+           "'Scheme/Quadrature' = " + scheme.quadrature,
+           "take points, which stay where they are in their cells.");
+    for (unsigned int w = 0; w < 2 * general.dimension; ++w)
+      refuse(walls.type[w] == "friction",
+             "'Walls/" + WallParameters::names[w] + "' = friction",
+             "walls act on the initial configuration, which does not slide "
+             "along them.");
+    for (const auto &[name, body] : bodies)
+      refuse(!body.imposed_velocity.empty(),
+             "'Body " + name + "/Imposed velocity'",
+             "bodies do not see one another.");
+  }
+} // namespace greville

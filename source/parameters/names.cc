@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/mass/fmpm.h>
+#include <greville/multigrid/mass_solver.h>
+#include <greville/parameters/names.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Besides those of n_fmpm_terms().
+    const std::vector<std::string> known_masses = {"auto",
+                                                   "consistent",
+                                                   "lumped"};
+  } // namespace
+
+
+
+  std::string
+  mass_names()
+  {
+    std::string names;
+    for (const std::string &name : known_masses)
+      names += name + "|";
+    return names + fmpm_in_lists;
+  }
+
+
+
+  void
+  check_mass_name(const std::string &name, const std::string &parameter)
+  {
+    auto known = known_masses;
+    if (n_fmpm_terms(name) > 0 ||
+        std::count(known.begin(), known.end(), name) == 1)
+      return;
+    known.push_back("fmpm-2");
+    const auto solvers =
+      Utilities::split_string_list(MassSolver<2>::names(), '|');
+    const std::string begin =
+      "The parameter '" + parameter + "' is <" + name + ">";
+    AssertThrow(std::count(solvers.begin(), solvers.end(), name) == 0,
+                ExcMessage(begin +
+                           ", which is a solver. Write 'Scheme/Mass' = "
+                           "consistent, and name its solver by "
+                           "'Solver/Method', one of " +
+                           mass_solver_methods() + "."));
+    AssertThrow(false,
+                ExcMessage(begin + "; it has to be one of " + mass_names() +
+                           "." + did_you_mean(name, known)));
+  }
+
+
+
+  std::string
+  mass_solver_methods()
+  {
+    return "cg-ic0|cg-p-multigrid|cg-jacobi|cg";
+  }
+} // namespace greville

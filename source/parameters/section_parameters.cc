@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/parameters/names.h>
+#include <greville/parameters/simulation_parameters.h>
+
+#include <algorithm>
+#include <boost/algorithm/string/join.hpp>
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace dealii::Patterns;
+
+  void
+  GeneralParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Name", name)(
+      "Results go to output/NAME. Empty: the name of the file.");
+    add_parameter(prm, "Dimension", dimension, Integer(2, 3))(
+      "2 (plane strain) or 3. Unit: none.");
+    add_parameter(prm, "Bodies", bodies)(
+      "Names of bodies; each has a section 'Body NAME'.");
+    add_parameter(prm, "Materials", materials)(
+      "Names of materials; each has a section 'Material NAME'.");
+    add_parameter(prm, "Tractions", tractions)(
+      "Names of tractions; each has a section 'Traction NAME'.");
+    add_parameter(prm, "Surface loads", surface_loads)(
+      "Names of loads on the surfaces of bodies with fitted points; each has a "
+      "section 'Surface load NAME'.");
+    add_parameter(prm, "Stages", stages)(
+      "Names of stages, one after the other; each has a section 'Stage NAME', "
+      "which contains those of the sections Time, Scheme, Walls, Loads, "
+      "Implicit and Newton in which it differs from the sections outside, with "
+      "what differs. Empty: one stage.");
+  }
+
+
+
+  void
+  GridParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Lower corner", lower, List(Double(), 2, 3))(
+      "Corner of the grid with the smallest coordinates. Unit: m.");
+    add_parameter(prm, "Upper corner", upper, List(Double(), 2, 3))(
+      "Corner with the largest coordinates. Unit: m.");
+    add_parameter(prm, "Cells", cells, List(Integer(1), 2, 3))(
+      "Cells in each direction. Unit: none.");
+    add_parameter(prm, "Order", degree, Integer(1, SplineSpace<2>::max_degree))(
+      "Order p of the B-splines: the degree of their polynomials. In "
+      "isogeometric analysis the order is the degree plus one; here it is the "
+      "degree. Unit: none.");
+    declare_other_names(prm, "Order");
+    add_parameter(prm, "Per body", per_body)(
+      "With total Lagrangian steps: each body has fields of its own on the "
+      "part of the grid around it, so that bodies may be close to one another. "
+      "It is so, too, where a body has a section 'Grid'.");
+  }
+
+
+
+  void
+  BodyGridParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Lower corner", lower, List(Double(), 0, 3))(
+      "The grid of this body in total Lagrangian steps, of which the part "
+      "around the body is taken; then each body has a grid of its own. "
+      "Empty: as in the section 'Grid' outside. Walls act on sides that lie "
+      "on those of that grid. Unit: m.");
+    add_parameter(prm, "Upper corner", upper, List(Double(), 0, 3))(
+      "Likewise. Unit: m.");
+    add_parameter(prm, "Cells", cells, List(Integer(1), 0, 3))(
+      "Cells between the corners in each direction; they are needed where a "
+      "corner is given. Empty: as in the section 'Grid' outside. Unit: none.");
+    add_parameter(prm, "Order", degree, Integer(0, SplineSpace<2>::max_degree))(
+      "Order p of the B-splines. 0: as in the section 'Grid' outside. Unit: "
+      "none.");
+    declare_other_names(prm, "Order");
+  }
+
+
+
+  void
+  ConsistentSolverParameters::declare(ParameterHandler &prm)
+  {
+    SolverParameters::declare(prm);
+    add_parameter(prm, "Method", method, Selection(mass_solver_methods()))(
+      "The solver of the consistent mass: conjugate gradients for all "
+      "components together, preconditioned by IC(0) (cg-ic0, the fastest for "
+      "mass matrices), by the cycle of 'p-multigrid' (cg-p-multigrid), by the "
+      "diagonal (cg-jacobi), or not at all (cg).");
+  }
+
+
+
+  void
+  TractionParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Shape", shape)(
+      "The points that carry the traction: inside this shape initially (see "
+      "Body/Shape; X is called x). Unit: m.");
+    add_parameter(prm, "Traction", traction)(
+      "Force per area: formulas of x, y (, z), the initial positions X, Y (, "
+      "Z) and t, separated by semicolons. Unit: Pa.");
+    add_parameter(prm, "Area", area, Double(0.))(
+      "The area of the surface, shared by its points as their volumes. Unit: "
+      "m^2 (2D: m).");
+  }
+
+
+
+  void
+  SurfaceLoadParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Body", body)(
+      "The name of the body that bears the load. Its 'Placement' is fitted or "
+      "fitted lattice.");
+    add_parameter(prm, "Where", where)(
+      "The part of the surface that bears the load: what is inside this shape "
+      "initially (see Body/Shape; X is called x). It is best to let it end at "
+      "corners and edges of the body, or between two points. Empty: all of it. "
+      "Unit: m.");
+    add_parameter(prm,
+                  "Kind",
+                  kind,
+                  Selection("traction|pressure|dashpot|spring|displacement"))(
+      "traction: a force of constant direction per area; pressure: acts "
+      "against "
+      "the normal, which turns with the surface; dashpot: lets waves leave, "
+      "-rho (c_p v_n n + c_s v_t) with the wave speeds of the body's material; "
+      "spring: -k (x - X); displacement: u(X, t) is given, and held by springs "
+      "-k (x - X - u), which give way by their stress over k.");
+    add_parameter(prm, "Traction", traction)(
+      "traction: formulas of x, y (, z), the initial positions X, Y (, Z) and "
+      "t, separated by semicolons. Unit: Pa.");
+    add_parameter(prm, "Area", area, Selection("initial|current"))(
+      "traction: the area that it is a force per.");
+    add_parameter(prm, "Pressure", pressure)(
+      "pressure: a formula of the same variables; positive values press. Unit: "
+      "Pa.");
+    add_parameter(prm, "Stiffness", stiffness, Double(0.))(
+      "spring, displacement: k, per initial area. 0, with displacement only: "
+      "10 "
+      "times the modulus of pressure waves of the material over the smallest "
+      "edge of a cell, h: the error of the displacement is h / 10 times the "
+      "strain at the surface. Unit: Pa / m.");
+    add_parameter(prm, "Displacement", displacement)(
+      "displacement: formulas of X, Y (, Z) and t, separated by semicolons. "
+      "Unit: m.");
+  }
+
+
+
+  void
+  SurfaceLoadParameters::check(
+    const std::string                           &section,
+    const std::map<std::string, BodyParameters> &bodies) const
+  {
+    std::vector<std::string> names;
+    for (const auto &entry : bodies)
+      names.push_back(entry.first);
+    AssertThrow(bodies.count(body) == 1,
+                ExcMessage("The parameter '" + section + "/Body' is <" + body +
+                           ">; it has to be one of the bodies of "
+                           "'Simulation/Bodies': " +
+                           boost::algorithm::join(names, ", ") + "." +
+                           did_you_mean(body, names)));
+    const BodyParameters &bearer = bodies.at(body);
+    AssertThrow(bearer.points_file.empty() &&
+                  bearer.placement.compare(0, 6, "fitted") == 0,
+                ExcMessage(
+                  "'" + section + "' acts on the surface of 'Body " + body +
+                  "', which is known of a 'Shape' with 'Placement' = fitted or "
+                  "fitted lattice only; here " +
+                  (bearer.points_file.empty()
+                     ? "'Placement' is " + bearer.placement
+                     : "there is a 'Points file'") +
+                  "."));
+    AssertThrow(bearer.imposed_velocity.empty(),
+                ExcMessage("'" + section + "' acts on 'Body " + body +
+                           "', which has an 'Imposed velocity' and feels no "
+                           "force."));
+    // What each kind needs, and all others do without.
+    const auto belongs = [&](const bool                      is_given,
+                             const std::string              &name,
+                             const std::vector<std::string> &kinds,
+                             const bool                      is_needed) {
+      const bool is_its =
+        std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+      AssertThrow(is_its || !is_given,
+                  ExcMessage("The parameter '" + section + "/" + name +
+                             "' belongs to 'Kind' = " +
+                             boost::algorithm::join(kinds, " and ") + ", not " +
+                             kind + "."));
+      AssertThrow(!is_its || is_given || !is_needed,
+                  ExcMessage("'" + section + "' has 'Kind' = " + kind +
+                             " and needs the parameter '" + name + "'."));
+    };
+    belongs(!traction.empty(), "Traction", {"traction"}, true);
+    belongs(area != "initial", "Area", {"traction"}, false);
+    belongs(!pressure.empty(), "Pressure", {"pressure"}, true);
+    belongs(!displacement.empty(), "Displacement", {"displacement"}, true);
+    belongs(stiffness > 0.,
+            "Stiffness",
+            {"spring", "displacement"},
+            kind == "spring");
+  }
+
+
+
+} // namespace greville

@@ -1,0 +1,480 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/parameters/simulation_parameters.h>
+
+#include <algorithm>
+#include <boost/algorithm/string/join.hpp>
+#include <filesystem>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * The value of the last line with this parameter.
+     */
+    std::string
+    value_of(const std::vector<ParameterLine> &lines,
+             const std::string                &section,
+             const std::string                &name)
+    {
+      std::string result;
+      for (const ParameterLine &line : lines)
+        if (line.section == section && line.name == name)
+          result = line.value;
+      return result;
+    }
+
+
+
+    /**
+     * The names of an entry of the section "Simulation".
+     */
+    std::vector<std::string>
+    names_of(const std::vector<ParameterLine> &lines, const std::string &entry)
+    {
+      const auto result =
+        Utilities::split_string_list(value_of(lines, "Simulation", entry), ',');
+      check_different(result, "Simulation/" + entry, "name");
+      return result;
+    }
+
+
+
+    /**
+     * A name and its section belong together.
+     */
+    void
+    check_sections(const std::vector<ParameterLine> &lines,
+                   const std::string                &kind,
+                   const std::string                &entry,
+                   const std::vector<std::string>   &names)
+    {
+      std::vector<std::string> sections;
+      for (const ParameterLine &line : lines)
+        if (line.section.compare(0, kind.size() + 1, kind + " ") == 0)
+          {
+            sections.push_back(line.section.substr(kind.size() + 1));
+            // Stages contain sections, and bodies a grid.
+            if (kind == "Stage" || kind == "Body")
+              sections.back() =
+                sections.back().substr(0, sections.back().find('/'));
+            AssertThrow(
+              std::count(names.begin(), names.end(), sections.back()) == 1,
+              ExcMessage(line.place + ": there is a section '" + line.section +
+                         "', but the parameter 'Simulation/" + entry +
+                         "' does not name <" + sections.back() + ">." +
+                         did_you_mean(sections.back(), names)));
+          }
+      for (const std::string &name : names)
+        AssertThrow(std::count(sections.begin(), sections.end(), name) > 0,
+                    ExcMessage("The parameter 'Simulation/" + entry +
+                               "' has the name <" + name +
+                               ">, but there is no section '" + kind + " " +
+                               name + "'." + did_you_mean(name, sections)));
+    }
+
+
+
+    void
+    declare_model(ParameterHandler  &prm,
+                  const std::string &section,
+                  const std::string &model)
+    {
+      prm.enter_subsection(section);
+      prm.declare_entry("Model",
+                        model,
+                        Patterns::Selection(material_names() +
+                                            (model.empty() ? "|" : "")),
+                        "The constitutive law; it has to be given. Its "
+                        "parameters stand in the same section.");
+      prm.leave_subsection();
+    }
+
+
+
+    /**
+     * Throws where a file means the solver by parameters that do not name it.
+     */
+    void
+    check_method(const std::vector<ParameterLine> &lines)
+    {
+      const std::string method = value_of(lines, "Solver", "Method");
+      for (const ParameterLine &line : lines)
+        AssertThrow(line.section != "p-multigrid" ||
+                      (!method.empty() && line.value != "auto"),
+                    ExcMessage(
+                      line.place +
+                      ": the section p-multigrid is for 'Solver/Method' = "
+                      "cg-p-multigrid, which has to be set beside it. What was "
+                      "'Coarsening' = auto is 'Solver/Method' = cg-ic0."));
+    }
+
+
+
+    void
+    check_friction(const WallParameters             &walls,
+                   const std::vector<ParameterLine> &lines,
+                   const std::string                &stage)
+    {
+      for (unsigned int w = 0; w < 6; ++w)
+        {
+          const std::string name = WallParameters::names[w] + " friction";
+          AssertThrow(walls.type[w] != "friction" ||
+                        !value_of(lines, "Walls", name).empty() ||
+                        (!stage.empty() &&
+                         !value_of(lines, stage + "/Walls", name).empty()),
+                      ExcMessage(
+                        "The wall '" + WallParameters::names[w] +
+                        "' is friction and needs a coefficient: the parameter "
+                        "'Walls/" +
+                        name + "'."));
+        }
+    }
+
+
+
+    /**
+     * The lines of some sections, which begin with a name that is cut off.
+     */
+    std::vector<ParameterLine>
+    lines_of_stage(const std::vector<ParameterLine> &lines,
+                   const std::string                &begin)
+    {
+      std::vector<ParameterLine> result;
+      for (const ParameterLine &line : lines)
+        for (const std::string section :
+             {"Time", "Scheme", "Walls", "Loads", "Implicit", "Newton"})
+          if (line.section == begin + section && !line.name.empty())
+            {
+              result.push_back(line);
+              result.back().section = section;
+            }
+      return result;
+    }
+  } // namespace
+
+
+
+  SimulationParameters::SimulationParameters()
+  {
+    // A symmetric cycle, for conjugate gradients.
+    multigrid.restriction = "transpose";
+    multigrid.smoother    = "ic0";
+    smoother.overlap      = 2;
+  }
+
+
+
+  SimulationParameters::SimulationParameters(
+    const std::string &file, const std::vector<std::string> &settings)
+    : SimulationParameters()
+  {
+    read(file,
+         read_parameter_lines(file,
+                              "Simulation",
+                              {"Benchmark", "Problem"},
+                              "greville_benchmark",
+                              settings));
+  }
+
+
+
+  SimulationParameters
+  SimulationParameters::with(const std::string &changes) const
+  {
+    SimulationParameters result;
+    result.read("", parameter_lines_of(used_text + changes, general.name));
+    return result;
+  }
+
+
+
+  void
+  SimulationParameters::read(const std::string                &file,
+                             const std::vector<ParameterLine> &lines)
+  {
+    const auto body_names     = names_of(lines, "Bodies"),
+               law_names      = names_of(lines, "Materials"),
+               traction_names = names_of(lines, "Tractions"),
+               load_names     = names_of(lines, "Surface loads");
+    if (body_names.empty())
+      for (const ParameterLine &line : lines)
+        {
+          const std::string hint = did_you_mean(line.section, {"Simulation"});
+          AssertThrow(hint.empty() || line.section == "Simulation",
+                      ExcMessage(line.place + ": there is no section '" +
+                                 line.section + "'." + hint));
+        }
+    AssertThrow(!body_names.empty(),
+                ExcMessage("The parameter 'Simulation/Bodies' is empty: a "
+                           "simulation needs a body."));
+    check_sections(lines, "Body", "Bodies", body_names);
+    check_sections(lines, "Material", "Materials", law_names);
+    check_sections(lines, "Traction", "Tractions", traction_names);
+    check_sections(lines, "Surface load", "Surface loads", load_names);
+    check_sections(lines, "Stage", "Stages", names_of(lines, "Stages"));
+    for (const std::string &name : body_names)
+      {
+        bodies[name];
+        body_grids[name];
+      }
+    for (const std::string &name : traction_names)
+      tractions[name];
+    for (const std::string &name : load_names)
+      surface_loads[name];
+    make_stages(lines);
+
+    ParameterHandler prm;
+    declare(prm);
+    std::map<std::string, std::shared_ptr<Material>> laws;
+    for (const std::string &name : law_names)
+      {
+        const std::string section = "Material " + name;
+        const std::string model   = value_of(lines, section, "Model");
+        laws[name]                = make_material(model, section + "/Model");
+        declare_section(prm, section, *laws[name]);
+        declare_model(prm, section, model);
+      }
+    materials.insert(laws.begin(), laws.end());
+
+    check_method(lines);
+    parse_parameter_lines(prm, lines);
+    if (general.name.empty())
+      general.name = std::filesystem::path(file).stem().string();
+    for (StageParameters &stage : stages)
+      {
+        AssertThrow(stage.time.start == time.start &&
+                      stage.time.max_steps == time.max_steps,
+                    ExcMessage("'Stage " + stage.name +
+                               "/Time' has a 'Start' or 'Maximum steps'. They "
+                               "belong to the whole run, and to the section "
+                               "'Time' outside of stages: a stage begins where "
+                               "the one before ends."));
+        if (stage.scheme.mass == "auto")
+          stage.scheme.mass = default_mass(stage.scheme);
+      }
+    if (!stages.empty())
+      enter_stage(0);
+    if (scheme.mass == "auto")
+      scheme.mass = default_mass(scheme);
+    for (std::string &mass : sweep.masses)
+      if (mass == "auto")
+        mass = default_mass(scheme);
+    check();
+    check_friction(walls, lines, "");
+    for (const StageParameters &stage : stages)
+      check_friction(stage.walls, lines, "Stage " + stage.name);
+
+    // What is used lies elsewhere: it has absolute names of files.
+    const auto set = [&](const std::string &section,
+                         const std::string &entry,
+                         const std::string &value) {
+      prm.enter_subsection(section);
+      prm.set(entry, value);
+      prm.leave_subsection();
+    };
+    const auto locate = [&](const std::string &section,
+                            const std::string &entry,
+                            std::string       &name) {
+      if (name.empty())
+        return;
+      const auto path = std::filesystem::path(file).parent_path() / name;
+      set(section, entry, std::filesystem::absolute(path).string());
+      name = path.string();
+    };
+    set("Simulation", "Name", general.name);
+    locate("Reference", "Surface file", reference.surface_file);
+    locate("Reference", "Failure line file", reference.failure_line_file);
+    locate("Reference", "Series file", reference.series_file);
+    for (auto &body : bodies)
+      {
+        locate("Body " + body.first, "Points file", body.second.points_file);
+        locate("Body " + body.first, "Shape file", body.second.shape_file);
+      }
+    std::ostringstream text;
+    prm.print_parameters(text, ParameterHandler::PRM);
+    used_text = text.str();
+
+    for (const auto &law : laws)
+      law.second->reinit("Material " + law.first);
+  }
+
+
+
+  void
+  SimulationParameters::make_stages(const std::vector<ParameterLine> &lines)
+  {
+    const auto names = names_of(lines, "Stages");
+    if (names.empty())
+      return;
+    // Where all stages come from: the sections outside.
+    StageParameters  common;
+    ParameterHandler prm;
+    common.declare_sections(prm);
+    const auto outside = lines_of_stage(lines, "");
+    check_parameter_lines(prm, outside);
+    for (const ParameterLine &line : outside)
+      {
+        prm.enter_subsection(line.section);
+        prm.set(line.name, line.value);
+        prm.leave_subsection();
+      }
+    for (const std::string &name : names)
+      {
+        stages.push_back(common);
+        stages.back().name    = name;
+        WallParameters &walls = stages.back().walls;
+        // What belongs to a wall of another type is not taken over.
+        for (const ParameterLine &line :
+             lines_of_stage(lines, "Stage " + name + "/"))
+          for (unsigned int w = 0; w < 6; ++w)
+            if (line.section == "Walls")
+              {
+                const std::string &wall = WallParameters::names[w];
+                if (line.name == wall && line.value != walls.type[w])
+                  {
+                    walls.velocity[w] = walls.displacement[w] = "";
+                    walls.region[w]                           = "";
+                    walls.friction[w]                         = 0.;
+                  }
+                else if (line.name == wall + " velocity")
+                  walls.displacement[w] = "";
+                else if (line.name == wall + " displacement")
+                  walls.velocity[w] = "";
+              }
+      }
+  }
+
+
+
+  void
+  SimulationParameters::enter_stage(const unsigned int stage)
+  {
+    if (stages.empty())
+      return;
+    AssertIndexRange(stage, stages.size());
+    static_cast<StageSections &>(*this) = stages[stage];
+    if (stage > 0)
+      time.start = stages[stage - 1].time.end;
+  }
+
+
+
+  std::string
+  SimulationParameters::stage_text(const unsigned int stage) const
+  {
+    return stages.empty() ? ""
+                          : "Stage " + std::to_string(stage + 1) + " (" +
+                              stages[stage].name + "): ";
+  }
+
+
+
+  void
+  SimulationParameters::declare(ParameterHandler &prm)
+  {
+    declare_section(prm, "Simulation", general);
+    declare_section(prm, "Grid", grid);
+    declare_sections(prm);
+    declare_section(prm, "Exact solution", exact);
+    declare_section(prm, "Sweep", sweep);
+    declare_section(prm, "Reference", reference);
+    declare_section(prm, "Output", output);
+    declare_section(prm, "Checkpoints", checkpoints);
+    declare_section(prm, "Load balance", load_balance);
+    declare_section(prm, "Solver", solver);
+    declare_section(prm, "p-multigrid", multigrid);
+    declare_section(prm, "Smoother", smoother);
+    declare_section(prm, "Implicit solver", implicit_solver);
+    declare_section(prm, "Implicit p-multigrid", implicit_solver.multigrid);
+    declare_section(prm, "Implicit smoother", implicit_solver.smoother);
+    for (auto &body : bodies)
+      {
+        const std::string section = "Body " + body.first;
+        declare_section(prm, section, body.second);
+        prm.enter_subsection(section);
+        declare_section(prm, "Grid", body_grids[body.first]);
+        prm.leave_subsection();
+      }
+    for (auto &traction : tractions)
+      declare_section(prm, "Traction " + traction.first, traction.second);
+    for (auto &load : surface_loads)
+      declare_section(prm, "Surface load " + load.first, load.second);
+    for (StageParameters &stage : stages)
+      {
+        const std::string section = "Stage " + stage.name;
+        declare_section(prm, section, stage);
+        prm.enter_subsection(section);
+        stage.declare_sections(prm);
+        prm.leave_subsection();
+      }
+  }
+
+
+
+  void
+  SimulationParameters::use_reference(const UseParameters &use)
+  {
+    SimulationParameters parameters;
+    parameters.bodies["NAME"];
+    parameters.tractions["NAME"];
+    parameters.surface_loads["NAME"];
+    ParameterHandler prm;
+    parameters.declare(prm);
+    StageParameters stage;
+    declare_section(prm, "Stage NAME", stage);
+    declare_model(prm, "Material NAME", "");
+    std::vector<std::unique_ptr<Material>> laws;
+    for (const std::string &model :
+         Utilities::split_string_list(material_names(), '|'))
+      {
+        laws.push_back(make_material(model, "Model"));
+        declare_section(prm, "Material NAME of model " + model, *laws.back());
+      }
+    use(prm);
+  }
+
+
+
+  std::string
+  SimulationParameters::defaults()
+  {
+    SimulationParameters parameters;
+    parameters.read("defaults.prm",
+                    parameter_lines_of("subsection Simulation\n"
+                                       "  set Bodies    = block\n"
+                                       "  set Materials = solid\n"
+                                       "end\n"
+                                       "subsection Body block\n"
+                                       "  set Material = solid\n"
+                                       "  set Shape = box(0.25, 0.25, 0.75, "
+                                       "0.75)\n"
+                                       "end\n"
+                                       "subsection Material solid\n"
+                                       "  set Model = linear-elastic\n"
+                                       "end\n",
+                                       "defaults.prm"));
+    return parameters.used();
+  }
+
+
+
+  std::string
+  SimulationParameters::default_mass(const SchemeParameters &scheme) const
+  {
+    if (scheme.transfer == "APIC")
+      return "lumped";
+    if (scheme.is_total_lagrangian())
+      return "consistent";
+    for (const auto &material : materials)
+      if (material.second->spreads())
+        return "lumped";
+    return "consistent";
+  }
+} // namespace greville

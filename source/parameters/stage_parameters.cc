@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/parameters/names.h>
+#include <greville/parameters/stage_parameters.h>
+
+#include <algorithm>
+#include <boost/algorithm/string/join.hpp>
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace dealii::Patterns;
+
+  void
+  TimeParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Start", start)(
+      "The initial time, of the first stage: a later one begins where the last "
+      "one ends, and has no 'Start'. Unit: s.");
+    add_parameter(prm, "End", end)(
+      "Stages end one after the other: time runs on over them. Unit: s.");
+    add_parameter(prm, "Step", step)(
+      "A formula of the smallest edge h of a cell (m) and the order p. Empty: "
+      "from the CFL number and the critical step. Unit: s.");
+    add_parameter(prm, "CFL number", cfl, Double(0.))(
+      "An automatic step is at most this part of h / (c + |v|), with the speed "
+      "c of pressure waves and v of points. Unit: none.");
+    add_parameter(prm, "Safety", safety, Double(0., 1.))(
+      "An automatic step is at most this fraction of the critical step. Unit: "
+      "none.");
+    add_parameter(prm,
+                  "Too large step",
+                  too_large_step,
+                  Selection("refuse|warn|ignore"))(
+      "What to do about a given step above the critical one.");
+    add_parameter(prm, "Estimate every", estimate_every, Integer(0))(
+      "The critical step is estimated again after this number of steps, and "
+      "after up to eight times as many while it changes by less than 2 %; 0: "
+      "in the first step only. It is estimated again, too, where the largest "
+      "wave speed has grown by 10 %, and, for automatic steps with consistent "
+      "mass (not with USF), where accelerations show them to be too long. "
+      "Unit: steps.");
+    add_parameter(prm,
+                  "Velocities at",
+                  velocities,
+                  Selection("half steps|full steps"))(
+      "Velocities belong to the middle of a step (central differences, second "
+      "order) or to its end (symplectic Euler, first order).");
+    add_parameter(prm, "Maximum steps", max_steps, Integer(0))(
+      "A run ends after this number of steps; 0: no limit. Unit: steps.");
+    add_parameter(prm, "Largest displacement", most_displacement, Double(0.))(
+      "A run ends after the step in which a point of a body that is not moved "
+      "as a rigid one is further than this from its initial position (with "
+      "'Stage/Reset displacements': from where it was at the start of the "
+      "stage); 0: no limit. Unit: m.");
+  }
+
+
+
+  void
+  SchemeParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm,
+                  "Formulation",
+                  formulation,
+                  Selection("updated Lagrangian|total Lagrangian"))(
+      "Where basis functions are taken: at the current positions of points, "
+      "which move through the grid (updated Lagrangian, for flow and any "
+      "deformation), or at their initial ones (total Lagrangian, for solids: "
+      "the grid is that of the initial configuration, walls act on it, and the "
+      "mass matrix never changes). With total Lagrangian, bodies do not see "
+      "one "
+      "another.");
+    add_parameter(prm, "Mass", mass)(
+      "The mass M of M a = F: auto (lumped for fluids, Drucker-Prager and "
+      "Mohr-Coulomb materials and with APIC, consistent otherwise and in total "
+      "Lagrangian steps), consistent "
+      "(the exact mass matrix on extended B-splines), lumped, or "
+      "approximations of the exact one by K terms of a series: " +
+      mass_names() + ".");
+    add_parameter(prm, "Filling threshold", filling, Double(-1., 2.))(
+      "Consistent mass of explicit steps: cells that points fill by this "
+      "fraction of their volume or more are well-filled; B-splines that see no "
+      "well-filled cell inside the body are extended from such cells. 0: none "
+      "is extended. Negative: 0.45 in updated and 0.1 in total Lagrangian "
+      "steps. Unit: none.");
+    add_parameter(prm, "Filter", filter, Double(0., 100.))(
+      "Consistent mass: strength of the high-order filter of the velocity, "
+      "which damps what points that cross cells excite: the fraction of the "
+      "highest mode that is removed per cell that is crossed, five times as "
+      "much for order 1. 0: none; steps then gain energy. Total Lagrangian "
+      "steps cross no cells and have none. Unit: none.");
+    add_parameter(prm,
+                  "Stress update",
+                  stress_update,
+                  Selection(time_integrator_names()))(
+      "When stresses are updated: last (USL), first (USF), or last with "
+      "velocities of the grid made anew from the points (MUSL).");
+    add_parameter(prm, "Transfer", transfer, Selection("FLIP|PIC|APIC"))(
+      "How points take their velocity from the grid.");
+    add_parameter(prm, "FLIP share", flip, Double(0., 1.))(
+      "The fraction of FLIP that the velocities of points keep in 'FLIP time', "
+      "the rest being PIC: in a step dt it is the share to the power dt / "
+      "'FLIP time'. 1: all of FLIP, 0: all of PIC. Unit: none.");
+    add_parameter(prm, "FLIP time", flip_time, Double(0.))(
+      "The time that 'FLIP share' belongs to. 0: in which the fastest initial "
+      "wave crosses a cell. Unit: s.");
+    add_parameter(prm,
+                  "Quadrature",
+                  quadrature,
+                  Selection("points|least-squares|taylor-least-squares"))(
+      "Integrals over the body by its points, or by Gauss points of full cells "
+      "with density, momentum and stress reconstructed by least squares, or by "
+      "Taylor least squares, which conserve mass and momentum cell by cell.");
+    add_parameter(prm, "Full cell", full_cell, Double(0., 2.))(
+      "For reconstructions: cells are full where their points have this part "
+      "of their volume and no surface of the body cuts them. Others are "
+      "integrated by points. Unit: none.");
+    add_parameter(prm,
+                  "Volumetric projection",
+                  volumetric_projection,
+                  Selection("none|order p-1|coarse mesh"))(
+      "Against locking of nearly incompressible bodies and of plastic flow "
+      "(F-bar): materials see the ratio of volumes projected on other "
+      "B-splines. order p-1: of one order less, which are means in cells for "
+      "order 1. coarse mesh: of the same order on cells of twice the size, "
+      "which gives smooth pressures.");
+    add_parameter(prm,
+                  "Energy gain",
+                  energy_gain,
+                  Selection("stop|warn|ignore"))(
+      "What to do where the bodies have more energy than they had initially "
+      "and loads and walls have given them, less what damping has taken, which "
+      "an unstable step shows.");
+    add_parameter(prm, "Energy tolerance", energy_tolerance, Double(0.))(
+      "The gain that is accepted, as a fraction of the largest energy so far. "
+      "Unit: none.");
+    add_parameter(prm, "Points outside", outside, Selection("error|remove"))(
+      "What to do about points that leave the grid.");
+  }
+
+
+
+  const std::array<std::string, 6> WallParameters::names = {
+    {"Left", "Right", "Bottom", "Top", "Back", "Front"}};
+
+
+
+  void
+  WallParameters::declare(ParameterHandler &prm)
+  {
+    static const char *places[] = {"smallest x",
+                                   "largest x",
+                                   "smallest y",
+                                   "largest y",
+                                   "smallest z",
+                                   "largest z"};
+    for (unsigned int w = 0; w < 6; ++w)
+      {
+        add_parameter(prm,
+                      names[w],
+                      type[w],
+                      Selection("free|fixed|sliding|moving|friction|periodic"))(
+          "The wall of " + std::string(places[w]) +
+          ": free, fixed (sticks), sliding (without friction), moving (with "
+          "the "
+          "velocity or displacement below), friction (sliding with the "
+          "coefficient below) or periodic (what leaves the grid here comes in "
+          "at the wall on the other side, which is periodic, too; in all "
+          "stages).");
+        add_parameter(prm, names[w] + " region", region[w])(
+          "Of a fixed, sliding or moving wall: the shape or condition in which "
+          "it is, beside which it is free; empty: everywhere. Coefficients "
+          "whose Greville abscissae are inside are held.");
+        add_parameter(prm, names[w] + " velocity", velocity[w])(
+          "Of a moving wall: formulas of x, y (, z) and t separated by "
+          "semicolons. A sliding wall may have one, of which the normal "
+          "component counts. Unit: m / s.");
+        add_parameter(prm, names[w] + " displacement", displacement[w])(
+          "In place of the velocity: formulas of x, y (, z) and t separated by "
+          "semicolons, d(x, t). A step moves the wall by d(x, t + dt) - d(x, "
+          "t). Unit: m.");
+        add_parameter(prm, names[w] + " friction", friction[w], Double(0.))(
+          "Coefficient of Coulomb friction of a friction wall. Unit: none.");
+      }
+  }
+
+
+
+  void
+  LoadParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Gravity", gravity)(
+      "Formulas of t separated by semicolons; empty: none. Unit: m / s^2.");
+    add_parameter(prm, "Body force", body_force)(
+      "Force per mass: formulas of x, y (, z), the initial positions X, Y (, "
+      "Z) and t, separated by semicolons; empty: none. Unit: m / s^2.");
+    add_parameter(prm, "Cundall damping", cundall, Double(0., 1.))(
+      "Forces on the grid are reduced by this fraction where they speed it up "
+      "and raised where they slow it down. Unit: none.");
+    add_parameter(prm, "Kinetic damping", kinetic)(
+      "The bodies without an imposed velocity stop where their kinetic energy "
+      "has a maximum.");
+    add_parameter(prm, "Damping end", damping_end)(
+      "Damping of both kinds ends at this time; negative: never. Unit: s.");
+  }
+
+
+
+  void
+  ImplicitParameters::declare(ParameterHandler &prm)
+  {
+    prm.add_parameter("Newmark beta",
+                      beta,
+                      "newmark: the share beta of the end of a step in the "
+                      "displacement. Unit: none.",
+                      Patterns::Double(1e-6, 1.));
+    prm.add_parameter("Newmark gamma",
+                      gamma,
+                      "newmark: the share gamma of the end of a step in the "
+                      "velocity; 0.5 is of second order, more damps. Unit: "
+                      "none.",
+                      Patterns::Double(0., 1.));
+    prm.add_parameter("Spectral radius",
+                      spectral_radius,
+                      "generalized-alpha: the factor by which a step changes "
+                      "the amplitude of the highest modes; 1 keeps them, 0 "
+                      "removes them. Unit: none.",
+                      Patterns::Double(0., 1.));
+    prm.add_parameter("Smallest step",
+                      smallest_step,
+                      "A run ends where Newton's method fails with this "
+                      "fraction of 'Time/Step'. Unit: none.",
+                      Patterns::Double(1e-12, 1.));
+    prm.add_parameter("Easy iterations",
+                      easy_iterations,
+                      "A step that was cut doubles after one with at most so "
+                      "many iterations of Newton's method. Unit: iterations.",
+                      Patterns::Integer(0));
+    prm.add_parameter(
+      "Filling threshold",
+      filling,
+      "The 'Scheme/Filling threshold' of implicit steps. Where points move "
+      "through the grid, cells that are half full are better extended over: "
+      "linear systems need fewer iterations. Negative: 0.55 in updated and 0.1 "
+      "in total Lagrangian steps. Unit: none.",
+      Patterns::Double(-1., 2.));
+  }
+
+
+
+  void
+  NewtonParameters::declare(ParameterHandler &prm)
+  {
+    prm.add_parameter(
+      "Tolerance",
+      tolerance,
+      "Newton's method ends where the residual is this fraction of the largest "
+      "of the forces that it is the sum of: those of stresses, loads and "
+      "inertia; or where it is round-off. Unit: none.",
+      Patterns::Double(0., 1.));
+    prm.add_parameter("Absolute tolerance",
+                      absolute_tolerance,
+                      "It ends, too, where the residual is smaller than this. "
+                      "Unit: N (2D: N / m).",
+                      Patterns::Double(0.));
+    prm.add_parameter("Maximum iterations",
+                      max_iterations,
+                      "A step that needs more is cut in halves. Unit: "
+                      "iterations.",
+                      Patterns::Integer(1));
+    prm.add_parameter("Maximum line search steps",
+                      max_cuts,
+                      "How often an iteration may halve its step where the "
+                      "residual grows. Unit: none.",
+                      Patterns::Integer(0, 50));
+    prm.add_parameter("Largest linear tolerance",
+                      largest_forcing,
+                      "Linear systems are solved to this relative residual at "
+                      "least, and the more exactly the faster Newton's method "
+                      "converges. Unit: none.",
+                      Patterns::Double(0., 1.));
+    prm.add_parameter("Smallest linear tolerance",
+                      smallest_forcing,
+                      "And never more exactly than this. Unit: none.",
+                      Patterns::Double(0., 1.));
+    prm.add_parameter("Print iterations",
+                      log,
+                      "Whether a line is printed for each iteration.",
+                      Patterns::Bool());
+  }
+
+
+
+  void
+  StageSections::declare_sections(ParameterHandler &prm)
+  {
+    declare_section(prm, "Time", time);
+    declare_section(prm, "Scheme", scheme);
+    declare_section(prm, "Walls", walls);
+    declare_section(prm, "Loads", loads);
+    declare_section(prm, "Implicit", implicit);
+    declare_section(prm, "Newton", newton);
+  }
+
+
+
+  void
+  StageParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Reset displacements", reset_displacements)(
+      "Displacements are counted from the begin of this stage: where points "
+      "are then is their initial position X, Y (, Z), in files and formulas.");
+  }
+} // namespace greville

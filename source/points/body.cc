@@ -1,0 +1,433 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/geometry/points_file.h>
+#include <greville/points/body.h>
+
+#include "formula_gradient.h"
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace internal;
+
+  namespace
+  {
+    /**
+     * Initial stress at a point.
+     */
+    template <int dim>
+    class InitialStress
+    {
+    public:
+      InitialStress(const BodyParameters &parameters,
+                    const std::string    &section,
+                    const Tensor<1, dim> &gravity,
+                    const Lattice<dim>   &lattice,
+                    const double          density)
+        : K0(parameters.K0)
+        , g(gravity)
+        , weight(density * gravity.norm())
+      {
+        if (!parameters.stress.empty())
+          {
+            AssertThrow(K0 < 0.,
+                        ExcMessage("'" + section +
+                                   "' has both 'Stress' and 'K0': it can be "
+                                   "given by one only."));
+            components = {parameters.stress,
+                          section + "/Stress",
+                          coordinate_names<dim>()};
+          }
+        if (K0 >= 0.)
+          {
+            for (unsigned int d = 0; d < dim; ++d)
+              if (std::abs(gravity[d]) > 0.999 * gravity.norm())
+                axis = d;
+            AssertThrow(axis < dim && weight > 0.,
+                        ExcMessage("The parameter '" + section +
+                                   "/K0' needs a gravity along an axis, but "
+                                   "'Loads/Gravity' is (" +
+                                   text_of(gravity) + ") m / s^2 at t = 0."));
+            cell_size   = lattice.cell_size(axis);
+            grid_height = lattice.upper(axis) - lattice.lower(axis);
+            upwards     = gravity[axis] < 0. ? 1. : -1.;
+            surface     = {parameters.surface,
+                           section + "/Surface",
+                           coordinate_names<dim>()};
+          }
+      }
+
+      SymmetricTensor<2, 3>
+      operator()(const Point<dim> &x) const
+      {
+        SymmetricTensor<2, 3> result;
+        if (K0 >= 0.)
+          {
+            const double height = surface(x)[0];
+            const double depth  = upwards * (height - x[axis]);
+            AssertThrow(depth > -0.5 * cell_size,
+                        ExcMessage(
+                          "this point lies " + text_of(-depth) +
+                          " m beyond the parameter 'Surface', which is " +
+                          text_of(height) +
+                          " m there: a body with 'K0' has to lie below its "
+                          "'Surface' everywhere, and down is where "
+                          "'Loads/Gravity' = (" +
+                          text_of(g) + ") m / s^2 points."));
+            AssertThrow(depth < deepest * grid_height,
+                        ExcMessage(
+                          "the parameter 'Surface' is " + text_of(height) +
+                          " m there, which is " + text_of(depth) +
+                          " m above this point: more than " + text_of(deepest) +
+                          " heights of the grid. Is it given in m?"));
+            for (unsigned int d = 0; d < 3; ++d)
+              result[d][d] =
+                -weight * std::max(0., depth) * (d == axis ? 1. : K0);
+          }
+        else
+          {
+            const auto sigma = components(x); // in the order of the entries
+            for (unsigned int k = 0; k < PointLayout<dim>::n_stress; ++k)
+              result.access_raw_entry(k) = sigma[k];
+          }
+        return result;
+      }
+
+    private:
+      double         K0;
+      Tensor<1, dim> g;
+      double         weight;
+      unsigned int   axis    = dim;
+      double         upwards = 1.;
+      // Depths beyond this many heights of the grid are errors.
+      static constexpr double                      deepest     = 1000.;
+      double                                       cell_size   = 0.;
+      double                                       grid_height = 0.;
+      VectorExpression<1>                          surface;
+      VectorExpression<PointLayout<dim>::n_stress> components;
+    };
+
+
+
+    /**
+     * Initial displacement: it moves a point, deforms it, and lets the
+     * material find the stress.
+     */
+    template <int dim>
+    void
+    displace(Point<dim>                    &x,
+             MaterialPoint                 &state,
+             const Material                &material,
+             const VectorExpression<dim>   &displacement,
+             const std::array<double, dim> &steps)
+    {
+      if (displacement.is_zero())
+        return;
+      state.increment =
+        unit_symmetric_tensor<3>() + gradient_of<dim>(displacement, x, steps);
+      x += displacement(x);
+      state.F = state.increment * state.F;
+      state.J *= determinant(state.increment);
+      state.dt = 0.; // it has no rate
+      AssertThrow(state.J > 0.,
+                  ExcMessage("the displacement turns the body inside out."));
+      material.update(ArrayView<MaterialPoint>(&state, 1));
+    }
+
+
+
+    /**
+     * Throw where a body is given in more than one way, or in none.
+     */
+    template <int dim>
+    void
+    check_geometry(const BodyParameters &parameters, const std::string &section)
+    {
+      std::string last;
+      for (const auto &given :
+           {std::make_pair("Shape", &parameters.shape),
+            std::make_pair("Shape file", &parameters.shape_file),
+            std::make_pair("Points file", &parameters.points_file)})
+        if (!given.second->empty())
+          {
+            AssertThrow(last.empty(),
+                        ExcMessage("'" + section + "' has both '" + last +
+                                   "' and '" + given.first + "'."));
+            last = given.first;
+          }
+      AssertThrow(!last.empty(),
+                  ExcMessage(
+                    "The parameter '" + section +
+                    "/Shape' is empty: it takes a formula like " +
+                    (dim == 2 ? "box(0, 0, 1, 2)" : "box(0, 0, 0, 1, 1, 2)") +
+                    ", unless there is a 'Shape file' or a 'Points file'."));
+    }
+
+
+
+    /**
+     * What files of points may have beyond places, volume and mass.
+     */
+    template <int dim>
+    std::vector<std::vector<std::string>>
+    groups_of_file(const Material &material)
+    {
+      const auto               axes = coordinate_names<dim>();
+      std::vector<std::string> velocity, stress(PointLayout<dim>::n_stress),
+        F(PointLayout<dim>::n_F);
+      for (const std::string &axis : axes)
+        velocity.push_back("velocity_" + axis);
+      static const std::string all[] = {"x", "y", "z"};
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int j = 0; j < 3; ++j)
+          {
+            if (i <= j && (dim == 3 || i == j || j < 2))
+              stress[PointLayout<dim>::stress_index(i, j)] =
+                "stress_" + all[i] + all[j];
+            if (dim == 3 || (i < 2 && j < 2) || (i == 2 && j == 2))
+              F[PointLayout<dim>::F_index(i, j)] = "F_" + all[i] + all[j];
+          }
+      std::vector<std::vector<std::string>> groups = {velocity,
+                                                      stress,
+                                                      F,
+                                                      {"J"}};
+      if (!material.state_names().empty())
+        groups.push_back(material.state_names());
+      return groups;
+    }
+
+
+
+    /**
+     * The state of a point as a file has it. Its deformation counts where it is
+     * known with all that the material keeps; otherwise the state is that of a
+     * body at rest with this stress.
+     */
+    template <int dim>
+    void
+    initialize_from_file(MaterialPoint           &state,
+                         const PointsOfFile<dim> &file,
+                         const std::size_t        k,
+                         const Material          &material)
+    {
+      using Layout          = PointLayout<dim>;
+      const auto groups     = groups_of_file<dim>(material);
+      const auto state_list = material.state_names();
+      const int  stress = file.find(groups[1][0]), F = file.find(groups[2][0]);
+      const int  J = file.find("J");
+      const int  history =
+        state_list.empty() ? -1 : file.find(state_list.front());
+      const bool            has_history = state_list.empty() || history >= 0;
+      SymmetricTensor<2, 3> sigma;
+      for (unsigned int i = 0; stress >= 0 && i < 3; ++i)
+        for (unsigned int j = i; j < 3; ++j)
+          if (dim == 3 || i == j || j < 2)
+            sigma[i][j] = file.value(k, stress + Layout::stress_index(i, j));
+      // Of fluids all but J is forgotten.
+      const bool is_deformed =
+        (F >= 0 && has_history) || (J >= 0 && material.shares_volume());
+      material.initialize(state, is_deformed ? SymmetricTensor<2, 3>() : sigma);
+      for (unsigned int i = 0; history >= 0 && i < state_list.size(); ++i)
+        state.state[i] = file.value(k, history + i);
+      if (!is_deformed)
+        return;
+      state.F = unit_symmetric_tensor<3>();
+      for (unsigned int i = 0; F >= 0 && i < 3; ++i)
+        for (unsigned int j = 0; j < 3; ++j)
+          if (dim == 3 || (i < 2 && j < 2) || (i == 2 && j == 2))
+            state.F[i][j] = file.value(k, F + Layout::F_index(i, j));
+      state.J = J >= 0 ? file.value(k, J) : determinant(state.F);
+      AssertThrow(state.J > 0.,
+                  ExcMessage("the deformation in the points file has J = " +
+                             text_of(state.J) + "; it has to be positive."));
+      // Fluids smooth J alone.
+      const double determinant_of_F = determinant(state.F);
+      AssertThrow(F < 0 || J < 0 || material.shares_volume() ||
+                    std::abs(determinant_of_F - state.J) <=
+                      0.01 * state.J + 1e-5 * std::pow(state.F.norm(), 3),
+                  ExcMessage("the columns 'F_xx', ... and 'J' contradict each "
+                             "other: det F = " +
+                             text_of(determinant_of_F) +
+                             ", and J = " + text_of(state.J) + "."));
+      state.stress = sigma;
+      state.dt     = 0.;
+      material.update(ArrayView<MaterialPoint>(&state, 1));
+      if (stress >= 0)
+        state.stress = sigma;
+    }
+
+
+
+    template <int dim>
+    void
+    insert_points(Body<dim>                           &body,
+                  const std::vector<PlacedPoint<dim>> &new_points,
+                  const PointsOfFile<dim>             &file,
+                  const std::string                   &section,
+                  const Tensor<1, dim>                &gravity)
+    {
+      const BodyParameters    &parameters = *body.parameters;
+      const Material          &material   = *body.material;
+      const PointLayout<dim>  &layout     = body.points.layout();
+      const PointField        *affine     = layout.find("affine");
+      const Lattice<dim>      &lattice    = body.points.space().lattice();
+      const InitialStress<dim> stress(
+        parameters, section, gravity, lattice, material.density);
+      const auto formulas = [&](const std::string &text, const char *name) {
+        return text.empty() ? VectorExpression<dim>()
+                            : VectorExpression<dim>(text,
+                                                    section + name,
+                                                    coordinate_names<dim>());
+      };
+      const auto displacement =
+        formulas(parameters.displacement, "/Displacement");
+      const auto velocity = formulas(parameters.velocity, "/Velocity");
+
+      // A velocity that jumps shall not get a steep gradient.
+      std::array<double, dim>       steps;
+      const std::array<double, dim> small_steps =
+        displacement_steps<dim>(lattice);
+      for (unsigned int d = 0; d < dim; ++d)
+        steps[d] = 0.1 * lattice.cell_size(d);
+
+      const double strength_reduction = material.strength_reduction(0.);
+      const bool has_stress = !parameters.stress.empty() || parameters.K0 >= 0.;
+      const int  file_velocity  = file.find("velocity_x");
+      const int  file_mass      = file.find("mass");
+      const int  file_reference = file.find("reference_x");
+      std::vector<double> values(layout.size);
+      const PointRef<dim> p(values.data());
+      for (std::size_t k = 0; k < new_points.size(); ++k)
+        {
+          const PlacedPoint<dim> &point = new_points[k];
+          std::fill(values.begin(), values.end(), 0.);
+          MaterialPoint state;
+          Point<dim>    x          = point.image;
+          double        J_of_shape = 1.;
+          state.F                  = unit_symmetric_tensor<3>();
+          state.increment          = state.F;
+          state.strength_reduction = strength_reduction;
+          try
+            {
+              if (file.names.empty() || has_stress)
+                material.initialize(state, stress(point.image));
+              else
+                initialize_from_file<dim>(state, file, k, material);
+              J_of_shape = state.J;
+              if (layout.initial_F != 0)
+                for (unsigned int d = 0; d < dim; ++d)
+                  for (unsigned int e = 0; e < dim; ++e)
+                    p[layout.initial_F + d * dim + e] = state.F[d][e];
+              displace<dim>(x, state, material, displacement, small_steps);
+            }
+          catch (const std::exception &error)
+            {
+              AssertThrow(false,
+                          ExcMessage(
+                            (parameters.points_file.empty()
+                               ? ""
+                               : find_in_points_file<dim>(
+                                   parameters.points_file, section, point.image)
+                                   .at(0)) +
+                            "'" + section + "'" +
+                            (parameters.material.empty()
+                               ? ""
+                               : " of 'Material " + parameters.material + "'") +
+                            " at (" + text_of(point.image) +
+                            ") m: " + message_of(error)));
+            }
+          Tensor<1, dim> v = velocity(point.image);
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              if (file_velocity >= 0 && parameters.velocity.empty())
+                v[d] = file.value(k, file_velocity + d);
+              p.position(d)  = x[d] + (point.x[d] - point.image[d]);
+              p.reference(d) = file_reference >= 0
+                                 ? file.value(k, file_reference + d)
+                                 : point.x[d];
+              p.velocity(d)  = v[d];
+            }
+          // APIC's matrix is the gradient of the velocity at the place to
+          // which the displacement has moved the point.
+          if (affine && !velocity.is_zero() &&
+              parameters.imposed_velocity.empty())
+            {
+              const Tensor<2, 3> C =
+                gradient_of<dim>(velocity, point.image, steps) *
+                invert(state.increment);
+              for (unsigned int d = 0; d < dim; ++d)
+                for (unsigned int e = 0; e < dim; ++e)
+                  p[affine->first + d * dim + e] = C[d][e];
+            }
+          p.mass()    = file_mass >= 0 ? file.value(k, file_mass)
+                                       : material.density * point.volume;
+          p.volume0() = point.volume / J_of_shape;
+          p.J()       = state.J;
+          p.id()      = double(point.id);
+          p.set_F(state.F);
+          if (layout.projected_J != 0)
+            p[layout.projected_J] = state.J;
+          store_material_point<dim>(state, p, layout);
+          body.points.insert(point.cell, make_array_view(values));
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  std::vector<unsigned int>
+  make_points(Body<dim>              &body,
+              const SplineSpace<dim> &space,
+              const Tensor<1, dim>   &gravity,
+              const PointLayout<dim> &layout)
+  {
+    const BodyParameters &parameters = *body.parameters;
+    const std::string     section    = "Body " + body.name;
+    body.points.reinit(space, layout);
+    run_on_all(
+      [&]() {
+        check_geometry<dim>(parameters, section);
+        PointsOfFile<dim> file;
+        if (parameters.points_file.empty())
+          file.points = place_points<dim>(parameters, section, space);
+        else
+          file = points_of_file<dim>(parameters.points_file,
+                                     section,
+                                     parameters.body_in_file,
+                                     body.material->density,
+                                     groups_of_file<dim>(*body.material),
+                                     layout.is_total_lagrangian(),
+                                     space);
+        insert_points(body, file.points, file, section, gravity);
+        if (!parameters.imposed_velocity.empty())
+          body.rigid_motion.emplace(parameters.imposed_velocity,
+                                    section + "/Imposed velocity",
+                                    std::vector<std::string>{"t"});
+      },
+      space.communicator());
+
+    body.points.defragment();
+    body.n_points = Utilities::MPI::sum<std::uint64_t>(body.points.n_points(),
+                                                       space.communicator());
+    AssertThrow(body.n_points > 0,
+                ExcMessage("The body of '" + section +
+                           "' is empty: there is no point inside <" +
+                           parameters.shape + parameters.shape_file +
+                           "> in the grid: is it outside ('Grid/Lower corner', "
+                           "'Grid/Upper corner'), or are the cells too large "
+                           "('Grid/Cells')?"));
+    return parameters.displacement.empty() ? std::vector<unsigned int>()
+                                           : body.points.cells();
+  }
+
+
+
+  template decltype(make_points<2>) make_points<2>;
+  template decltype(make_points<3>) make_points<3>;
+} // namespace greville

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/points/material_points.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  PointLayout<dim>::PointLayout(const std::vector<std::string> &state_names)
+    : n_state(state_names.size())
+  {
+    for (const std::string &name : state_names)
+      add(name, 1);
+  }
+
+
+
+  template <int dim>
+  void
+  PointLayout<dim>::add(const std::string &name,
+                        const unsigned int n_components)
+  {
+    if (const PointField *field = find(name))
+      {
+        (void)field;
+        AssertDimension(field->n_components, n_components);
+        return;
+      }
+    all_fields.push_back({name, size, n_components});
+    size += n_components;
+  }
+
+
+
+  template <int dim>
+  const PointField *
+  PointLayout<dim>::find(const std::string &name) const
+  {
+    for (const PointField &field : all_fields)
+      if (field.name == name)
+        return &field;
+    return nullptr;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  PointLayout<dim>::first(const std::string &name) const
+  {
+    const PointField *field = find(name);
+    Assert(field, ExcMessage("There is no field '" + name + "'."));
+    return field->first;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  PointLayout<dim>::names() const
+  {
+    std::vector<PointField> fields = {{"position", position, dim},
+                                      {"velocity", velocity, dim},
+                                      {"mass", mass, 1},
+                                      {"volume0", volume0, 1},
+                                      {"J", J, 1},
+                                      {"stress", stress, n_stress},
+                                      {"wave_modulus", wave_modulus, 1},
+                                      {"F", F, n_F},
+                                      {"reference", reference, dim},
+                                      {"id", id, 1}};
+    fields.insert(fields.end(), all_fields.begin(), all_fields.end());
+    std::vector<std::string> result(size);
+    for (const PointField &field : fields)
+      for (unsigned int k = 0; k < field.n_components; ++k)
+        result[field.first + k] =
+          field.name + (field.n_components == 1 ? "" : "_" + std::to_string(k));
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::reinit(const SplineSpace<dim> &space,
+                              const PointLayout<dim> &layout)
+  {
+    spline_space = &space;
+    point_layout = layout;
+    n_all_points = 0;
+    data.clear();
+    links.clear();
+    heads.assign(space.owned_cells().size(), none);
+    counts.assign(space.owned_cells().size(), 0);
+    free_groups            = none;
+    filled_cells_are_valid = false;
+  }
+
+
+
+  template <int dim>
+  const std::vector<unsigned int> &
+  MaterialPoints<dim>::cells() const
+  {
+    if (!filled_cells_are_valid)
+      {
+        filled_cells.clear();
+        for (unsigned int cell = 0; cell < counts.size(); ++cell)
+          if (counts[cell] > 0)
+            filled_cells.push_back(cell);
+        filled_cells_are_valid = true;
+      }
+    return filled_cells;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  MaterialPoints<dim>::new_group()
+  {
+    if (free_groups != none)
+      {
+        const unsigned int g = free_groups;
+        free_groups          = links[g];
+        return g;
+      }
+    const std::size_t size = std::size_t(point_layout.size) * width;
+    const std::size_t used = links.size() * size;
+    if (data.size() < used + size)
+      {
+        // AlignedVector would double its memory.
+        dealii::AlignedVector<double> larger;
+        larger.resize_fast(used + std::max(size, used / 8 / size * size));
+        std::copy_n(data.begin(), used, larger.begin());
+        data.swap(larger);
+      }
+    links.push_back(none);
+    return links.size() - 1;
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::clear_lane(const unsigned int cell,
+                                  const unsigned int g,
+                                  const unsigned int lane)
+  {
+    const PointRef<dim> p = point(g, lane);
+    for (unsigned int k = 0; k < point_layout.size; ++k)
+      p[k] = 0.;
+    const auto &lattice = spline_space->lattice();
+    const auto  center  = lattice.cell_center(
+      multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells()));
+    for (unsigned int d = 0; d < dim; ++d)
+      p.position(d) = p[point_layout.basis_position + d] = center[d];
+    p.set_F(unit_symmetric_tensor<3>());
+    p.J() = 1.;
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::insert(const unsigned int             cell,
+                              const ArrayView<const double> &values)
+  {
+    AssertDimension(values.size(), point_layout.size);
+    const unsigned int lane = counts[cell] % width;
+    if (lane == 0)
+      {
+        const unsigned int g = new_group();
+        links[g]             = heads[cell];
+        heads[cell]          = g;
+        for (unsigned int l = 1; l < width; ++l)
+          clear_lane(cell, g, l);
+      }
+    const PointRef<dim> target = point(heads[cell], lane);
+    for (unsigned int k = 0; k < point_layout.size; ++k)
+      target[k] = values[k];
+    if (counts[cell]++ == 0)
+      filled_cells_are_valid = false;
+    ++n_all_points;
+  }
+
+
+
+  template <int dim>
+  bool
+  MaterialPoints<dim>::is_inside(const unsigned int       cell,
+                                 const ConstPointRef<dim> point) const
+  {
+    const auto &lattice = spline_space->lattice();
+    const auto  index =
+      multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells());
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double x     = point[point_layout.basis_position + d];
+        const double h     = lattice.cell_size(d);
+        const double lower = lattice.lower(d) + index[d] * h;
+        const bool   last  = index[d] + 1 == lattice.n_cells()[d];
+        const double upper =
+          last ? lattice.upper(d) : lattice.lower(d) + (index[d] + 1) * h;
+        if (!(x >= lower && (x < upper || (last && x == upper))))
+          return false;
+      }
+    return true;
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::remove_leaving(const unsigned int   cell,
+                                      std::vector<double> &leaving)
+  {
+    unsigned int n = n_in_first_group(cell);
+    for (unsigned int g = heads[cell]; g != none; n = width)
+      {
+        // The first group can become empty and go.
+        const unsigned int next = links[g];
+        for (unsigned int lane = 0; lane < n;)
+          {
+            const PointRef<dim> p = point(g, lane);
+            if (is_inside(cell, p))
+              {
+                ++lane;
+                continue;
+              }
+            for (unsigned int k = 0; k < point_layout.size; ++k)
+              leaving.push_back(p[k]);
+
+            // The last point of the first group fills the hole.
+            const unsigned int head = heads[cell];
+            const unsigned int last = n_in_first_group(cell) - 1;
+            for (unsigned int k = 0; k < point_layout.size; ++k)
+              p[k] = point(head, last)[k];
+            clear_lane(cell, head, last);
+            --counts[cell];
+            --n_all_points;
+            if (head == g)
+              --n;
+            if (last == 0)
+              {
+                heads[cell] = links[head];
+                links[head] = free_groups;
+                free_groups = head;
+              }
+            if (counts[cell] == 0)
+              filled_cells_are_valid = false;
+          }
+        g = next;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::clean(const unsigned int cell)
+  {
+    if (heads[cell] != none)
+      for (unsigned int lane = n_in_first_group(cell); lane < width; ++lane)
+        clear_lane(cell, heads[cell], lane);
+  }
+
+
+
+  template <int dim>
+  void
+  MaterialPoints<dim>::defragment()
+  {
+    const std::size_t             size = std::size_t(point_layout.size) * width;
+    dealii::AlignedVector<double> new_data;
+    std::vector<unsigned int>     new_links;
+    std::size_t                   n_groups = 0;
+    for (const unsigned int count : counts)
+      n_groups += (count + width - 1) / width;
+    new_data.resize_fast(n_groups * size);
+    new_links.reserve(n_groups);
+    for (const unsigned int cell : cells())
+      {
+        unsigned int g = heads[cell];
+        heads[cell]    = new_links.size();
+        for (; g != none; g = links[g])
+          {
+            std::copy_n(group(g),
+                        size,
+                        new_data.data() + new_links.size() * size);
+            new_links.push_back(links[g] == none ? none : new_links.size() + 1);
+          }
+      }
+    data.swap(new_data);
+    links.swap(new_links);
+    free_groups = none;
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  MaterialPoints<dim>::memory_consumption() const
+  {
+    return data.capacity() * sizeof(double) +
+           (heads.capacity() + counts.capacity() + links.capacity() +
+            filled_cells.capacity()) *
+             sizeof(unsigned int);
+  }
+
+
+
+  template class PointLayout<2>;
+  template class PointLayout<3>;
+  template class MaterialPoints<2>;
+  template class MaterialPoints<3>;
+} // namespace greville

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_particles_point_kernels_h
+#define greville_particles_point_kernels_h
+
+#include <greville/base/with_width.h>
+#include <greville/points/point_transfer.h>
+
+#include <experimental/simd>
+
+/**
+ * What the kernels of points share. To be included in sources, not in headers.
+ */
+namespace greville
+{
+  namespace internal
+  {
+    /**
+     * One number of all points of a group. (Cells have few points: the widest
+     * vectors of a machine would have empty lanes.)
+     */
+    using Simd = std::experimental::simd<
+      double,
+      std::experimental::simd_abi::deduce_t<double, MaterialPoints<2>::width>>;
+
+    constexpr unsigned int simd_width = Simd::size();
+
+    inline Simd
+    load(const double *address)
+    {
+      return Simd(address, std::experimental::element_aligned);
+    }
+
+    inline void
+    store(const Simd &value, double *address)
+    {
+      value.copy_to(address, std::experimental::element_aligned);
+    }
+
+
+
+    constexpr int
+    power(const int base, const int exponent)
+    {
+      return exponent == 0 ? 1 : base * power(base, exponent - 1);
+    }
+
+
+
+    /**
+     * What is the same for all points of a cell.
+     */
+    template <int dim, int n>
+    struct CellGeometry
+    {
+      CellGeometry(const SpacePolynomials<dim> &tables, const unsigned int cell)
+      {
+        const SplineSpace<dim> &space   = *tables.space;
+        const auto             &lattice = space.lattice();
+        const auto              index =
+          multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double h = lattice.cell_size(d);
+            center[d]      = lattice.lower(d) + (index[d] + 0.5) * h;
+            inverse_h[d]   = 1. / h;
+            polynomials[d] = tables.directions[d].coefficients(index[d]);
+            offsets[d]     = tables.directions[d].greville_offsets(index[d]);
+          }
+        functions = space.cell_functions(cell).data();
+      }
+
+      double              center[dim];
+      double              inverse_h[dim];
+      const double       *polynomials[dim];
+      const double       *offsets[dim];
+      const unsigned int *functions;
+    };
+
+
+
+    /**
+     * Values and derivatives of the univariate functions at a group of points.
+     */
+    template <int dim, int n>
+    struct Shape
+    {
+      template <bool derivatives>
+      inline __attribute__((always_inline)) void
+      evaluate(const CellGeometry<dim, n> &cell, const Simd *x)
+      {
+#pragma GCC unroll 3
+        for (int d = 0; d < dim; ++d)
+          {
+            const Simd    t = (x[d] - cell.center[d]) * cell.inverse_h[d];
+            const double *c = cell.polynomials[d];
+#pragma GCC unroll 6
+            for (int a = 0; a < n; ++a)
+              {
+                Simd value = c[a * n + n - 1];
+                Simd slope = 0.;
+#pragma GCC unroll 6
+                for (int k = n - 2; k >= 0; --k)
+                  {
+                    if constexpr (derivatives)
+                      slope = slope * t + value;
+                    value = value * t + c[a * n + k];
+                  }
+                N[d][a] = value;
+                if constexpr (derivatives)
+                  dN[d][a] = slope * cell.inverse_h[d];
+              }
+          }
+      }
+
+      Simd N[dim][n];
+      Simd dN[dim][n];
+    };
+
+
+
+    /**
+     * Copy a vector with its ghost entries into a buffer of @p n_fields numbers
+     * per function.
+     */
+    inline void
+    put_into_buffer(const VectorType    &vector,
+                    const unsigned int   n_fields,
+                    const unsigned int   field,
+                    std::vector<double> &buffer)
+    {
+      vector.update_ghost_values();
+      const std::size_t n = buffer.size() / n_fields;
+      for (std::size_t i = 0; i < n; ++i)
+        buffer[i * n_fields + field] = vector.local_element(i);
+      vector.zero_out_ghost_values();
+    }
+
+
+
+    /**
+     * Collective. The way back: add up what all processes have for a function.
+     */
+    inline void
+    take_from_buffer(const std::vector<double> &buffer,
+                     const unsigned int         n_fields,
+                     const unsigned int         field,
+                     VectorType                &vector)
+    {
+      const std::size_t n = buffer.size() / n_fields;
+      vector.zero_out_ghost_values();
+      for (std::size_t i = 0; i < n; ++i)
+        vector.local_element(i) = buffer[i * n_fields + field];
+      vector.compress(dealii::VectorOperation::add);
+    }
+
+
+
+    /**
+     * Load @p count numbers of a group beginning at number @p first.
+     */
+    template <int count>
+    inline __attribute__((always_inline)) void
+    load_numbers(const double *group, const int first, Simd *values)
+    {
+#pragma GCC unroll 9
+      for (int k = 0; k < count; ++k)
+        values[k] = load(group + (first + k) * simd_width);
+    }
+
+    /**
+     * Where the basis functions of a group are taken.
+     */
+    template <int dim>
+    inline __attribute__((always_inline)) void
+    load_basis_positions(const MaterialPoints<dim> &points,
+                         const double              *group,
+                         Simd (&x)[dim])
+    {
+      load_numbers<dim>(group, points.layout().basis_position, x);
+    }
+
+
+
+    /**
+     * C = A B, or A B^T.
+     */
+    template <int dim>
+    inline void
+    multiply(const Simd (&A)[dim][dim],
+             const Simd (&B)[dim][dim],
+             Simd (&C)[dim][dim])
+    {
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          {
+            C[i][j] = A[i][0] * B[0][j];
+            for (int k = 1; k < dim; ++k)
+              C[i][j] += A[i][k] * B[k][j];
+          }
+    }
+
+    template <int dim>
+    inline void
+    multiply_transposed(const Simd (&A)[dim][dim],
+                        const Simd (&B)[dim][dim],
+                        Simd (&C)[dim][dim])
+    {
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          {
+            C[i][j] = A[i][0] * B[j][0];
+            for (int k = 1; k < dim; ++k)
+              C[i][j] += A[i][k] * B[j][k];
+          }
+    }
+
+
+
+    /**
+     * The inverse of the deformation gradients (in 2D in the plane) of a group
+     * since the initial configuration, which takes gradients with respect to
+     * reference positions to those with respect to current ones. Field @p
+     * initial_F as in PointLayout.
+     */
+    template <int dim>
+    inline void
+    load_inverse_F(const double      *group,
+                   const unsigned int initial_F,
+                   Simd (&inverse)[dim][dim])
+    {
+      Simd F[dim][dim];
+      for (int i = 0; i < dim; ++i)
+        load_numbers<dim>(group, PointLayout<dim>::F + i * dim, F[i]);
+      // The transposed cofactors.
+      Simd det = 0.;
+      if constexpr (dim == 2)
+        {
+          inverse[0][0] = F[1][1];
+          inverse[0][1] = -F[0][1];
+          inverse[1][0] = -F[1][0];
+          inverse[1][1] = F[0][0];
+        }
+      else
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            {
+              const int a = (i + 1) % 3, b = (i + 2) % 3;
+              const int c = (j + 1) % 3, d = (j + 2) % 3;
+              inverse[j][i] = F[a][c] * F[b][d] - F[a][d] * F[b][c];
+            }
+      for (int j = 0; j < dim; ++j)
+        det += F[0][j] * inverse[j][0];
+      const Simd factor = 1. / det;
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          inverse[i][j] *= factor;
+      if (initial_F != 0)
+        {
+          Simd initial[dim][dim], F_inverse[dim][dim];
+          std::copy_n(inverse[0], dim * dim, F_inverse[0]);
+          for (int i = 0; i < dim; ++i)
+            load_numbers<dim>(group, initial_F + i * dim, initial[i]);
+          multiply<dim>(initial, F_inverse, inverse);
+        }
+    }
+
+
+
+    template <int count>
+    inline __attribute__((always_inline)) void
+    store_numbers(const Simd *values, const int first, double *group)
+    {
+#pragma GCC unroll 9
+      for (int k = 0; k < count; ++k)
+        store(values[k], group + (first + k) * simd_width);
+    }
+  } // namespace internal
+} // namespace greville
+
+#endif

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/index_limits.h>
+#include <greville/points/point_transport.h>
+#include <greville/spline/cell_owner.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  void
+  PointTransport<dim>::reinit(DistributedTriangulation<dim> &triangulation,
+                              const SplineSpace<dim>        &space)
+  {
+    tria         = &triangulation;
+    spline_space = &space;
+    comm         = space.communicator();
+    owners_of_ghost_cells.clear();
+    for (const auto &cell : triangulation.active_cell_iterators())
+      if (cell->is_ghost())
+        owners_of_ghost_cells[lexicographic<dim>(space.lattice().find_cell(
+                                                   cell->center()),
+                                                 space.lattice().n_cells())] =
+          cell->subdomain_id();
+  }
+
+
+
+  template <int dim>
+  std::vector<unsigned int>
+  PointTransport<dim>::find_owners(
+    const std::vector<std::uint64_t> &cells) const
+  {
+    const auto               &own     = spline_space->owned_cells();
+    const auto               &lattice = spline_space->lattice();
+    std::vector<unsigned int> owners;
+    for (const std::uint64_t cell : cells)
+      {
+        if (std::binary_search(own.begin(), own.end(), cell))
+          {
+            owners.push_back(Utilities::MPI::this_mpi_process(comm));
+            continue;
+          }
+        const auto found = owners_of_ghost_cells.find(cell);
+        owners.push_back(
+          found != owners_of_ghost_cells.end()
+            ? found->second
+            : cell_owner<dim>(*tria,
+                              lattice,
+                              multi_index<dim>(cell, lattice.n_cells())));
+      }
+    return owners;
+  }
+
+
+
+  template <int dim>
+  typename PointTransport<dim>::Result
+  PointTransport<dim>::move(MaterialPoints<dim>             &points,
+                            const std::vector<unsigned int> &left_cells)
+  {
+    Result              result;
+    std::vector<double> leaving;
+    for (const unsigned int cell : left_cells)
+      points.remove_leaving(cell, leaving);
+
+    const unsigned int size      = points.layout().size;
+    const auto        &lattice   = spline_space->lattice();
+    const auto        &cells     = spline_space->owned_cells();
+    const std::size_t  n_leaving = leaving.size() / size;
+    result.n_moved               = n_leaving;
+
+    std::vector<double> foreign;
+    for (std::size_t k = 0; k < n_leaving; ++k)
+      {
+        const PointRef<dim> p(leaving.data() + k * size);
+        Point<dim>          x          = p.basis_position(points.layout());
+        bool                is_outside = false;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double tolerance = 1e-9 * lattice.cell_size(d);
+            if (lattice.is_periodic(d) &&
+                (x[d] < lattice.lower(d) || x[d] > lattice.upper(d)))
+              {
+                const double period = lattice.upper(d) - lattice.lower(d);
+                const double move =
+                  period * std::floor((x[d] - lattice.lower(d)) / period);
+                p.position(d) = x[d] = x[d] - move;
+                p.reference(d) -= move;
+              }
+            is_outside = is_outside || !(x[d] >= lattice.lower(d) - tolerance &&
+                                         x[d] <= lattice.upper(d) + tolerance);
+            if (!is_outside)
+              p[points.layout().basis_position + d] = x[d] =
+                std::min(std::max(x[d], lattice.lower(d)), lattice.upper(d));
+          }
+        if (is_outside)
+          {
+            ++result.n_removed;
+            result.removed_mass += p.mass();
+            // NaN is the worse.
+            if (std::isfinite(result.outside_position.norm()))
+              {
+                result.outside          = std::int64_t(p.id());
+                result.outside_position = x;
+              }
+            continue;
+          }
+        const std::uint64_t position =
+          lexicographic<dim>(lattice.find_cell(x), lattice.n_cells());
+        const auto found =
+          std::lower_bound(cells.begin(), cells.end(), position);
+        if (found != cells.end() && *found == position)
+          points.insert(found - cells.begin(),
+                        ArrayView<const double>(&p[0], size));
+        else
+          {
+            ++result.n_sent;
+            foreign.push_back(double(position));
+            foreign.insert(foreign.end(), &p[0], &p[0] + size);
+          }
+      }
+    if (Utilities::MPI::n_mpi_processes(comm) > 1)
+      insert(points, foreign);
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  PointTransport<dim>::insert(MaterialPoints<dim>       &points,
+                              const std::vector<double> &rows)
+  {
+    const std::size_t          width = points.layout().size + 1;
+    std::vector<std::uint64_t> places;
+    for (std::size_t k = 0; k < rows.size(); k += width)
+      places.push_back(std::uint64_t(rows[k]));
+    const auto         owners  = find_owners(places);
+    const unsigned int process = Utilities::MPI::this_mpi_process(comm);
+    std::map<unsigned int, std::vector<double>> to_send;
+    for (std::size_t k = 0; k < owners.size(); ++k)
+      to_send[owners[k]].insert(to_send[owners[k]].end(),
+                                rows.begin() + k * width,
+                                rows.begin() + (k + 1) * width);
+    auto own      = to_send.extract(process);
+    auto received = exchange_lists(comm, to_send);
+    if (!own.empty())
+      received[process].swap(own.mapped());
+
+    const auto &cells = spline_space->owned_cells();
+    for (const auto &message : received)
+      for (std::size_t k = 0; k < message.second.size(); k += width)
+        {
+          const auto place = std::uint64_t(message.second[k]);
+          const auto found =
+            std::lower_bound(cells.begin(), cells.end(), place);
+          Assert(found != cells.end() && *found == place, ExcInternalError());
+          points.insert(found - cells.begin(),
+                        ArrayView<const double>(&message.second[k + 1],
+                                                width - 1));
+        }
+  }
+
+
+
+  template class PointTransport<2>;
+  template class PointTransport<3>;
+} // namespace greville

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/geometry/shape.h>
+#include <greville/points/surface.h>
+
+#include "formula_gradient.h"
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace internal;
+
+  template <int dim>
+  SurfaceState<dim>
+  surface_state(const ConstPointRef<dim> p, const PointLayout<dim> &layout)
+  {
+    SurfaceState<dim> state;
+    state.X        = p.reference();
+    state.x        = p.position();
+    state.F        = p.matrix(PointLayout<dim>::F);
+    state.velocity = p.velocity();
+    if (const PointField *normal = layout.find("normal"))
+      state.normal = p.vector(normal->first);
+    return state;
+  }
+
+
+
+  namespace
+  {
+    /**
+     * Collective.
+     */
+    template <int dim>
+    std::string
+    no_point(const std::string                    &section,
+             const std::string                    &where,
+             const std::string                    &body,
+             const std::vector<SurfacePoint<dim>> &placed,
+             const MPI_Comm                        comm)
+    {
+      Point<dim> lower, upper;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          lower[d] = std::numeric_limits<double>::max();
+          upper[d] = std::numeric_limits<double>::lowest();
+          for (const SurfacePoint<dim> &point : placed)
+            {
+              lower[d] = std::min(lower[d], point.x[d]);
+              upper[d] = std::max(upper[d], point.x[d]);
+            }
+          lower[d] = Utilities::MPI::min(lower[d], comm);
+          upper[d] = Utilities::MPI::max(upper[d], comm);
+        }
+      std::ostringstream message;
+      if (!(lower[0] <= upper[0]))
+        message << "'" << section << "' acts on the surface of 'Body " << body
+                << "', which has none in the grid.";
+      else
+        message << "The parameter '" << section << "/Where' is <" << where
+                << ">: no point of the surface of 'Body " << body
+                << "' is in it. They are between (" << lower << ") m and ("
+                << upper << ") m.";
+      return message.str();
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  Surface<dim>
+  make_surface(const std::string                    &name,
+               const std::string                    &section,
+               const std::string                    &where,
+               const Body<dim>                      &body,
+               const std::vector<SurfacePoint<dim>> &placed,
+               const SplineSpace<dim>               &space)
+  {
+    PointLayout<dim> layout;
+    layout.basis_position = body.points.layout().basis_position;
+    layout.add("load", dim);
+    layout.add("normal", dim);
+    Surface<dim> surface;
+    surface.name = name;
+    surface.points.reinit(space, layout);
+    run_on_all(
+      [&]() {
+        const auto formulas = [&](const std::string &text,
+                                  const std::string &parameter) {
+          return text.empty()
+                   ? VectorExpression<dim>()
+                   : VectorExpression<dim>(text,
+                                           "Body " + body.name + parameter,
+                                           coordinate_names<dim>());
+        };
+        const auto displacement =
+          formulas(body.parameters->displacement, "/Displacement");
+        const auto velocity = formulas(body.parameters->velocity, "/Velocity");
+        const auto steps    = displacement_steps<dim>(space.lattice());
+        std::optional<Shape<dim>> shape;
+        if (!where.empty())
+          shape.emplace(where, section + "/Where");
+
+        std::vector<double> values(layout.size);
+        const PointRef<dim> p(values.data());
+        const unsigned int  normal = layout.first("normal");
+        for (const SurfacePoint<dim> &point : placed)
+          {
+            if (shape && !shape->contains(point.x))
+              continue;
+            std::fill(values.begin(), values.end(), 0.);
+            Tensor<2, 3>         F = unit_symmetric_tensor<3>();
+            Tensor<1, dim>       x = point.x;
+            const Tensor<1, dim> v = velocity(point.x);
+            if (!displacement.is_zero())
+              {
+                F += gradient_of<dim>(displacement, point.x, steps);
+                x += displacement(point.x);
+              }
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                p.position(d)  = x[d];
+                p.reference(d) = point.x[d];
+                p.velocity(d)  = v[d];
+                p[normal + d]  = point.normal[d];
+              }
+            p.mass() = point.area;
+            p.J()    = determinant(F);
+            p.id()   = double(point.id);
+            p.set_F(F);
+            surface.points.insert(point.cell, make_array_view(values));
+          }
+      },
+      space.communicator());
+    surface.points.defragment();
+    const MPI_Comm comm = space.communicator();
+    if (Utilities::MPI::sum<std::uint64_t>(surface.points.n_points(), comm) ==
+        0)
+      AssertThrow(
+        false, ExcMessage(no_point(section, where, body.name, placed, comm)));
+    return surface;
+  }
+
+
+
+  template decltype(surface_state<2>) surface_state<2>;
+  template decltype(surface_state<3>) surface_state<3>;
+  template decltype(make_surface<2>)  make_surface<2>;
+  template decltype(make_surface<3>)  make_surface<3>;
+} // namespace greville

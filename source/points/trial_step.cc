@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/points/trial_step.h>
+
+#include "gradients.h"
+#include <cmath>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace internal;
+
+  namespace
+  {
+    /**
+     * The part of a 3D tensor in the plane of a 2D problem.
+     */
+    template <int dim, typename Full>
+    Tensor<2, dim>
+    in_plane(const Full &A)
+    {
+      Tensor<2, dim> result;
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          result[i][j] = A[i][j];
+      return result;
+    }
+
+
+
+    /**
+     * P and its derivative from what the material gives for the end of a step.
+     */
+    template <int dim>
+    void
+    set_end_stress(TrialPoint<dim>       &trial,
+                   const Tensor<2, dim>  &f,
+                   const MaterialPoint   &end,
+                   const MaterialTangent *D)
+    {
+      const double         det     = determinant(f);
+      const Tensor<2, dim> inverse = invert(f);
+      const Tensor<2, dim> sigma   = det * in_plane<dim>(end.stress);
+      trial.P                      = sigma * transpose(inverse);
+      if (!D)
+        return;
+      trial.map = inverse;
+      if constexpr (dim == 3)
+        {
+          const double *from = &(*D)[0][0][0][0];
+          double       *to   = &trial.A[0][0][0][0];
+          for (unsigned int e = 0; e < Tensor<4, dim>::n_independent_components;
+               ++e)
+            to[e] = det * from[e];
+        }
+      else
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            for (unsigned int k = 0; k < dim; ++k)
+              for (unsigned int l = 0; l < dim; ++l)
+                trial.A[i][j][k][l] = det * (*D)[i][j][k][l];
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          for (unsigned int k = 0; k < dim; ++k)
+            {
+              trial.A[i][j][k][k] += sigma[i][j];
+              trial.A[i][j][j][k] -= sigma[i][k];
+            }
+    }
+
+
+
+    /**
+     * dP_iJ / df_kL.
+     */
+    template <int dim>
+    Tensor<4, dim>
+    derivative(const TrialPoint<dim> &trial)
+    {
+      Tensor<4, dim> B, dP;
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int J = 0; J < dim; ++J)
+          for (unsigned int j = 0; j < dim; ++j)
+            B[i][J] += trial.map[J][j] * trial.A[i][j];
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int J = 0; J < dim; ++J)
+          for (unsigned int k = 0; k < dim; ++k)
+            dP[i][J][k] = trial.map * B[i][J][k];
+      return dP;
+    }
+
+
+
+    /**
+     * Change P at the end of the step, and its derivative, to those of the
+     * energy-consistent stress, see TrialStep.
+     */
+    template <int dim>
+    void
+    make_energy_consistent(TrialPoint<dim>      &trial,
+                           const Tensor<2, dim> &f,
+                           const Tensor<2, dim> &stress_before,
+                           const double          change_of_energy,
+                           const bool            with_tangent)
+    {
+      const Tensor<2, dim> one     = unit_symmetric_tensor<dim>();
+      const Tensor<2, dim> inverse = invert(f);
+      const Tensor<2, dim> middle  = 0.5 * (one + f);
+      const Tensor<2, dim> end     = inverse * trial.P;
+      const Tensor<2, dim> grad    = f - one;
+      const Tensor<2, dim> strain =
+        0.5 * (grad + transpose(grad) + transpose(grad) * grad);
+      Tensor<2, dim> S      = 0.5 * (stress_before + end);
+      const double   square = scalar_product(strain, strain);
+      // The correction is of the order of the square of the strain, and
+      // round-off of the energy over the strain: smaller strains do without.
+      constexpr double smallest = 6e-6; // the third root of round-off
+      if (square > smallest * smallest)
+        S += ((change_of_energy - scalar_product(S, strain)) / square) * strain;
+      if (with_tangent)
+        {
+          // dP = df S / 2 + middle dS, dS = f^-1 (dP_end - df S_end) / 2.
+          const Tensor<4, dim> dP_end = derivative(trial);
+          const Tensor<2, dim> map    = 0.5 * middle * inverse;
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int J = 0; J < dim; ++J)
+              for (unsigned int k = 0; k < dim; ++k)
+                for (unsigned int L = 0; L < dim; ++L)
+                  {
+                    double sum =
+                      (i == k ? 0.5 * S[L][J] : 0.) - map[i][k] * end[L][J];
+                    for (unsigned int m = 0; m < dim; ++m)
+                      sum += map[i][m] * dP_end[m][J][k][L];
+                    trial.A[i][J][k][L] = sum;
+                  }
+          trial.map = one;
+        }
+      trial.P = middle * S;
+    }
+
+
+
+    /**
+     * Change P, and its derivative by f, which belong to gradients with respect
+     * to x_n, to what belongs to those with respect to X.
+     */
+    template <int dim>
+    void
+    pull_back(TrialPoint<dim>      &trial,
+              const Tensor<2, dim> &inverse,
+              const bool            with_tangent)
+    {
+      trial.P = trial.P * transpose(inverse);
+      if (with_tangent)
+        trial.map = inverse * trial.map;
+    }
+
+
+
+    /**
+     * Name what is wrong with a point.
+     */
+    template <int dim>
+    void
+    report_bad_point(const ConstPointRef<dim> p,
+                     const double             J,
+                     PointReport             &report)
+    {
+      if (report.bad_point >= 0)
+        return;
+      report.bad_point = std::int64_t(p.id());
+      std::ostringstream reason;
+      if (J <= 0.)
+        reason << "its volume becomes negative (J = " << J << ")";
+      else
+        reason << "its stress or tangent becomes infinite or NaN (J = " << J
+               << ")";
+      report.bad_reason = reason.str();
+    }
+
+
+
+    template <int dim>
+    bool
+    is_finite(const TrialPoint<dim> &trial, const bool with_tangent)
+    {
+      // Sums side by side do not wait for one another.
+      constexpr unsigned int n       = dim * dim;
+      const double          *A       = &trial.A[0][0][0][0];
+      double                 sums[n] = {};
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          sums[i * dim + j] = trial.P[i][j];
+      for (unsigned int i = 0; i < n && with_tangent; ++i, A += n)
+        for (unsigned int j = 0; j < n; ++j)
+          sums[j] += A[j];
+      double sum = 0.;
+      for (unsigned int j = 0; j < n; ++j)
+        sum += sums[j];
+      return std::isfinite(sum);
+    }
+
+
+
+    template <int dim, int n>
+    void
+    evaluate_points(const MaterialPoints<dim>             &points,
+                    const Material                        &material,
+                    const SpacePolynomials<dim>           &tables,
+                    const double                          *u,
+                    const double                           dt,
+                    const double                           strength_reduction,
+                    const StepStress                       stress,
+                    const bool                             with_tangents,
+                    const double                          *J_hat,
+                    PointReport                           &report,
+                    const typename TrialStep<dim>::Action &action)
+    {
+      const PointLayout<dim>      &layout      = points.layout();
+      constexpr int                n_functions = power(n, dim);
+      std::vector<TrialPoint<dim>> trials;
+      std::vector<Tensor<2, dim>>  increments;
+      std::vector<MaterialPoint>   states, ends;
+      std::vector<MaterialTangent> tangents;
+      for (const unsigned int cell : points.cells())
+        {
+          const CellGeometry<dim, n> geometry(tables, cell);
+          double                     coefficients[dim][n_functions];
+          for (int a = 0; a < n_functions; ++a)
+            for (int i = 0; i < dim; ++i)
+              coefficients[i][a] =
+                u[std::size_t(geometry.functions[a]) * dim + i];
+
+          unsigned int n_points = 0;
+          points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+            if (trials.size() == n_points)
+              trials.emplace_back();
+            if (states.size() == n_points)
+              {
+                states.emplace_back();
+                increments.emplace_back();
+              }
+            TrialPoint<dim> &trial = trials[n_points];
+            MaterialPoint   &state = states[n_points];
+            trial.x                = p.basis_position(layout);
+            trial.volume           = p.volume();
+            const Gradients<dim, n> gradients(geometry, trial.x);
+            const Tensor<2, dim>    f = increment_of_point<dim, n>(
+              p, layout, gradients, coefficients, 1.);
+            const double theta = determinant(f);
+            state              = MaterialPoint();
+            load_material_point<dim>(p, layout, state);
+            state.dt                 = dt;
+            state.strength_reduction = strength_reduction;
+            for (int i = 0; i < dim; ++i)
+              for (int j = 0; j < dim; ++j)
+                state.increment[i][j] = f[i][j];
+            const double J_before = state.J;
+            state.J               = p.J() * theta;
+            if (layout.projected_J != 0)
+              {
+                if (J_hat)
+                  state.J = *J_hat++;
+                scale_volume<dim>(state.increment, state.J / J_before / theta);
+              }
+            state.F              = state.increment * state.F;
+            increments[n_points] = f;
+            ++n_points;
+          });
+          trials.resize(n_points);
+          states.resize(n_points);
+
+          // Tangents want the begin as well.
+          if (with_tangents)
+            ends = states;
+          std::vector<MaterialPoint> &updated = with_tangents ? ends : states;
+          material.update(make_array_view(updated));
+          if (with_tangents)
+            {
+              tangents.resize(n_points);
+              material.tangents(ArrayView<const MaterialPoint>(states.data(),
+                                                               states.size()),
+                                make_array_view(tangents),
+                                dim);
+            }
+          unsigned int k = 0;
+          points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+            TrialPoint<dim> &trial = trials[k];
+            set_end_stress<dim>(trial,
+                                increments[k],
+                                updated[k],
+                                with_tangents ? &tangents[k] : nullptr);
+            if (stress == StepStress::energy_consistent)
+              {
+                MaterialPoint before;
+                load_material_point<dim>(p, layout, before);
+                const double change = (material.strain_energy(updated[k]) +
+                                       material.dissipation(updated[k]) -
+                                       material.strain_energy(before) -
+                                       material.dissipation(before)) /
+                                      p.J();
+                make_energy_consistent<dim>(trial,
+                                            increments[k],
+                                            in_plane<dim>(before.stress),
+                                            change,
+                                            with_tangents);
+              }
+            if (layout.is_total_lagrangian())
+              pull_back<dim>(trial, inverse_F<dim>(p, layout), with_tangents);
+            const double J = p.J() * determinant(increments[k]);
+            if (!(J > 0.) || !is_finite(trial, with_tangents))
+              report_bad_point<dim>(p, J, report);
+            ++k;
+          });
+          action(cell, trials);
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  TrialStep<dim>::reinit(const SplineSpace<dim> &space)
+  {
+    tables.space = &space;
+    for (unsigned int d = 0; d < dim; ++d)
+      tables.directions[d].reinit(space.knots(d));
+  }
+
+
+
+  template <int dim>
+  PointReport
+  TrialStep<dim>::evaluate(const MaterialPoints<dim> &points,
+                           const Material            &material,
+                           const VectorField<dim>    &u,
+                           const double               dt,
+                           const double               strength_reduction,
+                           const StepStress           stress,
+                           const bool                 with_tangents,
+                           const double              *J_hat,
+                           const Action              &action)
+  {
+    const SplineSpace<dim> &space = *tables.space;
+    buffer.resize(
+      (space.owned_functions().size() + space.ghost_functions().size()) * dim);
+    for (unsigned int d = 0; d < dim; ++d)
+      put_into_buffer(u[d], dim, d, buffer);
+    PointReport report;
+    with_order(space.degree(), [&](const auto size) {
+      evaluate_points<dim, decltype(size)::value>(points,
+                                                  material,
+                                                  tables,
+                                                  buffer.data(),
+                                                  dt,
+                                                  strength_reduction,
+                                                  stress,
+                                                  with_tangents,
+                                                  J_hat,
+                                                  report,
+                                                  action);
+    });
+    return report;
+  }
+
+
+
+  template class TrialStep<2>;
+  template class TrialStep<3>;
+} // namespace greville

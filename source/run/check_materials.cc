@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/boundary/loads.h>
+#include <greville/run/check_materials.h>
+
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // What input_notes() finds unlikely. Friction is the sine of its angle.
+    constexpr double least_density = 500., most_weight = 0.2,
+                     least_strength = 1e-3, least_friction = 0.0017,
+                     most_friction = 0.016;
+
+    // Of the mass of a body: what of others may lie above it without a note.
+    constexpr double least_load = 1e-3;
+
+
+
+    bool
+    has_shear_stress(const Material &material,
+                     const double    shear,
+                     const double    pressure)
+    {
+      MaterialPoint         point;
+      SymmetricTensor<2, 3> stress = -pressure * unit_symmetric_tensor<3>();
+      stress[0][1]                 = shear;
+      try
+        {
+          material.initialize(point, stress);
+          return true;
+        }
+      catch (const ExceptionBase &)
+        {
+          return false;
+        }
+    }
+
+
+
+    /**
+     * Collective. The extent of the points of a body along @p gravity, m.
+     */
+    template <int dim>
+    double
+    height_of(const Body<dim>      &body,
+              const Tensor<1, dim> &gravity,
+              const MPI_Comm        comm)
+    {
+      const Tensor<1, dim> up = -gravity / gravity.norm();
+      std::vector<double>  ends(2, std::numeric_limits<double>::lowest());
+      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        const double z = Tensor<1, dim>(p.position()) * up;
+        ends[0]        = std::max(ends[0], z);
+        ends[1]        = std::max(ends[1], -z);
+      });
+      Utilities::MPI::max(ends, comm, ends);
+      return ends[0] + ends[1];
+    }
+
+
+
+    /**
+     * How much the shear strength of a material grows with pressure: the sine
+     * of the friction angle of Mohr and Coulomb. Zero where it is not known.
+     */
+    double
+    friction_of(const Material &material)
+    {
+      // Laws of the Kirchhoff stress have the Cauchy stress of a body that is
+      // smaller by the pressure: not an effect of friction.
+      constexpr double compression = 0.01;
+      const double     pressure    = compression * material.moduli().bulk;
+      const double     increase    = shear_strength(material, pressure) -
+                              (1. + compression) * shear_strength(material);
+      return std::isfinite(increase) ? increase / pressure : 0.;
+    }
+
+
+
+    /**
+     * Collective. The mass of a body with K0, and that of another one that lies
+     * on its surface, not further away than a cell, as far as the first one
+     * reaches across gravity, kg.
+     */
+    template <int dim>
+    std::pair<double, double>
+    mass_above(const Body<dim>      &body,
+               const Body<dim>      &other,
+               const Tensor<1, dim> &gravity,
+               const MPI_Comm        comm)
+    {
+      unsigned int axis = 0;
+      for (unsigned int d = 1; d < dim; ++d)
+        if (std::abs(gravity[d]) > std::abs(gravity[axis]))
+          axis = d;
+      const double              up = gravity[axis] < 0. ? 1. : -1.;
+      const VectorExpression<1> surface(body.parameters->surface,
+                                        "Body " + body.name + "/Surface",
+                                        coordinate_names<dim>());
+      double                    own = 0., above = 0.;
+      double                    gap = std::numeric_limits<double>::max();
+      std::vector<double> ends(2 * dim, std::numeric_limits<double>::lowest());
+      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        own += p.mass();
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            ends[d]       = std::max(ends[d], p.position(d));
+            ends[dim + d] = std::max(ends[dim + d], -p.position(d));
+          }
+      });
+      Utilities::MPI::max(ends, comm, ends);
+      other.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        const Point<dim> x     = p.position();
+        bool             is_in = true;
+        for (unsigned int d = 0; d < dim; ++d)
+          is_in =
+            is_in && (d == axis || (x[d] <= ends[d] && -x[d] <= ends[dim + d]));
+        try
+          {
+            const double height = is_in ? up * (x[axis] - surface(x)[0]) : 0.;
+            if (height > 0.)
+              {
+                above += p.mass();
+                gap = std::min(gap, height);
+              }
+          }
+        catch (const std::exception &)
+          {
+            // The formula has no value here, where the body has no point.
+          }
+      });
+      const bool is_on = Utilities::MPI::min(gap, comm) <=
+                         body.points.space().lattice().cell_size(axis);
+      return {Utilities::MPI::sum(own, comm),
+              is_on ? Utilities::MPI::sum(above, comm) : 0.};
+    }
+
+
+
+    std::string
+    rounded(const double value)
+    {
+      std::ostringstream text;
+      text << std::setprecision(4) << value;
+      return text.str();
+    }
+  } // namespace
+
+
+
+  double
+  shear_strength(const Material &material, const double pressure)
+  {
+    const double most = 0.5 * material.moduli().shear;
+    if (!(most > 0.))
+      return 0.;
+    if (has_shear_stress(material, most, pressure))
+      return std::numeric_limits<double>::infinity();
+    double lower = 1e-12 * most, upper = most;
+    if (!has_shear_stress(material, lower, pressure))
+      return 0.;
+    while (upper > 1.001 * lower)
+      {
+        const double middle = std::sqrt(lower * upper);
+        (has_shear_stress(material, middle, pressure) ? lower : upper) = middle;
+      }
+    return lower;
+  }
+
+
+
+  template <int dim>
+  void
+  print_materials(std::ostream &out, const BodyList<dim> &bodies)
+  {
+    std::set<std::string> names;
+    out << "  material         density, kg/m^3  p waves, m/s  s waves, m/s  "
+           "shear strength, Pa\n";
+    for (const Body<dim> &body : bodies)
+      {
+        if (!names.insert(body.parameters->material).second)
+          continue;
+        const Material &material = *body.material;
+        const Moduli    moduli   = material.moduli();
+        const double    strength = shear_strength(material);
+        const auto      speed    = [&](const double modulus) {
+          return rounded(std::sqrt(modulus / material.density));
+        };
+        out << "  " << std::left << std::setw(16) << body.parameters->material
+            << std::right << std::setw(16) << rounded(material.density)
+            << std::setw(14) << speed(moduli.bulk + 4. / 3. * moduli.shear)
+            << std::setw(14) << speed(moduli.shear) << std::setw(20)
+            << (moduli.shear == 0.     ? "fluid"
+                : std::isinf(strength) ? "no limit"
+                                       : rounded(strength))
+            << '\n';
+      }
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  input_notes(const BodyList<dim>        &bodies,
+              const SimulationParameters &parameters,
+              const MPI_Comm              comm)
+  {
+    SimulationParameters last = parameters;
+    last.enter_stage(parameters.n_stages() - 1);
+    const Tensor<1, dim> first_gravity =
+      Loads<dim>(parameters).gravity(parameters.time.start);
+    // A formula without a value at the end stops the run where it fails, with
+    // the last good state, and not here.
+    Tensor<1, dim> gravity = first_gravity;
+    try
+      {
+        gravity = Loads<dim>(last).gravity(parameters.end_of_run());
+      }
+    catch (const ExceptionBase &)
+      {}
+    const double             g       = gravity.norm();
+    const bool               is_real = g > 9. && g < 11.;
+    std::vector<std::string> notes;
+    double                   least = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      least = std::min(least, gravity[d]);
+    if (is_real && least == 0.)
+      notes.push_back("'Loads/Gravity' is (" + text_of(gravity) +
+                      ") m / s^2, without a negative component: bodies fall "
+                      "towards larger coordinates.");
+
+    std::set<std::string> names;
+    for (const Body<dim> &body : bodies)
+      {
+        if (body.rigid_motion)
+          continue;
+        const Material    &material = *body.material;
+        const Moduli       moduli   = material.moduli();
+        const std::string &name     = body.parameters->material;
+        const auto         note     = [&](const std::string &what) {
+          notes.push_back("'Material " + name + "' " + what);
+        };
+        if (names.insert(name).second)
+          {
+            if (is_real && material.density < least_density)
+              note("has a density of " + rounded(material.density) +
+                   " kg / m^3, and water has 1000. Is it a weight in kN / m^3? "
+                   "Divide it by 0.00981.");
+            const double friction = friction_of(material);
+            if (friction > least_friction && friction < most_friction)
+              note("has a shear strength that grows by " + rounded(friction) +
+                   " of the pressure, as by a friction angle of " +
+                   rounded(std::asin(friction) * 180. / numbers::PI) +
+                   " degrees. Is the angle in radians? It is given in "
+                   "degrees.");
+          }
+        if (body.parameters->K0 >= 0.)
+          for (const Body<dim> &other : bodies)
+            if (&other != &body && !other.rigid_motion)
+              {
+                const auto above = mass_above(body, other, first_gravity, comm);
+                if (above.second > least_load * above.first)
+                  notes.push_back(
+                    "'Body " + other.name + "' lies on the 'Surface' of '" +
+                    "Body " + body.name +
+                    "', whose initial stress by 'K0' "
+                    "counts its own weight only: " +
+                    rounded(above.second * first_gravity.norm()) +
+                    (dim == 2 ? " N / m" : " N") +
+                    " are not in balance. A quasi-static stage finds the "
+                    "equilibrium, or 'Stress' gives the stress of both.");
+              }
+        if (g == 0.)
+          continue;
+        // All processes have to take part.
+        const double weight =
+          material.density * g * height_of(body, gravity, comm);
+        const double stiffness = moduli.bulk + 4. / 3. * moduli.shear;
+        const double strength  = shear_strength(material);
+        if (weight > most_weight * stiffness)
+          note("is soft: its weight over the height of 'Body " + body.name +
+               "', rho g H = " + rounded(weight) +
+               " Pa, is more than a fifth of K + 4 G / 3 = " +
+               rounded(stiffness) + " Pa. Is the stiffness in Pa?");
+        if (strength > 0. && strength < least_strength * weight)
+          note("is weak: its shear strength without pressure is less than a "
+               "thousandth of its weight over the height of 'Body " +
+               body.name + "', rho g H = " + rounded(weight) +
+               " Pa. Is the strength in Pa?");
+      }
+    return notes;
+  }
+
+
+
+  std::vector<std::string>
+  repeated_parameters(const std::string &file)
+  {
+    std::vector<std::string>                     notes;
+    std::map<std::string, const ParameterLine *> given;
+    const auto lines   = read_parameter_lines(file, "Simulation", {}, "");
+    const auto file_of = [](const ParameterLine &line) {
+      return line.place.substr(line.place.find(" of "));
+    };
+    for (const ParameterLine &line : lines)
+      {
+        if (line.name.empty())
+          continue;
+        const ParameterLine *&other =
+          given[line.section + "/" + main_name(line.name)];
+        // A file may change what it includes.
+        if (other != nullptr && other->value != line.value &&
+            file_of(*other) == file_of(line))
+          notes.push_back(line.place + ": the parameter '" + line.section +
+                          "/" + line.name + "' is <" + line.value +
+                          ">, and has been <" + other->value + "> (" +
+                          other->place + "): the last one counts.");
+        other = &line;
+      }
+    return notes;
+  }
+
+
+
+  template decltype(print_materials<2>) print_materials<2>;
+  template decltype(print_materials<3>) print_materials<3>;
+  template decltype(input_notes<2>)     input_notes<2>;
+  template decltype(input_notes<3>)     input_notes<3>;
+} // namespace greville

@@ -1,0 +1,482 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// What a run would take, found by its first steps in memory.
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/base/memory.h>
+#include <greville/base/parameters.h>
+#include <greville/run/check_materials.h>
+#include <greville/run/run_header.h>
+#include <greville/run/sweep.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Trial steps: so many at the most, and no further one after this time, s.
+    constexpr unsigned int most_steps = 20;
+    constexpr double       longest    = 2.;
+
+
+
+    using Clock = std::chrono::steady_clock;
+
+    /**
+     * Collective. The largest of all processes.
+     */
+    double
+    seconds_since(const Clock::time_point &begin, const MPI_Comm comm)
+    {
+      return Utilities::MPI::max(
+        std::chrono::duration<double>(Clock::now() - begin).count(), comm);
+    }
+
+
+
+    std::string
+    rounded(const double value, const unsigned int digits = 3)
+    {
+      std::ostringstream text;
+      text << std::setprecision(digits) << value;
+      return text.str();
+    }
+
+
+
+    std::string
+    duration(const double seconds)
+    {
+      return seconds < 120.     ? rounded(seconds, 2) + " s"
+             : seconds < 7200.  ? rounded(seconds / 60., 2) + " min"
+             : seconds < 172800 ? rounded(seconds / 3600., 2) + " h"
+                                : rounded(seconds / 86400., 3) + " days";
+    }
+
+
+
+    std::string
+    megabytes(const double bytes)
+    {
+      return bytes < 1e9 ? rounded(std::ceil(bytes * 1e-5) * 0.1, 3) + " MB"
+                         : rounded(bytes * 1e-9, 3) + " GB";
+    }
+
+
+
+    /**
+     * One run of a file.
+     */
+    template <int dim>
+    class Trial
+    {
+    public:
+      Trial(const SimulationParameters &parameters,
+            const std::string          &directory,
+            std::ostream               &out,
+            const MPI_Comm              comm,
+            const RunOptions           &options)
+        : parameters(parameters)
+        , out(out)
+        , comm(comm)
+        , memory_before(allocated_memory())
+        , begin(Clock::now())
+        , ensemble(parameters, comm)
+      {
+        // Files and formulas that are wanted later.
+        const double end = parameters.end_of_run();
+        ExactSolution<dim>(parameters.exact)
+          .errors(ensemble.bodies(), end, end, comm);
+        const MeasuredData<dim> measured(parameters.reference);
+        if (options.resumes)
+          {
+            const Checkpoint checkpoint = read_checkpoint(directory, comm);
+            try
+              {
+                check_changes(checkpoint.content, parameters);
+                ensemble.set_from_tables(checkpoint.content);
+              }
+            catch (const std::exception &error)
+              {
+                AssertThrow(false,
+                            ExcMessage("The run cannot go on from <" +
+                                       checkpoint.file +
+                                       ">: " + message_of(error)));
+              }
+            out << "It would go on from <" << checkpoint.file << ">, step "
+                << common().n_steps << ", t = " << common().time << " s.\n\n";
+          }
+        else if (!options.from.empty())
+          {
+            const Checkpoint other = read_checkpoint(options.from, comm);
+            ensemble.begin_with(other.content);
+            out << "It would begin with <" << other.file << ">.\n\n";
+          }
+        const Probes<dim> probes(parameters.output.probes,
+                                 ensemble.bodies(),
+                                 comm);
+        set_up = seconds_since(begin, comm);
+        print_header(out, ensemble, parameters, comm);
+        print_materials(out, ensemble.bodies());
+        print_bodies();
+        print_surface_loads();
+        for (const std::string &note :
+             input_notes(ensemble.bodies(), parameters, comm))
+          out << "  Note: " << note << '\n';
+        print_warnings(ensemble);
+      }
+
+      void
+      draw(const std::string &folder)
+      {
+        run_on_first(
+          [&]() {
+            AssertThrow(!std::filesystem::exists(folder) ||
+                          (std::filesystem::is_directory(folder) &&
+                           std::filesystem::is_empty(folder)),
+                        ExcMessage(
+                          "The folder <" + folder +
+                          "> of --draw is not empty: name a new one."));
+            create_folder(folder, "--draw");
+            write_atomically(folder + "/parameters.prm", parameters.used());
+          },
+          comm);
+        FieldOutput<dim>(folder, parameters.output)
+          .write_points(common().time, ensemble.bodies(), comm);
+        out << "  initial points: " << folder << "/points.pvd\n";
+      }
+
+      /**
+       * Take steps of all stages, and write what they tell. Returns the time
+       * that all would take, s.
+       */
+      double
+      report()
+      {
+        std::uint64_t cells = 0, functions = 0, points = 0;
+        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+          {
+            const SplineSpace<dim> &space = ensemble.part(k).space();
+            cells += space.triangulation().n_global_active_cells();
+            functions += space.n_dofs();
+          }
+        for (const Body<dim> &body : ensemble.bodies())
+          points += body.n_points;
+        out << "  cells: " << cells << ", B-splines: " << functions
+            << " for each component, points: " << points << '\n';
+
+        const unsigned int stage    = common().stage;
+        const unsigned int n_stages = parameters.n_stages();
+        double             total    = report_stage(ensemble, stage, set_up);
+        for (unsigned int k = stage + 1; k < n_stages; ++k)
+          total += report_later_stage(k);
+        if (n_stages > stage + 1)
+          out << "  estimated time of all stages: " << duration(total) << '\n';
+        print_memory();
+        return total;
+      }
+
+    private:
+      const State<dim> &
+      common() const
+      {
+        return ensemble.first().state();
+      }
+
+      /**
+       * Mass and volume, which show shapes and units that are not meant.
+       */
+      void
+      print_bodies()
+      {
+        out << "  body             "
+            << (dim == 2 ? "  mass, kg/m" : "    mass, kg")
+            << (dim == 2 ? "     area, m^2" : "   volume, m^3") << '\n';
+        for (const Body<dim> &body : ensemble.bodies())
+          {
+            double mass = 0., volume = 0.;
+            body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+              mass += p.mass();
+              volume += p.volume();
+            });
+            out << "  " << std::left << std::setw(16) << body.name << std::right
+                << std::setw(13) << rounded(Utilities::MPI::sum(mass, comm), 6)
+                << std::setw(14)
+                << rounded(Utilities::MPI::sum(volume, comm), 6) << '\n';
+          }
+      }
+
+      /**
+       * Initial areas of loaded surfaces, and the forces on them at the start
+       * and at the end of the run.
+       */
+      void
+      print_surface_loads()
+      {
+        if (parameters.general.surface_loads.empty())
+          return;
+        out << "  surface load     "
+            << (dim == 2 ? "   length, m" : "   area, m^2")
+            << (dim == 2 ? "   force, N/m" : "   force, N") << '\n';
+        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+          {
+            const Simulation<dim>  &part = ensemble.part(k);
+            const SurfaceLoads<dim> loads(part.stage_parameters());
+            const auto             &surfaces = part.state().surfaces;
+            const double            t        = common().time;
+            const double            end      = parameters.end_of_run();
+            const auto              first = loads.resultants(surfaces, t, comm);
+            const auto last = loads.resultants(surfaces, end, comm);
+            for (unsigned int s = 0; s < surfaces.size(); ++s)
+              {
+                double area = 0.;
+                surfaces[s].points.for_each(
+                  [&](const unsigned int, ConstPointRef<dim> p) {
+                    area += p.mass();
+                  });
+                const auto text = [](const Tensor<1, dim> &force) {
+                  std::string result;
+                  for (unsigned int d = 0; d < dim; ++d)
+                    result += (d > 0 ? ", " : "(") + rounded(force[d], 4);
+                  return result + ")";
+                };
+                out << "  " << std::left << std::setw(16) << first[s].first
+                    << std::right << std::setw(13)
+                    << rounded(Utilities::MPI::sum(area, comm), 6) << "   "
+                    << text(first[s].second) << " at t = " << rounded(t)
+                    << " s, " << text(last[s].second)
+                    << " at t = " << rounded(end) << " s\n";
+              }
+          }
+      }
+
+      void
+      print_warnings(Ensemble<dim> &trial)
+      {
+        for (const std::string &warning : trial.take_warnings())
+          out << "Warning: " << warning << std::endl;
+      }
+
+      /**
+       * Try the steps of the stage that @p trial is in, and write what they
+       * tell. Returns the estimated time of the stage, s, of which @p set_up is
+       * a part.
+       */
+      double
+      report_stage(Ensemble<dim>     &trial,
+                   const unsigned int stage,
+                   const double       set_up)
+      {
+        const auto state = [&]() -> const State<dim> & {
+          return trial.first().state();
+        };
+        const TimeParameters &times = trial.first().stage_parameters().time;
+        const double          begin_of_trial = state().time, end = times.end;
+        const unsigned int    first       = state().n_steps;
+        const bool            is_explicit = !trial.first().is_implicit();
+        double                first_step = 0., steps = 0.;
+        unsigned int          n     = 0;
+        const auto            start = Clock::now();
+        while (!trial.is_finished() && n < most_steps &&
+               (n == 0 || seconds_since(start, comm) < longest) &&
+               !(n > 0 && trial.first().is_stage_finished()))
+          {
+            const auto before = Clock::now();
+            trial.step();
+            (n == 0 ? first_step : steps) += seconds_since(before, comm);
+            ++n;
+          }
+        print_warnings(trial);
+        if (n == 0)
+          {
+            out << "  The run is at its end: there is no step to take.\n";
+            return set_up;
+          }
+        if (parameters.n_stages() > 1)
+          out << "  " << Utilities::trim(parameters.stage_text(stage)) << '\n';
+        if (is_explicit)
+          print_critical_step(trial);
+        const double dt      = (state().time - begin_of_trial) / n;
+        double       n_steps = std::ceil((end - begin_of_trial) / dt - 1e-6);
+        const unsigned int limit  = parameters.time.max_steps;
+        const bool         is_cut = limit > 0 && n_steps > limit - first;
+        if (is_cut)
+          n_steps = limit - first;
+        const double each  = n > 1 ? steps / (n - 1) : first_step;
+        const double total = set_up + first_step + each * (n_steps - 1.);
+        out << "  step: " << rounded(dt, 4) << " s, the mean of " << n
+            << " trial step(s) from t = " << rounded(begin_of_trial) << " s\n"
+            << "  number of steps: " << (is_cut ? "" : "about ")
+            << std::uint64_t(n_steps)
+            << (is_cut ? ", as 'Time/Maximum steps' says"
+                       : " to t = " + rounded(end) + " s")
+            << '\n'
+            << "  estimated time: " << duration(total)
+            << (is_explicit ? ""
+                            : ", or more where later steps need more "
+                              "iterations")
+            << ": " << rounded(set_up, 2) << " s to set up, then "
+            << rounded(each, 2) << " s for each step, the mean of "
+            << (n > 1 ? std::to_string(n - 1) + " trial step(s) after the first"
+                      : "the first trial step")
+            << ", without output files\n";
+        return total;
+      }
+
+      /**
+       * The same of a later stage, as if it began with the initial bodies.
+       */
+      double
+      report_later_stage(const unsigned int stage)
+      {
+        SimulationParameters later = parameters;
+        later.stages.erase(later.stages.begin(), later.stages.begin() + stage);
+        later.stages[0].time.start = parameters.stages[stage - 1].time.end;
+        later.time.start           = later.stages[0].time.start;
+        try
+          {
+            const auto    start = Clock::now();
+            Ensemble<dim> trial(later, comm);
+            return report_stage(trial, stage, seconds_since(start, comm));
+          }
+        catch (const std::exception &error)
+          {
+            // It may need what the stages before it leave.
+            out << "  " << Utilities::trim(parameters.stage_text(stage))
+                << "\n  its steps cannot be tried from the initial state: "
+                << message_of(error) << '\n';
+            return 0.;
+          }
+      }
+
+      void
+      print_critical_step(const Ensemble<dim> &trial)
+      {
+        double critical = 0.;
+        for (unsigned int k = 0; k < trial.n_parts(); ++k)
+          {
+            const double own = trial.part(k).state().estimates.critical;
+            critical         = k == 0 ? own : std::min(critical, own);
+          }
+        if (critical > 0. && std::isfinite(critical))
+          out << "  critical step: " << rounded(critical, 4) << " s\n";
+        else
+          out << "  critical step: not estimated, as 'Time/Too large step' is "
+                 "ignore or nothing is stiff or viscous\n";
+      }
+
+      void
+      print_memory()
+      {
+        const double points =
+          Utilities::MPI::sum(double(ensemble.points_memory()), comm);
+        Utilities::System::MemoryStats process;
+        Utilities::System::get_memory_stats(process);
+        const double resident =
+          Utilities::MPI::sum(1024. * process.VmHWM, comm);
+        out << "  memory: at most " << megabytes(resident)
+            << " of all processes with their libraries";
+        const auto now = allocated_memory();
+        if (memory_before && now)
+          {
+            const double own = std::max(
+              points,
+              Utilities::MPI::sum(double(*now) - double(*memory_before), comm));
+            const double rest = own - points;
+            out << "; of it the simulation holds " << megabytes(own) << ":\n"
+                << "    points, with a copy to go back to: "
+                << megabytes(points)
+                << ", grid, mass and solvers: " << megabytes(rest) << "; "
+                << (points > rest ? "points dominate: fewer 'Points per "
+                                    "direction' or cells"
+                                  : "the grid dominates: fewer cells, a lower "
+                                    "order or a simpler mass")
+                << " would take less";
+          }
+        out << "\n" << std::endl;
+      }
+
+      const SimulationParameters         parameters;
+      std::ostream                      &out;
+      MPI_Comm                           comm;
+      const std::optional<unsigned long> memory_before;
+      const Clock::time_point            begin;
+      Ensemble<dim>                      ensemble;
+      double                             set_up = 0.; // s
+    };
+
+
+
+    template <int dim>
+    void
+    check_all(const SimulationParameters &parameters,
+              const std::string          &directory,
+              std::ostream               &out,
+              const MPI_Comm              comm,
+              const RunOptions           &options,
+              const std::string          &drawing)
+    {
+      if (parameters.sweep.is_empty())
+        {
+          Trial<dim> trial(parameters, directory, out, comm, options);
+          if (!drawing.empty())
+            trial.draw(drawing);
+          trial.report();
+          return;
+        }
+      const auto rows  = make_sweep_rows(parameters);
+      double     total = 0.;
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        {
+          const std::string name = rows[k].folder(parameters.sweep);
+          out << "Run " << k + 1 << " of " << rows.size()
+              << " of the sweep: " << name << "\n\n";
+          RunOptions own_options = options;
+          own_options.resumes =
+            options.resumes && has_checkpoints(directory + "/" + name, comm);
+          Trial<dim> trial(
+            rows[k].parameters, directory + "/" + name, out, comm, own_options);
+          if (!drawing.empty())
+            trial.draw(drawing + "/" + name);
+          total += trial.report();
+        }
+      out << "  estimated time of the sweep: " << duration(total) << '\n';
+    }
+  } // namespace
+
+
+
+  void
+  check_simulations(const std::string &file,
+                    const MPI_Comm     comm,
+                    const RunOptions  &options,
+                    const std::string &drawing)
+  {
+    const SimulationParameters parameters(file, options.settings);
+    const bool        is_first = Utilities::MPI::this_mpi_process(comm) == 0;
+    std::ostream      nowhere(nullptr);
+    std::ostream     &out       = is_first ? std::cout : nowhere;
+    const std::string directory = folder_of_run(parameters, file, options);
+    check_other_folder(options, directory, comm);
+    out << "Check of " << file
+        << ": the steps below are tried in memory, no results are written.\n\n";
+    for (const std::string &note : repeated_parameters(file))
+      out << "  Note: " << note << '\n';
+    if (parameters.general.dimension == 2)
+      check_all<2>(parameters, directory, out, comm, options, drawing);
+    else
+      check_all<3>(parameters, directory, out, comm, options, drawing);
+    out << "  results of a run: " << directory << std::endl;
+  }
+} // namespace greville

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/run/checkpoint.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // The number changes with the meaning of texts and tables.
+    constexpr const char *format = "Greville checkpoint 2";
+
+    constexpr const char *prefix = "checkpoint_";
+
+    constexpr unsigned int n_generations = 2;
+
+
+
+    /**
+     * Checkpoints of a folder, the newest first.
+     */
+    std::vector<std::string>
+    checkpoints_in(const std::string &folder)
+    {
+      std::vector<std::string> files;
+      std::error_code          error;
+      for (const auto &entry :
+           std::filesystem::directory_iterator(folder, error))
+        if (entry.path().extension() == ".h5" &&
+            entry.path().filename().string().rfind(prefix, 0) == 0)
+          files.push_back(entry.path().string());
+      std::sort(files.rbegin(), files.rend());
+      return files;
+    }
+
+
+
+    /**
+     * The values of all parameters by "Section/Parameter" from a text of
+     * ParameterHandler.
+     */
+    std::map<std::string, std::string>
+    values_of(const std::string &text)
+    {
+      std::map<std::string, std::string> values;
+      std::vector<std::string>           sections;
+      std::istringstream                 lines(text);
+      for (std::string line; std::getline(lines, line);)
+        {
+          line           = Utilities::trim(line.substr(0, line.find(" # ")));
+          const auto  is = line.find('=');
+          std::string where;
+          for (const std::string &section : sections)
+            where += section + "/";
+          if (line.rfind("subsection ", 0) == 0)
+            sections.push_back(Utilities::trim(line.substr(11)));
+          else if (line == "end" && !sections.empty())
+            sections.pop_back();
+          else if (line.rfind("set ", 0) == 0 && is != std::string::npos)
+            // A checkpoint may be older than a name of the reference.
+            values[where + main_name(Utilities::trim(line.substr(4, is - 4)))] =
+              Utilities::trim(line.substr(is + 1));
+        }
+      return values;
+    }
+
+
+
+    bool
+    may_change(const std::string &parameter)
+    {
+      const auto is = [&](const std::string &end) {
+        return parameter.size() >= end.size() &&
+               parameter.compare(parameter.size() - end.size(),
+                                 end.size(),
+                                 end) == 0;
+      };
+      for (const std::string section :
+           {"Output/", "Checkpoints/", "Load balance/"})
+        if (parameter.rfind(section, 0) == 0)
+          return parameter != "Output/Probes";
+      return is("Time/End") || is("Time/Maximum steps") ||
+             is("Time/Largest displacement");
+    }
+  } // namespace
+
+
+
+  std::string
+  describe_changes(const std::string &before, const std::string &now)
+  {
+    const auto  old_values = values_of(before), new_values = values_of(now);
+    std::string changes;
+    const auto  add = [&](const std::string &parameter,
+                         const std::string &old_value,
+                         const std::string &new_value) {
+      if (!may_change(parameter) && old_value != new_value)
+        changes += "\n  '" + parameter + "': " + old_value + " there, " +
+                   new_value + " here";
+    };
+    for (const auto &[parameter, value] : old_values)
+      {
+        const auto found = new_values.find(parameter);
+        add(parameter,
+            value,
+            found == new_values.end() ? "(none)" : found->second);
+      }
+    for (const auto &[parameter, value] : new_values)
+      if (old_values.count(parameter) == 0)
+        add(parameter, "(none)", value);
+    return changes;
+  }
+
+
+
+  std::string
+  write_checkpoint(const std::string &folder,
+                   const unsigned int n_steps,
+                   TablesFile         content,
+                   const MPI_Comm     comm)
+  {
+    content.texts["format"]  = format;
+    content.texts["version"] = GREVILLE_VERSION;
+    const std::string file =
+      folder + "/" + prefix + Utilities::int_to_string(n_steps, 10) + ".h5";
+    write_tables(file, content, comm);
+    run_on_first(
+      [&]() {
+        const auto files = checkpoints_in(folder);
+        for (unsigned int k = 0, n_older = 0; k < files.size(); ++k)
+          // Newer ones are of a run that has been left.
+          if (files[k] > file ||
+              (files[k] < file && ++n_older >= n_generations))
+            std::filesystem::remove(files[k]);
+      },
+      comm);
+    return file;
+  }
+
+
+
+  bool
+  has_checkpoints(const std::string &folder, const MPI_Comm comm)
+  {
+    return Utilities::MPI::broadcast(comm, !checkpoints_in(folder).empty());
+  }
+
+
+
+  Checkpoint
+  read_checkpoint(const std::string &folder, const MPI_Comm comm)
+  {
+    // What the first process sees.
+    std::string list;
+    if (Utilities::MPI::this_mpi_process(comm) == 0)
+      for (const std::string &file : checkpoints_in(folder))
+        list += file + "\n";
+    std::istringstream files(Utilities::MPI::broadcast(comm, list));
+    Checkpoint         checkpoint;
+    while (std::getline(files, checkpoint.file))
+      try
+        {
+          checkpoint.content       = read_tables(checkpoint.file, comm);
+          const std::string &other = checkpoint.content.text("format");
+          AssertThrow(other == format,
+                      ExcMessage("Cannot read <" + checkpoint.file +
+                                 ">: it has the format <" + other +
+                                 ">, and this version of the program reads <" +
+                                 format + ">."));
+          return checkpoint;
+        }
+      catch (const std::exception &error)
+        {
+          checkpoint.refused.emplace_back(checkpoint.file, message_of(error));
+        }
+    std::string reasons;
+    for (const auto &[file, reason] : checkpoint.refused)
+      reasons += " " + reason;
+    AssertThrow(false,
+                ExcMessage("There is no checkpoint in the folder <" + folder +
+                           "> that a run can go on from." + reasons));
+    return checkpoint;
+  }
+} // namespace greville

@@ -1,0 +1,599 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/data_out_base.h>
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/points/point_fields.h>
+#include <greville/run/output.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <regex>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * Patches with their data, as DataOutBase writes them.
+     */
+    template <int patch_dim, int dim>
+    class PatchesOut : public DataOutInterface<patch_dim, dim>
+    {
+    protected:
+      using Interpretation =
+        DataComponentInterpretation::DataComponentInterpretation;
+      using Ranges = std::vector<
+        std::tuple<unsigned int, unsigned int, std::string, Interpretation>>;
+
+      void
+      add_vector(const std::string &name)
+      {
+        ranges.emplace_back(names.size(),
+                            names.size() + dim - 1,
+                            name,
+                            Interpretation::component_is_part_of_vector);
+        names.insert(names.end(), dim, name);
+      }
+
+      const std::vector<DataOutBase::Patch<patch_dim, dim>> &
+      get_patches() const override
+      {
+        return patches;
+      }
+
+      std::vector<std::string>
+      get_dataset_names() const override
+      {
+        return names;
+      }
+
+      Ranges
+      get_nonscalar_data_ranges() const override
+      {
+        return ranges;
+      }
+
+      std::vector<DataOutBase::Patch<patch_dim, dim>> patches;
+      std::vector<std::string>                        names;
+      Ranges                                          ranges;
+    };
+
+
+
+    /**
+     * Points: patches without extension.
+     */
+    template <int dim>
+    class PointsOut : public PatchesOut<0, dim>
+    {
+    public:
+      PointsOut(const BodyList<dim>                 &bodies,
+                const std::vector<OutputField<dim>> &fields)
+      {
+        for (const OutputField<dim> &field : fields)
+          if (field.is_vector)
+            this->add_vector(field.name);
+          else
+            this->names.insert(this->names.end(),
+                               field.components.begin(),
+                               field.components.end());
+
+        std::vector<double> values(this->names.size());
+        for (unsigned int b = 0; b < bodies.size(); ++b)
+          bodies[b].points.for_each(
+            [&](const unsigned int, ConstPointRef<dim> p) {
+              DataOutBase::Patch<0, dim> patch;
+              patch.vertices[0] = p.position();
+              double *value     = values.data();
+              for (const OutputField<dim> &field : fields)
+                {
+                  field.evaluate(p, bodies[b], b, value);
+                  value += field.components.size();
+                }
+              patch.data.reinit(values.size(), 1);
+              for (unsigned int k = 0; k < values.size(); ++k)
+                patch.data(k, 0) = values[k];
+              patch.patch_index = this->patches.size();
+              this->patches.push_back(patch);
+            });
+      }
+    };
+
+
+
+    /**
+     * Points on surfaces, likewise.
+     */
+    template <int dim>
+    class SurfacesOut : public PatchesOut<0, dim>
+    {
+    public:
+      SurfacesOut(const std::vector<Surface<dim>>   &surfaces,
+                  const std::vector<SurfaceNumbers> &numbers)
+      {
+        for (const std::string name :
+             {"velocity", "displacement", "load", "area_vector"})
+          this->add_vector(name);
+        for (const std::string name : {"area", "surface_load", "body"})
+          this->names.push_back(name);
+        for (unsigned int k = 0; k < surfaces.size(); ++k)
+          {
+            const PointLayout<dim> &layout = surfaces[k].points.layout();
+            surfaces[k].points.for_each(
+              [&](const unsigned int, ConstPointRef<dim> p) {
+                const SurfaceState<dim> state = surface_state<dim>(p, layout);
+                const Tensor<1, dim>    area  = p.mass() * state.area_vector();
+                const std::array<Tensor<1, dim>, 4> vectors = {
+                  {state.velocity,
+                   state.x - state.X,
+                   p.vector(layout.first("load")),
+                   area}};
+                DataOutBase::Patch<0, dim> patch;
+                patch.vertices[0] = state.x;
+                patch.data.reinit(this->names.size(), 1);
+                for (unsigned int v = 0; v < vectors.size(); ++v)
+                  for (unsigned int d = 0; d < dim; ++d)
+                    patch.data(v * dim + d, 0) = vectors[v][d];
+                patch.data(4 * dim, 0)     = area.norm();
+                patch.data(4 * dim + 1, 0) = numbers[k].load;
+                patch.data(4 * dim + 2, 0) = numbers[k].body;
+                patch.patch_index          = this->patches.size();
+                this->patches.push_back(patch);
+              });
+          }
+      }
+    };
+
+
+
+    /**
+     * Fields of the grid: a patch of order p for each cell that a function with
+     * mass reaches, and nothing for all others.
+     */
+    template <int dim>
+    class GridOut : public PatchesOut<dim, dim>
+    {
+    public:
+      GridOut(const SplineSpace<dim> &space, const GridFields<dim> &given)
+      {
+        std::vector<VectorType> fields;
+        const auto add = [&](const char *name, const VectorField<dim> *field) {
+          if (!field)
+            return;
+          this->add_vector(name);
+          fields.insert(fields.end(), field->begin(), field->end());
+        };
+        add("velocity", given.velocity);
+        this->names.push_back("mass");
+        fields.push_back(*given.mass);
+        add("acceleration", given.acceleration);
+        add("force", given.force);
+        const bool has_classes = !given.cell_classes.empty();
+        if (has_classes)
+          this->names.push_back("cell_class");
+        for (const VectorType &field : fields)
+          field.update_ghost_values();
+
+        const auto        &lattice = space.lattice();
+        const unsigned int n       = space.degree() + 1;
+        const unsigned int n_nodes = Utilities::fixed_power<dim>(n);
+        MultiIndex<dim>    extents;
+        extents.fill(n);
+        // Per direction, N[node * n + a].
+        std::array<std::vector<double>, dim> N;
+        for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
+          {
+            const auto functions = space.cell_functions(cell);
+            bool       has_mass  = false;
+            for (const unsigned int i : functions)
+              has_mass |= fields[dim].local_element(i) > 0.;
+            if (!has_mass)
+              continue;
+            const auto index =
+              multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
+            const Point<dim> corner = lattice.cell_corner(index);
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                N[d].resize(n * n);
+                for (unsigned int node = 0; node < n; ++node)
+                  space.knots(d).evaluate(
+                    index[d],
+                    corner[d] + lattice.cell_size(d) * node / (n - 1),
+                    0,
+                    ArrayView<double>(N[d].data() + node * n, n));
+              }
+
+            DataOutBase::Patch<dim> patch;
+            patch.n_subdivisions = n - 1;
+            patch.patch_index    = this->patches.size();
+            patch.reference_cell = ReferenceCells::get_hypercube<dim>();
+            for (unsigned int v = 0; v < (1u << dim); ++v)
+              for (unsigned int d = 0; d < dim; ++d)
+                patch.vertices[v][d] =
+                  corner[d] + ((v >> d) & 1) * lattice.cell_size(d);
+            patch.data.reinit(fields.size() + has_classes, n_nodes);
+            for (unsigned int node = 0; has_classes && node < n_nodes; ++node)
+              patch.data(fields.size(), node) = given.cell_classes[cell];
+            for (unsigned int node = 0; node < n_nodes; ++node)
+              for (unsigned int a = 0; a < n_nodes; ++a)
+                {
+                  const auto at = multi_index<dim>(node, extents),
+                             of = multi_index<dim>(a, extents);
+                  double value  = 1.;
+                  for (unsigned int d = 0; d < dim; ++d)
+                    value *= N[d][at[d] * n + of[d]];
+                  for (unsigned int k = 0; k < fields.size(); ++k)
+                    patch.data(k, node) +=
+                      value * fields[k].local_element(functions[a]);
+                }
+            this->patches.push_back(patch);
+          }
+      }
+    };
+
+
+
+    DataOutBase::VtkFlags
+    fast_compression()
+    {
+      // The enumeration has other names in other versions of deal.II.
+      DataOutBase::VtkFlags flags;
+      flags.compression_level = decltype(flags.compression_level)::best_speed;
+      return flags;
+    }
+
+
+
+    /**
+     * Collective. Each process writes its file, the first one the record of
+     * all, whose name is returned.
+     */
+    template <typename DataOutType>
+    std::string
+    write_parallel(const DataOutType &data,
+                   const std::string &directory,
+                   const std::string &name,
+                   const unsigned int number,
+                   const MPI_Comm     comm)
+    {
+      const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
+      const unsigned int process     = Utilities::MPI::this_mpi_process(comm);
+      const std::string  numbered =
+        name + "_" + Utilities::int_to_string(number, 4);
+      const auto piece = [&](const unsigned int k) {
+        return numbered + "." +
+               Utilities::int_to_string(k,
+                                        Utilities::needed_digits(n_processes)) +
+               ".vtu";
+      };
+      const auto write = [&](const std::string &file, const auto &content) {
+        const std::string path = directory + "/" + file;
+        errno                  = 0;
+        std::ofstream out(path);
+        try
+          {
+            if (out)
+              content(out);
+            out.close();
+          }
+        catch (const std::exception &)
+          {
+            out.setstate(std::ios::failbit);
+          }
+        AssertThrow(out, ExcMessage(write_error(path)));
+      };
+      run_on_all(
+        [&]() {
+          write(piece(process),
+                [&](std::ostream &out) { data.write_vtu(out); });
+          if (process > 0)
+            return;
+          std::vector<std::string> pieces;
+          for (unsigned int k = 0; k < n_processes; ++k)
+            pieces.push_back(piece(k));
+          write(numbered + ".pvtu", [&](std::ostream &out) {
+            data.write_pvtu_record(out, pieces);
+          });
+        },
+        comm);
+      return numbered + ".pvtu";
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  FieldOutput<dim>::FieldOutput(const std::string      &directory,
+                                const OutputParameters &parameters)
+    : directory(directory)
+    , parameters(parameters)
+  {}
+
+
+
+  template <int dim>
+  template <typename DataOutType>
+  void
+  FieldOutput<dim>::write_next(const std::string &name,
+                               const double       time,
+                               const DataOutType &data,
+                               const MPI_Comm     comm)
+  {
+    auto &written = times_and_names[name];
+    written.emplace_back(
+      time, write_parallel(data, directory, name, written.size(), comm));
+    std::ostringstream text;
+    DataOutBase::write_pvd_record(text, written);
+    run_on_first(
+      [&]() { write_atomically(directory + "/" + name + ".pvd", text.str()); },
+      comm);
+  }
+
+
+
+  template <int dim>
+  std::string
+  FieldOutput<dim>::record() const
+  {
+    std::ostringstream text;
+    text.precision(17);
+    for (const auto &[name, written] : times_and_names)
+      for (const auto &[time, file] : written)
+        text << name << '\t' << time << '\t' << file << '\n';
+    return text.str();
+  }
+
+
+
+  template <int dim>
+  std::string
+  FieldOutput<dim>::points_file(const double time) const
+  {
+    const auto points = times_and_names.find("points");
+    if (points != times_and_names.end())
+      for (const auto &[t, file] : points->second)
+        if (t == time)
+          return directory + "/" + file;
+    return "";
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::go_on(const std::string &record, const MPI_Comm comm)
+  {
+    times_and_names.clear();
+    std::istringstream lines(record);
+    for (std::string name, time, file; std::getline(lines, name, '\t') &&
+                                       std::getline(lines, time, '\t') &&
+                                       std::getline(lines, file);)
+      times_and_names[name].emplace_back(Utilities::string_to_double(time),
+                                         file);
+    run_on_first(
+      [&]() {
+        const std::regex numbered(R"((.*)_([0-9]{4,})(\.[0-9]+)?\.p?vtu)");
+        for (const auto &entry : std::filesystem::directory_iterator(directory))
+          {
+            const std::string file = entry.path().filename().string();
+            std::smatch       parts;
+            if (!std::regex_match(file, parts, numbered))
+              continue;
+            const auto written = times_and_names.find(parts[1]);
+            if (written != times_and_names.end() &&
+                std::stoul(parts[2]) >= written->second.size())
+              std::filesystem::remove(entry.path());
+          }
+      },
+      comm);
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::write_points(const double         time,
+                                 const BodyList<dim> &bodies,
+                                 const MPI_Comm       comm)
+  {
+    PointsOut<dim> points(bodies,
+                          point_fields(parameters.fields,
+                                       bodies,
+                                       Utilities::MPI::this_mpi_process(comm)));
+    points.set_flags(fast_compression());
+    write_next("points", time, points, comm);
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::write_grid(const double            time,
+                               const SplineSpace<dim> &space,
+                               const GridFields<dim>  &fields,
+                               const std::string      &body)
+  {
+    DataOutBase::VtkFlags flags = fast_compression();
+    GridOut<dim>          grid(space, fields);
+    flags.write_higher_order_cells = true;
+    grid.set_flags(flags);
+    write_next("grid" + (body.empty() ? "" : "_" + body),
+               time,
+               grid,
+               space.communicator());
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::write_surfaces(const double                       time,
+                                   const std::vector<Surface<dim>>   &surfaces,
+                                   const std::vector<SurfaceNumbers> &numbers,
+                                   const MPI_Comm                     comm,
+                                   const std::string                 &body)
+  {
+    if (surfaces.empty())
+      return;
+    SurfacesOut<dim> points(surfaces, numbers);
+    points.set_flags(fast_compression());
+    write_next("surface" + (body.empty() ? "" : "_" + body),
+               time,
+               points,
+               comm);
+  }
+
+
+
+  template <int dim>
+  Probes<dim>::Probes(const std::string   &text,
+                      const BodyList<dim> &bodies,
+                      const MPI_Comm       comm)
+    : comm(comm)
+  {
+    for (const std::string &position : Utilities::split_string_list(text, ';'))
+      {
+        std::vector<double> x;
+        try
+          {
+            x = Utilities::string_to_double(
+              Utilities::split_string_list(position, ','));
+          }
+        catch (const std::exception &)
+          {}
+        AssertThrow(x.size() == dim,
+                    ExcMessage("The parameter 'Output/Probes' takes positions "
+                               "of " +
+                               std::to_string(dim) +
+                               " numbers, separated by semicolons, not <" +
+                               position + ">."));
+
+        // The nearest point; of several the one of the first body and id.
+        double nearest = std::numeric_limits<double>::max();
+        Probe  probe{0, 0.};
+        for (unsigned int b = 0; b < bodies.size(); ++b)
+          {
+            bodies[b].points.for_each(
+              [&](const unsigned int, ConstPointRef<dim> p) {
+                double square = 0.;
+                for (unsigned int d = 0; d < dim; ++d)
+                  square += std::pow(p.reference(d) - x[d], 2);
+                const double id = p.id();
+                if (square < nearest ||
+                    (square == nearest && b == probe.body && id < probe.id))
+                  {
+                    nearest = square;
+                    probe   = {b, id};
+                  }
+              });
+          }
+        const double best = Utilities::MPI::min(nearest, comm);
+        double       size = 0.;
+        for (const Body<dim> &body : bodies)
+          for (unsigned int d = 0; d < dim; ++d)
+            size = std::max(size, body.points.space().lattice().cell_size(d));
+        AssertThrow(best <= size * size,
+                    ExcMessage("The parameter 'Output/Probes' has the position "
+                               "<" +
+                               position +
+                               ">, but no point of a body is nearer to it "
+                               "than a cell is long."));
+        const double       none = std::numeric_limits<double>::max();
+        const unsigned int own_body =
+          nearest == best ? probe.body : numbers::invalid_unsigned_int;
+        probe.body = Utilities::MPI::min(own_body, comm);
+        probe.id =
+          Utilities::MPI::min(own_body == probe.body ? probe.id : none, comm);
+        probes.push_back(probe);
+      }
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  Probes<dim>::columns() const
+  {
+    std::vector<std::string> names  = {"time"};
+    const char              *axes[] = {"x", "y", "z"};
+    for (unsigned int k = 0; k < probes.size(); ++k)
+      {
+        const std::string probe = std::to_string(k);
+        for (const char *what : {"", "v"})
+          for (unsigned int d = 0; d < dim; ++d)
+            names.push_back(std::string(what) + axes[d] + probe);
+        const char *components[] = {"xx", "yy", "zz", "xy", "xz", "yz"};
+        for (unsigned int c = 0; c < PointLayout<dim>::n_stress; ++c)
+          names.push_back(std::string("stress_") + components[c] + probe);
+      }
+    return names;
+  }
+
+
+
+  template <int dim>
+  void
+  Probes<dim>::open(const std::string &file_name)
+  {
+    file.open(file_name, columns(), 12, comm);
+  }
+
+
+
+  template <int dim>
+  void
+  Probes<dim>::go_on(const std::string &file_name, const std::uint64_t n_bytes)
+  {
+    file.go_on(file_name, columns(), 12, n_bytes, comm);
+  }
+
+
+
+  template <int dim>
+  void
+  Probes<dim>::write(const double time, const BodyList<dim> &bodies)
+  {
+    if (probes.empty())
+      return;
+    constexpr unsigned int n_stress = PointLayout<dim>::n_stress;
+    constexpr unsigned int n        = 2 * dim + n_stress;
+    std::vector<double>    values(1 + n * probes.size(), 0.);
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      {
+        bodies[b].points.for_each(
+          [&](const unsigned int, ConstPointRef<dim> p) {
+            for (unsigned int k = 0; k < probes.size(); ++k)
+              if (probes[k].body == b && probes[k].id == p.id())
+                {
+                  for (unsigned int d = 0; d < dim; ++d)
+                    {
+                      values[1 + k * n + d]       = p.position(d);
+                      values[1 + k * n + dim + d] = p.velocity(d);
+                    }
+                  for (unsigned int c = 0; c < n_stress; ++c)
+                    values[1 + k * n + 2 * dim + c] = p.stress(c);
+                }
+          });
+      }
+    Utilities::MPI::sum(values, comm, values);
+    values[0] = time;
+    file.write(values);
+  }
+
+
+
+  template class FieldOutput<2>;
+  template class FieldOutput<3>;
+  template class Probes<2>;
+  template class Probes<3>;
+} // namespace greville

@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/json.h>
+#include <greville/base/parameters.h>
+#include <greville/run/check_materials.h>
+#include <greville/run/run.h>
+#include <greville/run/run_header.h>
+#include <greville/steps/implicit_scheme.h>
+#include <greville/steps/load_balance.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iomanip>
+#include <iostream>
+#include <limits>
+#include <sstream>
+#include <unistd.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    double
+    seconds_since(const std::chrono::steady_clock::time_point &begin)
+    {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() -
+                                           begin)
+        .count();
+    }
+
+
+
+    /**
+     * Whether a line can be written again. mpirun gives processes a terminal
+     * even where its own output goes to a file, so that TERM = dumb says no.
+     */
+    bool
+    is_terminal_with_lines()
+    {
+      const char *const name = std::getenv("TERM");
+      return isatty(STDOUT_FILENO) == 1 &&
+             !(name && std::string(name) == "dumb");
+    }
+
+
+
+    /**
+     * The walls whose forces are known in some stage, and their components.
+     */
+    template <int dim>
+    std::vector<std::pair<unsigned int, unsigned int>>
+    reactions_of(const SimulationParameters &parameters)
+    {
+      std::array<unsigned char, 2 * dim> components{};
+      for (unsigned int k = 0;
+           k < std::max<unsigned int>(1, parameters.stages.size());
+           ++k)
+        {
+          SimulationParameters stage = parameters;
+          stage.enter_stage(k);
+          const Walls<dim> walls(stage.walls);
+          for (unsigned int w = 0; w < 2 * dim; ++w)
+            components[w] |= walls.components_with_force(w);
+        }
+      std::vector<std::pair<unsigned int, unsigned int>> result;
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        for (unsigned int c = 0; c < dim; ++c)
+          if ((components[w] >> c) & 1)
+            result.emplace_back(w, c);
+      return result;
+    }
+
+
+
+    std::string
+    reaction_name(const unsigned int wall, const unsigned int component)
+    {
+      std::string name = WallParameters::names[wall];
+      name[0] += 'a' - 'A';
+      return "reaction_" + name + "_" + "xyz"[component];
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  SimulationRun<dim>::SimulationRun(const SimulationParameters &parameters,
+                                    const std::string          &directory,
+                                    std::ostream               &out,
+                                    const MPI_Comm              comm,
+                                    const RunOptions           &options)
+    : parameters(parameters)
+    , directory(directory)
+    , out(out)
+    , comm(comm)
+    , is_first(Utilities::MPI::this_mpi_process(comm) == 0)
+    , ensemble(parameters, comm)
+    , exact(parameters.exact)
+    , measured(parameters.reference)
+    , fields(directory, parameters.output)
+    , probes(parameters.output.probes, ensemble.bodies(), comm)
+    , notes(directory, out, comm)
+    , is_terminal(is_terminal_with_lines())
+  {
+    reactions = reactions_of<dim>(parameters);
+    // A formula that fails is better found now than at the end.
+    const double end = parameters.end_of_run();
+    exact.errors(ensemble.bodies(), end, end, comm);
+    begin_run(options);
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  SimulationRun<dim>::columns() const
+  {
+    auto columns = Statistics<dim>::names(parameters.general.surface_loads,
+                                          parameters.general.bodies);
+    for (const auto &[wall, component] : reactions)
+      columns.push_back(reaction_name(wall, component));
+    if (!parameters.stages.empty())
+      columns.push_back("stage");
+    if (parameters.output.load)
+      columns.insert(columns.end(),
+                     {"largest_load", "imbalance", "partitions"});
+    return columns;
+  }
+
+
+
+  template <int dim>
+  RunSummary
+  SimulationRun<dim>::run()
+  {
+    try
+      {
+        return run_to_end();
+      }
+    catch (const std::exception &error)
+      {
+        notes.note_error(message_of(error));
+        throw;
+      }
+  }
+
+
+
+  template <int dim>
+  RunSummary
+  SimulationRun<dim>::run_to_end()
+  {
+    print_header(out, ensemble, parameters, comm);
+    if (!is_resumed)
+      for (const std::string &note :
+           input_notes(ensemble.bodies(), parameters, comm))
+        notes.note(note);
+    begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
+    if (!is_resumed)
+      {
+        if (parameters.output.grid_fields)
+          ensemble.fill_grid();
+        write_due(false);
+      }
+    while (!ensemble.is_finished())
+      {
+        if (ensemble.first().keeps_state())
+          mark = make_mark();
+        try
+          {
+            ensemble.step();
+          }
+        catch (const StepGivenUp &error)
+          {
+            notes.write(ensemble.take_newton());
+            if (is_terminal && parameters.output.print_times)
+              out << "\r\033[K" << std::flush;
+            AssertThrow(false,
+                        ErrorOnAll(message_of(error) + " " +
+                                   write_last_good_state()));
+          }
+        if (common().stage != last_stage)
+          {
+            last_stage = common().stage;
+            out << '\n';
+            print_stage(out, ensemble, parameters);
+          }
+        notes.write(ensemble.take_newton());
+        const bool is_last = ensemble.is_finished();
+        write_due(is_last);
+        for (const std::string &warning : ensemble.take_warnings())
+          notes.warn(warning);
+        print_progress(is_last);
+        look_for_checkpoint(is_last);
+      }
+    const RunSummary summary = summarize();
+    print_summary(summary);
+    // One that was at its end has the summary of its steps.
+    if (!is_resumed || common().n_steps > first_step)
+      write_summary(summary);
+    return summary;
+  }
+
+
+
+  template <int dim>
+  RunSummary
+  SimulationRun<dim>::summarize()
+  {
+    RunSummary summary;
+    summary.wall_time = seconds_since(begin);
+    double largest    = 0.;
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      {
+        const EnergyTotals   now     = ensemble.part(k).energy_totals();
+        const EnergyBalance &balance = ensemble.part(k).state().energy;
+        summary.numerical_loss += balance.loss(now);
+        largest += balance.largest_with(now);
+      }
+    if (largest > 0.)
+      summary.relative_loss = summary.numerical_loss / largest;
+    const EndOfStep<dim> end_of_step(ensemble);
+    summary.errors   = exact.errors(ensemble.bodies(),
+                                  common().time,
+                                  common().velocity_time,
+                                  comm);
+    summary.front    = largest_front;
+    summary.front_99 = largest_front_99;
+    if (measured.has_surface())
+      summary.surface = measured.surface_distance(
+        ensemble.bodies(),
+        (parameters.grid.upper[0] - parameters.grid.lower[0]) /
+          parameters.grid.cells[0],
+        parameters.grid.lower[1],
+        front_quantile(ensemble.bodies(), comm, parameters.output.front_above),
+        comm);
+    if (measured.has_failure_line())
+      summary.failure_line =
+        measured.failure_line_distance(ensemble.bodies(), comm);
+    if (measured.has_series())
+      summary.series = measured.series_distance();
+    return summary;
+  }
+
+
+
+  template <int dim>
+  double
+  SimulationRun<dim>::rounded_up_time() const
+  {
+    const double time = common().time;
+    return time + 1e-12 * std::max({std::abs(time),
+                                    std::abs(parameters.time.start),
+                                    std::abs(parameters.end_of_run())});
+  }
+
+
+
+  template <int dim>
+  double
+  SimulationRun<dim>::next_time(const double every, const double t) const
+  {
+    const double start = parameters.time.start;
+    return every > 0. ? start + every * (std::floor((t - start) / every) + 1.)
+                      : t;
+  }
+
+
+
+  template <int dim>
+  double
+  SimulationRun<dim>::next_time_of_fields(const double t) const
+  {
+    const double every = parameters.output.fields_every;
+    return every > 0. ? next_time(every, t)
+                      : std::numeric_limits<double>::infinity();
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_due(const bool is_last)
+  {
+    // The last state of a stage is the first one of the next.
+    const double now          = rounded_up_time();
+    const bool   is_stage_end = is_last || ensemble.first().is_stage_finished();
+    if (!is_stage_end && now < std::min(next_statistics, next_fields))
+      return;
+    const EndOfStep<dim> end_of_step(ensemble);
+    if (is_stage_end || now >= next_statistics)
+      {
+        write_statistics();
+        next_statistics = next_time(parameters.output.statistics_every, now);
+      }
+    if (is_stage_end || now >= next_fields)
+      {
+        write_fields();
+        next_fields = next_time_of_fields(now);
+      }
+  }
+
+
+
+  template <int dim>
+  std::vector<SurfaceNumbers>
+  SimulationRun<dim>::numbers_of_surfaces(const Simulation<dim> &part) const
+  {
+    const auto place = [](const std::vector<std::string> &names,
+                          const std::string              &name) {
+      return unsigned(std::find(names.begin(), names.end(), name) -
+                      names.begin());
+    };
+    std::vector<SurfaceNumbers> numbers;
+    for (const Surface<dim> &surface : part.state().surfaces)
+      numbers.push_back(
+        {place(parameters.general.surface_loads, surface.name),
+         place(parameters.general.bodies,
+               parameters.surface_loads.at(surface.name).body)});
+    return numbers;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_fields()
+  {
+    const OutputParameters &output = parameters.output;
+    const double            time   = common().time;
+    last_written_fields            = common().n_steps;
+    fields.write_points(time, ensemble.bodies(), comm);
+    const auto wants = [&](const std::string &name) {
+      return std::find(output.fields.begin(), output.fields.end(), name) !=
+             output.fields.end();
+    };
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      {
+        Simulation<dim>  &part  = ensemble.part(k);
+        const State<dim> &state = part.state();
+        const std::string body =
+          parameters.has_body_grids() ? state.bodies[0].name : "";
+        if (output.surface_points)
+          fields.write_surfaces(time,
+                                part.loaded_surfaces(),
+                                numbers_of_surfaces(part),
+                                comm,
+                                body);
+        if (!output.grid_fields)
+          continue;
+        GridFields<dim>  grid;
+        VectorField<dim> force;
+        grid.velocity = &state.velocity;
+        grid.mass     = &part.mass().lumped();
+        if (wants("acceleration"))
+          grid.acceleration = &state.acceleration;
+        if (wants("force"))
+          {
+            force      = part.grid_force();
+            grid.force = &force;
+          }
+        if (wants("cell_class"))
+          grid.cell_classes =
+            part.grid().cell_classes(state, part.is_implicit());
+        fields.write_grid(time, part.space(), grid, body);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_statistics()
+  {
+    const Statistics<dim> row = ensemble.statistics();
+    largest_front.add(row.front);
+    largest_front_99.add(row.front_99);
+    measured.add(row);
+    probes.write(common().time, ensemble.bodies());
+    auto values = row.values();
+    for (const auto &[wall, component] : reactions)
+      values.push_back(row.reactions[wall][component]);
+    if (!parameters.stages.empty())
+      values.push_back(common().stage + 1);
+    if (parameters.output.load)
+      {
+        // Of all parts, which go in common steps.
+        const double work =
+          ensemble.sum([](const Simulation<dim> &part) { return part.work(); });
+        values.push_back(Utilities::MPI::max(work, comm));
+        values.push_back(imbalance(work, comm));
+        values.push_back(ensemble.sum([](const Simulation<dim> &part) {
+          return part.state().n_partitions;
+        }));
+      }
+    statistics_file.write(values);
+    last_written_statistics = common().n_steps;
+  }
+
+
+
+  template class SimulationRun<2>;
+  template class SimulationRun<3>;
+} // namespace greville

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/run/run_notes.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const std::vector<std::string> newton_columns = {"step",
+                                                     "part",
+                                                     "time",
+                                                     "dt",
+                                                     "iteration",
+                                                     "residual",
+                                                     "relative",
+                                                     "fraction",
+                                                     "linear_iterations",
+                                                     "converged"};
+
+
+
+    /**
+     * The unit of columns that begin like this and end, or go on with a digit
+     * or an underscore. The first of a file that fits counts.
+     */
+    struct ColumnUnit
+    {
+      const char *file, *begin, *unit, *unit_2d;
+    };
+
+    constexpr ColumnUnit units[] = {
+      {"statistics.csv", "time", "s", "s"},
+      {"statistics.csv", "dt", "s", "s"},
+      {"statistics.csv", "mass", "kg", "kg / m"},
+      {"statistics.csv", "momentum", "kg m / s", "kg / s"},
+      {"statistics.csv", "angular_momentum", "kg m^2 / s", "kg m / s"},
+      {"statistics.csv", "kinetic", "J", "J / m"},
+      {"statistics.csv", "strain", "J", "J / m"},
+      {"statistics.csv", "dissipation", "J", "J / m"},
+      {"statistics.csv", "gravitational", "J", "J / m"},
+      {"statistics.csv", "total", "J", "J / m"},
+      {"statistics.csv", "work", "J", "J / m"},
+      {"statistics.csv", "center", "m", "m"},
+      {"statistics.csv", "front", "m", "m"},
+      {"statistics.csv", "height", "m", "m"},
+      {"statistics.csv", "largest_speed", "m / s", "m / s"},
+      {"statistics.csv", "load", "N", "N / m"},
+      {"statistics.csv", "reaction", "N", "N / m"},
+      {"statistics.csv", "iterations", "1", "1"},
+      {"statistics.csv", "active", "1", "1"},
+      {"statistics.csv", "points", "1", "1"},
+      {"statistics.csv", "fragments", "1", "1"},
+      {"statistics.csv", "redone", "1", "1"},
+      {"statistics.csv", "stage", "1", "1"},
+      {"statistics.csv", "largest_load", "1", "1"},
+      {"statistics.csv", "imbalance", "1", "1"},
+      {"statistics.csv", "partitions", "1", "1"},
+      {"probes.csv", "time", "s", "s"},
+      {"probes.csv", "stress", "Pa", "Pa"},
+      {"probes.csv", "x", "m", "m"},
+      {"probes.csv", "y", "m", "m"},
+      {"probes.csv", "z", "m", "m"},
+      {"probes.csv", "vx", "m / s", "m / s"},
+      {"probes.csv", "vy", "m / s", "m / s"},
+      {"probes.csv", "vz", "m / s", "m / s"},
+      {"newton.csv", "time", "s", "s"},
+      {"newton.csv", "dt", "s", "s"},
+      {"newton.csv", "residual", "N", "N / m"},
+      {"newton.csv", "", "1", "1"},
+      {"points.pvd", "velocity", "m / s", "m / s"},
+      {"points.pvd", "displacement", "m", "m"},
+      {"points.pvd", "reference", "m", "m"},
+      {"points.pvd", "size", "m", "m"},
+      {"points.pvd", "stress", "Pa", "Pa"},
+      {"points.pvd", "pressure", "Pa", "Pa"},
+      {"points.pvd", "von_mises", "Pa", "Pa"},
+      {"points.pvd", "density", "kg / m^3", "kg / m^3"},
+      {"points.pvd", "mass", "kg", "kg / m"},
+      {"points.pvd", "volume", "m^3", "m^2"},
+      {"points.pvd", "dissipation", "J / m^3", "J / m^3"},
+      {"points.pvd", "plastic_strain", "1", "1"},
+      {"points.pvd", "opening", "1", "1"},
+      {"points.pvd", "strain", "1", "1"},
+      {"points.pvd", "b", "1", "1"},
+      {"points.pvd", "F", "1", "1"},
+      {"points.pvd", "J", "1", "1"},
+      {"points.pvd", "body", "1", "1"},
+      {"points.pvd", "id", "1", "1"},
+      {"points.pvd", "process", "1", "1"},
+      {"grid.pvd", "velocity", "m / s", "m / s"},
+      {"grid.pvd", "acceleration", "m / s^2", "m / s^2"},
+      {"grid.pvd", "force", "N", "N / m"},
+      {"grid.pvd", "mass", "kg", "kg / m"},
+      {"grid.pvd", "cell_class", "1", "1"},
+      {"surface.pvd", "velocity", "m / s", "m / s"},
+      {"surface.pvd", "displacement", "m", "m"},
+      {"surface.pvd", "load", "Pa", "Pa"},
+      {"surface.pvd", "area", "m^2", "m"},
+      {"surface.pvd", "surface_load", "1", "1"},
+      {"surface.pvd", "body", "1", "1"}};
+
+
+
+    bool
+    is_one_of(const std::string &column, const std::string &begin)
+    {
+      if (column.compare(0, begin.size(), begin) != 0)
+        return false;
+      if (begin.empty() || column.size() == begin.size())
+        return true;
+      const char next = column[begin.size()];
+      return next == '_' || (next >= '0' && next <= '9');
+    }
+  } // namespace
+
+
+
+  std::string
+  unit_of(const std::string &file,
+          const std::string &column,
+          const unsigned int dim)
+  {
+    for (const ColumnUnit &candidate : units)
+      if (file == candidate.file && is_one_of(column, candidate.begin))
+        return dim == 2 ? candidate.unit_2d : candidate.unit;
+    return "";
+  }
+
+
+
+  RunNotes::RunNotes(const std::string &directory,
+                     std::ostream      &out,
+                     const MPI_Comm     comm)
+    : directory(directory)
+    , out(out)
+    , comm(comm)
+  {}
+
+
+
+  void
+  RunNotes::begin()
+  {
+    run_on_first(
+      [&]() {
+        for (const char *file : {"messages.log", "newton.csv"})
+          std::filesystem::remove(directory + "/" + file);
+      },
+      comm);
+  }
+
+
+
+  void
+  RunNotes::go_on(const unsigned int n_steps)
+  {
+    last_step = n_steps;
+    append("Note",
+           "The run goes on after step " + std::to_string(n_steps) + ".");
+  }
+
+
+
+  void
+  RunNotes::append(const std::string &kind, const std::string &text)
+  {
+    std::string line = text;
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    if (Utilities::MPI::this_mpi_process(comm) == 0)
+      std::ofstream(directory + "/messages.log", std::ios::app)
+        << kind << ": " << line << '\n';
+  }
+
+
+
+  void
+  RunNotes::warn(const std::string &warning)
+  {
+    out << "Warning: " << warning << std::endl;
+    append("Warning", warning);
+  }
+
+
+
+  void
+  RunNotes::note(const std::string &text)
+  {
+    out << "Note: " << text << std::endl;
+    append("Note", text);
+  }
+
+
+
+  void
+  RunNotes::note_error(const std::string &error)
+  {
+    append("Error", error);
+  }
+
+
+
+  void
+  RunNotes::write(const std::vector<NewtonRecord> &records)
+  {
+    const std::string file = directory + "/newton.csv";
+    if (!records.empty() && !newton_is_open)
+      {
+        std::uint64_t n_bytes = 0;
+        if (last_step >= 0)
+          run_on_first(
+            [&]() {
+              std::ifstream in(file);
+              for (std::string line; std::getline(in, line);)
+                {
+                  std::istringstream words(line);
+                  int                step = 0;
+                  if (n_bytes > 0 && (!(words >> step) || step > last_step))
+                    break;
+                  n_bytes += line.size() + 1;
+                }
+            },
+            comm);
+        const bool goes_on = Utilities::MPI::max(double(n_bytes), comm) > 0.;
+        if (goes_on)
+          newton.go_on(file, newton_columns, 8, n_bytes, comm);
+        else
+          newton.open(file, newton_columns, 8, comm);
+        newton_is_open = true;
+      }
+    for (const NewtonRecord &record : records)
+      for (unsigned int k = 0; k < record.result.iterations.size(); ++k)
+        {
+          const NewtonIteration &row = record.result.iterations[k];
+          newton.write({double(record.step),
+                        double(record.part),
+                        record.time,
+                        record.dt,
+                        double(k),
+                        row.residual,
+                        row.relative,
+                        row.step,
+                        double(row.linear_iterations),
+                        double(record.result.converged)});
+        }
+  }
+
+
+
+  void
+  RunNotes::write_units(const unsigned int              dim,
+                        const std::vector<std::string> &columns,
+                        const std::vector<std::string> &probes,
+                        const std::vector<std::string> &fields)
+  {
+    std::ostringstream text;
+    text << "file,column,unit\n";
+    const auto add = [&](const std::string              &file,
+                         const std::vector<std::string> &names) {
+      for (const std::string &name : names)
+        text << file << ',' << name << ',' << unit_of(file, name, dim) << '\n';
+    };
+    add("statistics.csv", columns);
+    add("probes.csv", probes);
+    add("newton.csv", newton_columns);
+    add("points.pvd", fields);
+    add("grid.pvd",
+        {"velocity", "mass", "acceleration", "force", "cell_class"});
+    add("surface.pvd",
+        {"velocity",
+         "displacement",
+         "load",
+         "area_vector",
+         "area",
+         "surface_load",
+         "body"});
+    run_on_first(
+      [&]() { write_atomically(directory + "/units.csv", text.str()); }, comm);
+  }
+} // namespace greville

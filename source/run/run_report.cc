@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// What a SimulationRun prints, and its summary.json.
+
+#include <greville/base/json.h>
+#include <greville/base/parameters.h>
+#include <greville/run/run.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    double
+    seconds_since(const std::chrono::steady_clock::time_point &begin)
+    {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() -
+                                           begin)
+        .count();
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::print_progress(const bool is_last)
+  {
+    if (!parameters.output.print_times)
+      return;
+    const double start   = parameters.time.start;
+    const double end     = parameters.end_of_run();
+    const double elapsed = seconds_since(begin);
+    const double part    = (common().time - start) / (end - start);
+    const double begun   = (first_time - start) / (end - start);
+    // A terminal is refreshed five times a second, a file gets ten lines.
+    if (!is_last && (is_terminal ? seconds_since(last_shown) < 0.2
+                                 : part < last_shown_time + 0.1))
+      return;
+    last_shown      = std::chrono::steady_clock::now();
+    last_shown_time = std::floor(10. * part) / 10.;
+    std::ostringstream line;
+    line << std::setprecision(4) << parameters.stage_text(last_stage) << "step "
+         << common().n_steps << ", t = " << common().time << " of " << end
+         << " s, dt = " << common().step << " s";
+    unsigned int n_iterations = 0;
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      n_iterations =
+        std::max(n_iterations, ensemble.part(k).state().n_iterations);
+    if (n_iterations > 0)
+      line << ", " << n_iterations << " iterations";
+    line << ", " << std::setprecision(3)
+         << 1e-6 * n_points * (common().n_steps - first_step) / elapsed
+         << " M points/s, " << std::ceil(elapsed / (part - begun) * (1. - part))
+         << " s left";
+    if (is_terminal)
+      out << "\r\033[K" << line.str() << (is_last ? "\n" : "") << std::flush;
+    else
+      out << line.str() << std::endl;
+  }
+
+
+
+  namespace
+  {
+    void
+    print_errors(std::ostream                &out,
+                 const std::string           &what,
+                 const std::optional<Errors> &errors)
+    {
+      if (errors)
+        out << "  relative error of " << what << ": L2 " << std::setprecision(4)
+            << errors->l2 << ", largest " << errors->max << '\n';
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::print_summary(const RunSummary &summary)
+  {
+    const State<dim>   &state     = common();
+    const std::uint64_t n_removed = ensemble.sum(
+      [](const Simulation<dim> &part) { return part.state().n_removed; });
+    out << "\n  " << state.n_steps << " steps to t = " << std::setprecision(6)
+        << state.time << " s, " << n_points << " points";
+    if (n_removed > 0)
+      out << ", of which " << n_removed << " have left the grid";
+    const std::uint64_t n_redone =
+      ensemble.sum([](const Simulation<dim> &part) {
+        return part.state().n_all_rejections;
+      });
+    if (n_redone > 0)
+      out << "; " << n_redone << (n_redone == 1 ? " step was" : " steps were")
+          << " done again with a shorter length";
+    out << '\n';
+    if (ensemble.exceeds_displacement())
+      out << "  ended early: a point has moved further than 'Time/Largest "
+             "displacement'\n";
+    if (ensemble.first().consistent_mass() && state.n_steps > 0)
+      {
+        typename Extension<dim>::Counts functions;
+        std::uint64_t n_iterations = 0, n_factorizations = 0, n_fragments = 0;
+        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+          {
+            const ConsistentMass<dim> &mass =
+              *ensemble.part(k).consistent_mass();
+            const auto counts = mass.extension().counts();
+            functions.stable += counts.stable;
+            functions.extended += counts.extended;
+            functions.lumped += counts.lumped;
+            n_iterations += ensemble.part(k).state().n_all_iterations;
+            n_factorizations += mass.n_factorizations();
+            n_fragments += mass.n_fragments();
+          }
+        const bool is_implicit = ensemble.first().is_implicit();
+        out << (is_implicit ? "  linear systems of Newton's method: "
+                            : "  mass: ")
+            << std::setprecision(3) << double(n_iterations) / state.n_steps
+            << " iterations per step";
+        if (!is_implicit)
+          out << ", " << n_factorizations << " factorizations";
+        out << "; at the end " << functions.stable << " stable, "
+            << functions.extended << " extended, " << functions.lumped
+            << " lumped functions, " << n_fragments << " cells of fragments\n";
+      }
+    if (parameters.output.print_times)
+      {
+        const double bytes = bytes_per_point();
+        out << std::setprecision(3) << "  " << summary.wall_time << " s, "
+            << 1e-6 * n_points * (state.n_steps - first_step) /
+                 summary.wall_time
+            << " million points and steps per second, " << bytes
+            << " bytes per point\n";
+        const auto print = [&](const std::string &part, const double seconds) {
+          out << "    " << std::left << std::setw(16) << part << std::right
+              << std::fixed << std::setprecision(2) << std::setw(9) << seconds
+              << " s" << std::setprecision(1) << std::setw(7)
+              << 100. * seconds / summary.wall_time << " %\n"
+              << std::defaultfloat;
+        };
+        double rest = summary.wall_time;
+        for (const auto &part : ensemble.part_times())
+          {
+            print(part.first, part.second);
+            rest -= part.second;
+          }
+        print("output, other", rest);
+      }
+    if (state.n_steps > 0)
+      out << std::setprecision(3)
+          << "  numerical loss of energy: " << 100. * summary.relative_loss
+          << " % of the largest energy or work (" << summary.numerical_loss
+          << (dim == 2 ? " J / m)" : " J)") << '\n';
+    print_errors(out, "displacement", summary.errors.displacement);
+    print_errors(out, "velocity", summary.errors.velocity);
+    print_errors(out, "stress", summary.errors.stress);
+    if (summary.surface)
+      out << std::setprecision(3) << "  distance to the measured surface: mean "
+          << 1e3 * summary.surface->mean << " mm, largest "
+          << 1e3 * summary.surface->largest
+          << " mm\n  run-out: " << summary.front_99
+          << " m (99.5 % of the mass), "
+          << 1e3 * std::abs(summary.surface->front) << " mm "
+          << (summary.surface->front < 0. ? "behind" : "beyond")
+          << " the measured front; outermost point " << summary.front << " m\n";
+    if (summary.failure_line)
+      out << std::setprecision(3)
+          << "  distance to the measured failure line: mean "
+          << 1e3 * *summary.failure_line << " mm\n";
+    if (summary.series)
+      out << std::setprecision(3) << "  distance to the measured "
+          << parameters.reference.series_quantity << ": mean "
+          << 100. * summary.series->relative << " %, " << summary.series->n
+          << " values\n";
+    out << "  results: " << directory << std::endl;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_summary(const RunSummary &summary)
+  {
+    const State<dim> &state    = common();
+    double            critical = state.estimates.critical, n_cells = 0.;
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      {
+        const Simulation<dim> &part = ensemble.part(k);
+        critical         = std::min(critical, part.state().estimates.critical);
+        double n_of_part = 1.;
+        for (const unsigned int n : part.stage_parameters().grid.cells)
+          n_of_part *= n;
+        n_cells += n_of_part;
+      }
+    JsonWriter json;
+    json.add("dimension", dim)
+      .add("points", n_points)
+      .add("removed_points", ensemble.sum([](const Simulation<dim> &part) {
+        return part.state().n_removed;
+      }))
+      .add("cells", n_cells)
+      .add("p", parameters.grid.degree)
+      .add("mass", parameters.scheme.mass)
+      .add("quadrature", parameters.scheme.quadrature)
+      .add("processes", Utilities::MPI::n_mpi_processes(comm))
+      .add("steps", state.n_steps)
+      .add("redone_steps", ensemble.sum([](const Simulation<dim> &part) {
+        return part.state().n_all_rejections;
+      }))
+      .add("time", state.time)
+      .add("wall_time", summary.wall_time)
+      .add("point_steps_per_second",
+           double(n_points) * (state.n_steps - first_step) / summary.wall_time)
+      .add("bytes_per_point", bytes_per_point())
+      .add("points_sent",
+           Utilities::MPI::sum(ensemble.sum([](const Simulation<dim> &part) {
+             return part.state().n_sent;
+           }),
+                               comm));
+    if (std::isfinite(critical) && critical > 0.)
+      json.add("critical_step", critical);
+    if (!parameters.stages.empty())
+      {
+        json.begin("stages");
+        for (const StageParameters &stage : parameters.stages)
+          json.add(stage.name, stage.scheme.mass);
+        json.end();
+      }
+    json.add("front", summary.front)
+      .add("front_99", summary.front_99)
+      .begin("energy")
+      .add("numerical_loss", summary.numerical_loss)
+      .add("relative_loss", summary.relative_loss)
+      .end()
+      .begin("parts");
+    for (const auto &part : ensemble.part_times())
+      json.add(part.first, part.second);
+    json.end().begin("errors");
+    const auto errors = [&](const std::string           &name,
+                            const std::optional<Errors> &value) {
+      if (value)
+        json.begin(name).add("l2", value->l2).add("max", value->max).end();
+    };
+    errors("displacement", summary.errors.displacement);
+    errors("velocity", summary.errors.velocity);
+    errors("stress", summary.errors.stress);
+    json.end().begin("reference");
+    const auto distance = [&](const std::string &name, const Distance &value) {
+      json.begin(name)
+        .add("mean", value.mean)
+        .add("largest", value.largest)
+        .add("relative", value.relative)
+        .add("values", value.n);
+    };
+    if (summary.surface)
+      {
+        distance("surface", *summary.surface);
+        json.add("front", summary.surface->front).end();
+      }
+    if (summary.failure_line)
+      json.begin("failure_line").add("mean", *summary.failure_line).end();
+    if (summary.series)
+      {
+        distance("series", *summary.series);
+        json.end();
+      }
+    json.end();
+    run_on_first(
+      [&]() { write_atomically(directory + "/summary.json", json.text()); },
+      comm);
+  }
+
+
+
+  template <int dim>
+  double
+  SimulationRun<dim>::bytes_per_point() const
+  {
+    return Utilities::MPI::sum(double(ensemble.points_memory()), comm) /
+           n_points;
+  }
+
+
+
+  template void
+  SimulationRun<2>::print_progress(const bool);
+  template void
+  SimulationRun<2>::print_summary(const RunSummary &);
+  template void
+  SimulationRun<2>::write_summary(const RunSummary &);
+  template double
+  SimulationRun<2>::bytes_per_point() const;
+  template void
+  SimulationRun<3>::print_progress(const bool);
+  template void
+  SimulationRun<3>::print_summary(const RunSummary &);
+  template void
+  SimulationRun<3>::write_summary(const RunSummary &);
+  template double
+  SimulationRun<3>::bytes_per_point() const;
+} // namespace greville

@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// How a SimulationRun begins, and its checkpoints.
+
+#include <greville/base/errors.h>
+#include <greville/base/signals.h>
+#include <greville/base/step_errors.h>
+#include <greville/points/point_fields.h>
+#include <greville/run/sweep.h>
+
+#include <csignal>
+#include <filesystem>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Names of what a run adds to the state of its ensemble.
+    constexpr const char *run_name = "run", *series_name = "series of the run";
+
+    const std::vector<std::string> run_columns = {"bytes_of_statistics",
+                                                  "bytes_of_probes",
+                                                  "largest_front",
+                                                  "largest_front_99"};
+
+
+
+    std::string
+    statistics_file_in(const std::string &directory)
+    {
+      return directory + "/statistics.csv";
+    }
+
+
+
+    std::string
+    probes_file_in(const std::string &directory)
+    {
+      return directory + "/probes.csv";
+    }
+  } // namespace
+
+
+
+  void
+  check_changes(const TablesFile           &checkpoint,
+                const SimulationParameters &parameters)
+  {
+    const std::string changes =
+      describe_changes(checkpoint.text("parameters"), parameters.used());
+    AssertThrow(changes.empty(),
+                ExcMessage("these parameters have changed: " + changes +
+                           ". A run goes on with others in 'Output', "
+                           "'Checkpoints', 'Load balance', 'Time/End', "
+                           "'Time/Maximum steps' and 'Time/Largest "
+                           "displacement' only; with --from a new one begins "
+                           "from its end"));
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::begin_run(const RunOptions &options)
+  {
+    if (options.resumes)
+      {
+        go_on(read_checkpoint(directory, comm));
+        if (options.prepare_folder)
+          options.prepare_folder();
+      }
+    else
+      {
+        std::vector<std::string> warnings;
+        if (!options.from.empty())
+          {
+            const Checkpoint other = read_checkpoint(options.from, comm);
+            for (const auto &refused : other.refused)
+              warnings.push_back(refused.second);
+            try
+              {
+                ensemble.begin_with(other.content);
+              }
+            catch (const std::exception &error)
+              {
+                AssertThrow(false,
+                            ExcMessage("This run cannot begin with <" +
+                                       other.file + ">: " + message_of(error)));
+              }
+          }
+        // Those of the other run, perhaps.
+        probes = Probes<dim>(parameters.output.probes, ensemble.bodies(), comm);
+        if (options.prepare_folder)
+          options.prepare_folder();
+        notes.begin();
+        for (const std::string &warning : warnings)
+          notes.warn(warning);
+        statistics_file.open(statistics_file_in(directory),
+                             columns(),
+                             14,
+                             comm);
+        probes.open(probes_file_in(directory));
+        next_fields = next_statistics = common().time;
+      }
+    std::vector<std::string> fields;
+    for (const OutputField<dim> &field :
+         point_fields(parameters.output.fields, ensemble.bodies(), 0))
+      if (field.is_vector)
+        fields.push_back(field.name);
+      else
+        fields.insert(fields.end(),
+                      field.components.begin(),
+                      field.components.end());
+    notes.write_units(dim, columns(), probes.columns(), fields);
+    for (const Body<dim> &body : ensemble.bodies())
+      n_points += body.n_points;
+    first_step = common().n_steps;
+    first_time = common().time;
+    last_stage = common().stage;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::go_on(const Checkpoint &checkpoint)
+  {
+    for (const auto &refused : checkpoint.refused)
+      {
+        notes.warn(refused.second + " It is renamed to <" + refused.first +
+                   ".refused>.");
+        run_on_first(
+          [&]() {
+            std::filesystem::rename(refused.first, refused.first + ".refused");
+          },
+          comm);
+      }
+    const TablesFile &content = checkpoint.content;
+    try
+      {
+        check_changes(content, parameters);
+        ensemble.set_from_tables(content);
+        const auto numbers = content.table(run_name).gather(comm);
+        AssertThrow(numbers.size() == run_columns.size(),
+                    ExcMessage("its table of the run is another one"));
+        largest_front     = numbers[2];
+        largest_front_99  = numbers[3];
+        const auto series = content.table(series_name).gather(comm);
+        std::pair<std::vector<double>, std::vector<double>> added;
+        for (unsigned int k = 0; k + 1 < series.size(); k += 2)
+          {
+            added.first.push_back(series[k]);
+            added.second.push_back(series[k + 1]);
+          }
+        measured.set_added(added);
+        statistics_file.go_on(statistics_file_in(directory),
+                              columns(),
+                              14,
+                              std::uint64_t(numbers[0]),
+                              comm);
+        probes.go_on(probes_file_in(directory), std::uint64_t(numbers[1]));
+        fields.go_on(content.text("written"), comm);
+      }
+    catch (const std::exception &error)
+      {
+        AssertThrow(false,
+                    ExcMessage("The run cannot go on from <" + checkpoint.file +
+                               ">: " + message_of(error)));
+      }
+    is_resumed      = true;
+    checkpoint_file = checkpoint.file;
+    checkpoint_step = common().n_steps;
+    notes.go_on(common().n_steps);
+    const double t  = rounded_up_time();
+    next_statistics = next_time(parameters.output.statistics_every, t);
+    next_fields     = next_time_of_fields(t);
+    out << "Going on from <" << checkpoint.file << ">, step "
+        << common().n_steps << ", t = " << common().time << " s.\n\n";
+  }
+
+
+
+  template <int dim>
+  typename SimulationRun<dim>::Mark
+  SimulationRun<dim>::make_mark() const
+  {
+    return {common().n_steps,
+            statistics_file.n_bytes(),
+            probes.n_bytes(),
+            largest_front,
+            largest_front_99,
+            fields.record(),
+            measured.added()};
+  }
+
+
+
+  template <int dim>
+  TablesFile
+  SimulationRun<dim>::write_checkpoint(const Mark &at)
+  {
+    TablesFile content;
+    content.texts = {{"parameters", parameters.used()}, {"written", at.fields}};
+    content.tables = ensemble.tables();
+
+    DistributedTable run{run_name, run_columns, {}};
+    DistributedTable series{series_name, {"time", "value"}, {}};
+    statistics_file.sync();
+    probes.sync();
+    if (is_first)
+      {
+        run.values = {double(at.bytes_of_statistics),
+                      double(at.bytes_of_probes),
+                      at.front.value,
+                      at.front_99.value};
+        for (unsigned int k = 0; k < at.series.first.size(); ++k)
+          series.values.insert(series.values.end(),
+                               {at.series.first[k], at.series.second[k]});
+      }
+    content.tables.push_back(run);
+    content.tables.push_back(series);
+    checkpoint_file =
+      greville::write_checkpoint(directory, common().n_steps, content, comm);
+    checkpoint_step = common().n_steps;
+    return content;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_checkpoint()
+  {
+    // Where it cannot be written, the state to go back to and the mark stay
+    // those of the same step.
+    const Mark now = make_mark();
+    ensemble.set_from_tables(write_checkpoint(now));
+    mark            = now;
+    last_checkpoint = std::chrono::steady_clock::now();
+  }
+
+
+
+  template <int dim>
+  std::string
+  SimulationRun<dim>::write_last_good_state()
+  {
+    const unsigned int step = common().n_steps;
+    std::string        text, row;
+    // A disk that is full may be the smaller trouble.
+    try
+      {
+        // The fields of the grid are those of the step that failed.
+        std::string file   = fields.points_file(common().time);
+        const bool  is_new = file.empty();
+        // Rows of later steps may be there.
+        const bool is_row_due = last_written_statistics < step;
+        if (is_new || is_row_due)
+          {
+            const EndOfStep<dim> end_of_step(ensemble);
+            if (is_new)
+              {
+                fields.write_points(common().time, ensemble.bodies(), comm);
+                file = fields.points_file(common().time);
+              }
+            text = "It is in <" + file + ">";
+            if (is_row_due)
+              write_statistics();
+          }
+        text = "It is in <" + file + ">";
+        if (last_written_statistics == step)
+          row = "the last row of <" + statistics_file_in(directory) + ">";
+        // The simulation keeps the state of each checkpoint.
+        if (step > 0 && checkpoint_step != step && mark.n_steps == step)
+          write_checkpoint(mark);
+      }
+    catch (const ErrorOnAll &error)
+      {
+        return text + (text.empty() ? "" : ". ") +
+               "Not all of it has been written: " + message_of(error);
+      }
+    if (step == 0 || checkpoint_step != step)
+      return text + (row.empty() ? "" : " and " + row) + ".";
+    return text + (row.empty() ? "" : ", " + row) + " and <" + checkpoint_file +
+           ">: --resume goes on from there, and --from begins a new run with "
+           "other parameters there.";
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::look_for_checkpoint(const bool is_last)
+  {
+    const CheckpointParameters &when = parameters.checkpoints;
+    // At the end it is for the next run of a sweep.
+    const int signal = is_last ? 0 : SignalCatcher::take(comm);
+    bool      is_due = signal != 0;
+    if (when.every_steps > 0 && common().n_steps % when.every_steps == 0)
+      is_due = true;
+    if (when.every_minutes > 0.)
+      {
+        const std::chrono::duration<double, std::ratio<60>> minutes =
+          std::chrono::steady_clock::now() - last_checkpoint;
+        const bool own = is_first && minutes.count() >= when.every_minutes;
+        is_due = Utilities::MPI::max<unsigned int>(own, comm) == 1 || is_due;
+      }
+    if (is_last)
+      is_due = when.at_end;
+    // The run goes on where the disk is full for a while.
+    std::string failure;
+    if (is_due)
+      try
+        {
+          write_checkpoint();
+        }
+      catch (const ErrorOnAll &error)
+        {
+          failure = without_stop(message_of(error));
+          out << '\n';
+          notes.warn("no checkpoint has been written. " + failure + ".");
+          last_checkpoint = std::chrono::steady_clock::now();
+        }
+    if (is_last || signal == 0 || signal == SIGUSR1)
+      return;
+    // A run that goes on removes what comes behind the checkpoint.
+    if (last_written_statistics != common().n_steps)
+      write_statistics();
+    if (last_written_fields != common().n_steps)
+      write_fields();
+    const RunSummary summary = summarize();
+    out << '\n';
+    print_summary(summary);
+    write_summary(summary);
+    std::string text = "Stopped by " + SignalCatcher::name(signal) +
+                       " after step " + std::to_string(common().n_steps) +
+                       ", t = " + text_of(common().time) + " s. ";
+    if (!failure.empty())
+      text += "No checkpoint of this step has been written: " + failure + ". ";
+    if (failure.empty())
+      text += "--resume goes on from the checkpoint in <" + directory + ">.";
+    else if (checkpoint_file.empty())
+      text += "There is no earlier one either, so that the run has to begin "
+              "anew.";
+    else
+      text += "--resume goes on from <" + checkpoint_file + ">.";
+    AssertThrow(false, RunStopped(text));
+  }
+
+
+
+  template void
+  SimulationRun<2>::begin_run(const RunOptions &);
+  template void
+  SimulationRun<3>::begin_run(const RunOptions &);
+  template void
+  SimulationRun<2>::go_on(const Checkpoint &);
+  template void
+  SimulationRun<3>::go_on(const Checkpoint &);
+  template SimulationRun<2>::Mark
+  SimulationRun<2>::make_mark() const;
+  template SimulationRun<3>::Mark
+  SimulationRun<3>::make_mark() const;
+  template void
+  SimulationRun<2>::write_checkpoint();
+  template void
+  SimulationRun<3>::write_checkpoint();
+  template std::string
+  SimulationRun<2>::write_last_good_state();
+  template std::string
+  SimulationRun<3>::write_last_good_state();
+  template void
+  SimulationRun<2>::look_for_checkpoint(const bool);
+  template void
+  SimulationRun<3>::look_for_checkpoint(const bool);
+} // namespace greville

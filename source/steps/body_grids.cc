@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/memory.h>
+#include <greville/boundary/walls.h>
+#include <greville/geometry/shape.h>
+#include <greville/points/body.h>
+#include <greville/steps/body_grids.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * What a body knows of the whole grid that is meant for it.
+     */
+    template <int dim>
+    struct BodyOnGrid
+    {
+      Lattice<dim> lattice;
+      /// The cells from first to before end hold all points.
+      MultiIndex<dim> first, end;
+      /// Volume of the points that each traction reaches.
+      std::map<std::string, double> volumes;
+    };
+
+
+
+    template <int dim>
+    BodyOnGrid<dim>
+    place_body(const SimulationParameters &parameters,
+               const std::string          &name,
+               const GridParameters       &grid,
+               const MPI_Comm              comm)
+    {
+      double          n_all_cells = 1.;
+      Point<dim>      lower, upper;
+      MultiIndex<dim> n_cells;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          lower[d]   = grid.lower[d];
+          upper[d]   = grid.upper[d];
+          n_cells[d] = grid.cells[d];
+          n_all_cells *= n_cells[d];
+        }
+      check_memory_of_cells(n_all_cells,
+                            dim,
+                            "The parameter 'Cells' of the grid of 'Body " +
+                              name + "'",
+                            comm);
+      DistributedTriangulation<dim> mesh(comm,
+                                         Triangulation<dim>::none,
+                                         mesh_settings<dim>);
+      create_box_mesh<dim>(mesh,
+                           lower,
+                           upper,
+                           n_cells,
+                           Walls<dim>::periodic_directions(parameters.walls));
+      const SplineSpace<dim> space(mesh, 1);
+      Body<dim>              body;
+      body.name       = name;
+      body.parameters = &parameters.bodies.at(name);
+      body.material = parameters.materials.at(body.parameters->material).get();
+      make_points(body,
+                  space,
+                  Tensor<1, dim>(),
+                  PointLayout<dim>(body.material->state_names()));
+
+      BodyOnGrid<dim> result;
+      result.lattice = space.lattice();
+      result.first   = n_cells;
+      result.end.fill(0);
+      for (const unsigned int cell : body.points.cells())
+        {
+          const auto index =
+            multi_index<dim>(space.owned_cells()[cell], n_cells);
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              result.first[d] = std::min(result.first[d], index[d]);
+              result.end[d]   = std::max(result.end[d], index[d] + 1);
+            }
+        }
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          result.first[d] = Utilities::MPI::min(result.first[d], comm);
+          result.end[d]   = Utilities::MPI::max(result.end[d], comm);
+        }
+      for (const std::string &traction : parameters.general.tractions)
+        {
+          const Shape<dim> shape(parameters.tractions.at(traction).shape,
+                                 "Traction " + traction + "/Shape");
+          double           volume = 0.;
+          body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+            if (shape.contains(p.reference()))
+              volume += p.volume0();
+          });
+          result.volumes[traction] = Utilities::MPI::sum(volume, comm);
+        }
+      return result;
+    }
+
+
+
+    /**
+     * Cells of the part in one direction: @p margin more on each side, and then
+     * as many more as make their number a multiple of @p multiple, where the
+     * grid has them.
+     */
+    struct Range
+    {
+      unsigned int first, end;
+
+      void
+      extend(const unsigned int margin,
+             const unsigned int multiple,
+             const unsigned int n_cells)
+      {
+        first = first > margin ? first - margin : 0;
+        end   = std::min(end + margin, n_cells);
+        while ((end - first) % multiple != 0 && end < n_cells)
+          ++end;
+        while ((end - first) % multiple != 0 && first > 0)
+          --first;
+      }
+    };
+
+
+
+    /**
+     * A wall that does nothing.
+     */
+    void
+    set_free(WallParameters &walls, const unsigned int w)
+    {
+      walls.type[w]     = "free";
+      walls.region[w]   = "";
+      walls.velocity[w] = walls.displacement[w] = "";
+      walls.friction[w]                         = 0.;
+    }
+
+
+
+    /**
+     * Cut the part around the body out of the @p grid, and walls off it.
+     */
+    template <int dim>
+    void
+    cut_out(SimulationParameters  &part,
+            const BodyOnGrid<dim> &body,
+            const GridParameters  &grid)
+    {
+      const GridParameters whole = part.grid;
+      part.grid                  = grid;
+      unsigned int thinnest      = std::numeric_limits<unsigned int>::max();
+      for (unsigned int d = 0; d < dim; ++d)
+        thinnest = std::min(thinnest, body.end[d] - body.first[d]);
+      // Meshes whose numbers of cells have a common power of two are small on
+      // each process, see create_box_mesh().
+      unsigned int multiple = 1;
+      while (16 * multiple <= thinnest)
+        multiple *= 2;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          Range range{body.first[d], body.end[d]};
+          if (body.lattice.is_periodic(d))
+            range = {0, grid.cells[d]};
+          range.extend(grid.degree, multiple, grid.cells[d]);
+          MultiIndex<dim> corner{};
+          corner[d] = range.first;
+          if (range.first > 0)
+            part.grid.lower[d] = body.lattice.cell_corner(corner)[d];
+          corner[d] = range.end;
+          if (range.end < grid.cells[d])
+            part.grid.upper[d] = body.lattice.cell_corner(corner)[d];
+          part.grid.cells[d] = range.end - range.first;
+
+          const double small = 1e-10 * (whole.upper[d] - whole.lower[d]);
+          const bool   is_at_wall[2] = {
+              std::abs(part.grid.lower[d] - whole.lower[d]) <= small,
+              std::abs(part.grid.upper[d] - whole.upper[d]) <= small};
+          for (unsigned int side = 0; side < 2; ++side)
+            if (!is_at_wall[side])
+              {
+                set_free(part.walls, 2 * d + side);
+                for (StageParameters &stage : part.stages)
+                  set_free(stage.walls, 2 * d + side);
+              }
+        }
+    }
+  } // namespace
+
+
+
+  bool
+  SimulationParameters::has_body_grids() const
+  {
+    return grid.per_body ||
+           std::any_of(body_grids.begin(), body_grids.end(), [](auto &own) {
+             return own.second.is_given();
+           });
+  }
+
+
+
+  GridParameters
+  SimulationParameters::grid_of(const std::string &body) const
+  {
+    GridParameters result = grid;
+    const auto     own    = body_grids.find(body);
+    if (own == body_grids.end())
+      return result;
+    if (!own->second.lower.empty())
+      result.lower = own->second.lower;
+    if (!own->second.upper.empty())
+      result.upper = own->second.upper;
+    if (!own->second.cells.empty())
+      result.cells = own->second.cells;
+    if (own->second.degree > 0)
+      result.degree = own->second.degree;
+    return result;
+  }
+
+
+
+  void
+  SimulationParameters::check_body_grids() const
+  {
+    const unsigned int dim = general.dimension;
+    for (const auto &[name, own] : body_grids)
+      {
+        const std::string section = "Body " + name + "/Grid";
+        AssertThrow(scheme.is_total_lagrangian() || !own.is_given(),
+                    ExcMessage("There is a section '" + section +
+                               "', but 'Scheme/Formulation' is " +
+                               scheme.formulation +
+                               ": bodies have grids of their own in total "
+                               "Lagrangian steps only. In updated Lagrangian "
+                               "ones they meet on one grid."));
+        const auto needs = [&](const std::size_t  size,
+                               const std::string &entry) {
+          AssertThrow(size == 0 || size == dim,
+                      ExcMessage("The parameter '" + section + "/" + entry +
+                                 "' takes " + std::to_string(dim) +
+                                 " numbers in " + std::to_string(dim) +
+                                 "D, or none, not " + std::to_string(size) +
+                                 "."));
+        };
+        needs(own.lower.size(), "Lower corner");
+        needs(own.upper.size(), "Upper corner");
+        needs(own.cells.size(), "Cells");
+        AssertThrow(!own.cells.empty() ||
+                      (own.lower.empty() && own.upper.empty()),
+                    ExcMessage("'" + section +
+                               "' has a corner and no 'Cells': give both."));
+        const GridParameters whole = grid_of(name);
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            AssertThrow(whole.lower[d] < whole.upper[d],
+                        ExcMessage("'" + section +
+                                   "/Upper corner' has to be larger than "
+                                   "'Lower corner' in all directions, but " +
+                                   text_of(whole.upper[d]) + " is not above " +
+                                   text_of(whole.lower[d]) + "."));
+            if (walls.type[2 * d] != "periodic")
+              continue;
+            AssertThrow(whole.lower[d] == grid.lower[d] &&
+                          whole.upper[d] == grid.upper[d],
+                        ExcMessage("'" + section + "' ends at " +
+                                   text_of(whole.lower[d]) + " and " +
+                                   text_of(whole.upper[d]) +
+                                   " m between periodic walls at " +
+                                   text_of(grid.lower[d]) + " and " +
+                                   text_of(grid.upper[d]) +
+                                   " m: there, all grids reach from wall to "
+                                   "wall."));
+            AssertThrow(whole.cells[d] > whole.degree,
+                        ExcMessage("'" + section + "' has " +
+                                   std::to_string(whole.cells[d]) +
+                                   " cells between periodic walls: B-splines "
+                                   "of order " +
+                                   std::to_string(whole.degree) + " need " +
+                                   std::to_string(whole.degree + 1) +
+                                   " or more, so that none meets itself."));
+          }
+      }
+    AssertThrow(scheme.is_total_lagrangian(),
+                ExcMessage("'Grid/Per body' = true does not go with "
+                           "'Scheme/Formulation' = " +
+                           scheme.formulation +
+                           ": bodies have grids of their own in total "
+                           "Lagrangian steps only. In updated Lagrangian ones "
+                           "they meet on one grid."));
+  }
+
+
+
+  template <int dim>
+  std::vector<SimulationParameters>
+  split_by_grids(const SimulationParameters &parameters, const MPI_Comm comm)
+  {
+    if (!parameters.has_body_grids())
+      return {parameters};
+    std::vector<BodyOnGrid<dim>>  bodies;
+    std::map<std::string, double> volumes;
+    for (const std::string &name : parameters.general.bodies)
+      {
+        bodies.push_back(
+          place_body<dim>(parameters, name, parameters.grid_of(name), comm));
+        for (const auto &[traction, volume] : bodies.back().volumes)
+          volumes[traction] += volume;
+      }
+
+    std::vector<SimulationParameters> parts;
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      {
+        const std::string   &name = parameters.general.bodies[b];
+        SimulationParameters part = parameters;
+        part.general.bodies       = {name};
+        cut_out(part, bodies[b], parameters.grid_of(name));
+        part.grid.per_body = false;
+        part.body_grids.clear();
+
+        // A traction without points is an error, which the first one finds.
+        part.general.tractions.clear();
+        for (const std::string &traction : parameters.general.tractions)
+          if (bodies[b].volumes[traction] > 0. || volumes[traction] == 0.)
+            {
+              part.general.tractions.push_back(traction);
+              if (bodies[b].volumes[traction] < volumes[traction])
+                part.tractions.at(traction).area *=
+                  bodies[b].volumes[traction] / volumes[traction];
+            }
+        auto &loads = part.general.surface_loads;
+        loads.erase(std::remove_if(
+                      loads.begin(),
+                      loads.end(),
+                      [&](const std::string &load) {
+                        return parameters.surface_loads.at(load).body != name;
+                      }),
+                    loads.end());
+        parts.push_back(part);
+      }
+    return parts;
+  }
+
+
+
+  template decltype(split_by_grids<2>) split_by_grids<2>;
+  template decltype(split_by_grids<3>) split_by_grids<3>;
+} // namespace greville

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/steps/consistent_mass.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  ConsistentMass<dim>::ConsistentMass(
+    const unsigned int             degree,
+    DistributedTriangulation<dim> &triangulation,
+    const SimulationParameters    &parameters,
+    const Walls<dim>              &walls)
+    : GridMass<dim>(degree,
+                    triangulation,
+                    parameters.solver.method == "cg-p-multigrid"
+                      ? parameters.multigrid.coarsening
+                      : "none",
+                    walls)
+    , parameters(parameters)
+    , walls(walls)
+  {
+    typename CellFilling<dim>::Walls contact_walls;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      contact_walls[w] = walls.is_friction(w);
+    filling.reinit(this->space(), contact_walls);
+    extended_mass.reinit(this->space());
+    const auto make_solver = [&]() {
+      return std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
+                                                       parameters.solver,
+                                                       parameters.smoother,
+                                                       make_preconditioner());
+    };
+    mass_solver = make_solver();
+    if (walls.have_friction())
+      solver_of_held = make_solver();
+  }
+
+
+
+  template <int dim>
+  ColumnPreconditioner
+  ConsistentMass<dim>::make_preconditioner()
+  {
+    const std::string &method = parameters.solver.method;
+    if (method == "cg-ic0")
+      return {};
+    if (method == "cg-p-multigrid")
+      {
+        if (!multigrid)
+          multigrid = std::make_unique<ExtendedMultigrid<dim>>(
+            this->orders,
+            extended_mass,
+            [this](const SplineSpace<dim> &space, const unsigned int c) {
+              return held_at_walls(space, walls, c);
+            },
+            parameters.multigrid,
+            parameters.smoother);
+        return [this](VectorType        &z,
+                      const VectorType  &r,
+                      const unsigned int width,
+                      const unsigned int n_columns) {
+          multigrid->vmult(z, r, width, n_columns);
+        };
+      }
+    return [this](VectorType        &z,
+                  const VectorType  &r,
+                  const unsigned int width,
+                  const unsigned int) {
+      const bool is_scaled = parameters.solver.method == "cg-jacobi";
+      for (unsigned int i = 0; i < r.locally_owned_size(); ++i)
+        z.local_element(i) =
+          r.local_element(i) /
+          (is_scaled ? diagonal.local_element(i / width) : 1.);
+    };
+  }
+
+
+
+  template <int dim>
+  void
+  ConsistentMass<dim>::update(
+    const VectorType                               &lumped,
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    const PointTransfer<dim>                       &transfer)
+  {
+    this->lumped_mass.copy_locally_owned_data_from(lumped);
+    transfer.filling(bodies, filled_part);
+    const bool unknowns_changed =
+      filling.update(filled_part, parameters.scheme.filling_threshold());
+    if (unknowns_changed)
+      spline_extension.reinit(this->space(), filling);
+    extended_mass.begin(spline_extension, unknowns_changed);
+    if (unknowns_changed)
+      extended_mass.hold(this->held);
+    held_solver_is_behind = held_solver_is_behind || unknowns_changed;
+    transfer.add_mass_matrix(bodies, extended_mass.matrix());
+    extended_mass.finish();
+    total_mass = 0.;
+    for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+      total_mass += lumped.local_element(i);
+    total_mass = Utilities::MPI::sum(total_mass, this->space().communicator());
+    if (parameters.solver.method == "cg-jacobi")
+      extended_mass.approximate_diagonal(diagonal);
+    if (multigrid)
+      multigrid->update(filling,
+                        unknowns_changed,
+                        [&](DensityWeights<dim> &weights) {
+                          transfer.mass_weights(bodies, weights);
+                        });
+    mass_solver->update(unknowns_changed, total_mass);
+  }
+
+
+
+  template <int dim>
+  void
+  ConsistentMass<dim>::begin_trial()
+  {
+    GridMass<dim>::begin_trial();
+    is_trial = true;
+  }
+
+
+
+  template <int dim>
+  void
+  ConsistentMass<dim>::keep_memory()
+  {
+    if (!is_trial || memory_before_trial)
+      return;
+    memory_before_trial    = mass_solver->memory();
+    is_behind_before_trial = held_solver_is_behind;
+    if (solver_of_held)
+      memory_of_held_before_trial = solver_of_held->memory();
+  }
+
+
+
+  template <int dim>
+  void
+  ConsistentMass<dim>::end_trial()
+  {
+    GridMass<dim>::end_trial();
+    is_trial = false;
+    if (!memory_before_trial)
+      return;
+    mass_solver->set_memory(*memory_before_trial);
+    held_solver_is_behind = is_behind_before_trial;
+    if (solver_of_held)
+      solver_of_held->set_memory(*memory_of_held_before_trial);
+    memory_before_trial.reset();
+    memory_of_held_before_trial.reset();
+  }
+
+
+
+  template <int dim>
+  void
+  ConsistentMass<dim>::solve(const std::vector<VectorField<dim> *>       &x,
+                             const std::vector<const VectorField<dim> *> &b,
+                             const std::vector<double> &shares)
+  {
+    AssertDimension(x.size(), b.size());
+    keep_memory();
+    check(mass_solver->solve(x, b, shares));
+  }
+
+
+
+  template <int dim>
+  void
+  ConsistentMass<dim>::check(const SolveResult &result)
+  {
+    AssertThrow(result.converged,
+                ErrorOnAll("The solver <" + solver() +
+                           "> of the mass matrix failed: it " + result.reason +
+                           ". The matrix is singular where a body has fewer "
+                           "points across it than functions of 'Grid/Order' "
+                           "see it: look at 'Points per direction'."));
+    this->iterations = *result.iterations;
+  }
+
+
+
+  template <int dim>
+  void
+  ConsistentMass<dim>::solve_held(VectorField<dim>                 &x,
+                                  const VectorField<dim>           &b,
+                                  const std::vector<unsigned char> &more)
+  {
+    Assert(solver_of_held, ExcMessage("There are no friction walls."));
+    keep_memory();
+    std::vector<unsigned char> all_held = with_ghosts(this->space(), more);
+    for (unsigned int f = 0; f < all_held.size(); ++f)
+      all_held[f] |= this->held[f];
+
+    extended_mass.hold(all_held);
+    solver_of_held->update(held_solver_is_behind, total_mass);
+    held_solver_is_behind    = false;
+    const SolveResult result = solver_of_held->solve({&x}, {&b});
+    extended_mass.hold(this->held);
+    check(result);
+  }
+
+
+
+  template <int dim>
+  double
+  ConsistentMass<dim>::fragment_fraction() const
+  {
+    std::uint64_t n = 0;
+    for (const double part : filled_part)
+      n += part > 0.;
+    n = Utilities::MPI::sum(n, this->space().communicator());
+    return n > 0 ? double(n_fragments()) / n : 0.;
+  }
+
+
+
+  template class ConsistentMass<2>;
+  template class ConsistentMass<3>;
+} // namespace greville

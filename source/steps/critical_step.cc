@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/largest_eigenvalue.h>
+#include <greville/steps/critical_step.h>
+
+#include <cmath>
+#include <limits>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr double       tolerance    = 0.01;
+    constexpr unsigned int max_products = 40;
+
+    // The part of the square of the norm of the first vector that is noise,
+    // where an eigenvector is known.
+    constexpr double noise_part = 0.05;
+
+
+
+    /**
+     * Between -1 and 1, the same for any number of processes.
+     */
+    double
+    noise(const std::uint64_t function, const unsigned int component)
+    {
+      const double x =
+        std::sin(12.9898 * (function % 100003) + 78.233 * component + 0.7) *
+        43758.5453;
+      return 2. * (x - std::floor(x)) - 1.;
+    }
+
+
+
+    double
+    dot(const std::vector<double> &a,
+        const std::vector<double> &b,
+        const MPI_Comm             comm)
+    {
+      double sum = 0.;
+      for (std::size_t u = 0; u < a.size(); ++u)
+        sum += a[u] * b[u];
+      return Utilities::MPI::sum(sum, comm);
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  CriticalStep<dim>::choose_unknowns(const GridMass<dim>    &mass,
+                                     const HighestMode<dim> &mode)
+  {
+    const SplineSpace<dim> &space  = mass.space();
+    const VectorType       &lumped = mass.lumped();
+    for (auto *field : {&source, &target, &product})
+      for (VectorType &component : *field)
+        space.initialize_vector(component);
+
+    // Held coefficients stay zero.
+    const double        smallest_mass = !mass.is_exact() && space.degree() == 1
+                                          ? 0.01 * lumped.linfty_norm()
+                                          : 0.;
+    std::vector<double> random;
+    start.clear();
+    std::vector<double> squares(2, 0.); // of noise and of the last vector
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        unknowns[d].clear();
+        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+          {
+            const double m = lumped.local_element(i);
+            if (!(m > smallest_mass) || ((mass.held_by_walls(i) >> d) & 1))
+              continue;
+            unknowns[d].push_back(i);
+            const double r = noise(space.owned_functions()[i], d);
+            random.push_back(m * r);
+            const double b =
+              mode.is_known ? mode.force[d].local_element(i) : 0.;
+            start.push_back(b);
+            squares[0] += m * r * r;
+            squares[1] += b * b / m;
+          }
+      }
+    Utilities::MPI::sum(squares, space.communicator(), squares);
+    const double weight = squares[1] > 0. ? noise_part * squares[1] : 1.;
+    if (squares[0] > 0.)
+      for (std::size_t u = 0; u < start.size(); ++u)
+        start[u] += random[u] * std::sqrt(weight / squares[0]);
+  }
+
+
+
+  template <int dim>
+  void
+  CriticalStep<dim>::read_field(std::vector<double>    &values,
+                                const VectorField<dim> &field) const
+  {
+    std::size_t u = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (const unsigned int i : unknowns[d])
+        values[u++] = field[d].local_element(i);
+  }
+
+
+
+  template <int dim>
+  void
+  CriticalStep<dim>::write_field(VectorField<dim>          &field,
+                                 const std::vector<double> &values) const
+  {
+    std::size_t u = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        field[d] = 0.;
+        for (const unsigned int i : unknowns[d])
+          field[d].local_element(i) = values[u++];
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CriticalStep<dim>::multiply_by_B(
+    std::vector<double>                            &x,
+    const std::vector<double>                      &b,
+    GridMass<dim>                                  &mass,
+    PointTransfer<dim>                             &transfer,
+    const std::vector<const MaterialPoints<dim> *> &mass_points,
+    const StepScheme                               &scheme)
+  {
+    // The coefficients of the polynomial in s.
+    std::array<double, 3> c{{1., 0., 0.}};
+    if (!mass.is_exact())
+      {
+        if (scheme.stress_update == StressUpdate::USL)
+          c = {{2., -1., 0.}};
+        else if (!scheme.apic)
+          c = {{0.,
+                2. / (1. + scheme.flip),
+                -(1. - scheme.flip) / (1. + scheme.flip)}};
+      }
+
+    const auto solve = [&](const VectorField<dim> &rows) {
+      for (VectorType &component : target)
+        component = 0.;
+      mass.solve({&target}, {&rows});
+    };
+    write_field(source, b);
+    solve(source);
+    std::vector<double> part(b.size());
+    read_field(part, target);
+    for (std::size_t u = 0; u < x.size(); ++u)
+      x[u] = c[0] * part[u];
+    for (unsigned int k = 1; k < 3 && (c[k] != 0. || c[2] != 0.); ++k)
+      {
+        write_field(target, part);
+        transfer.multiply_mass(mass_points, target, product);
+        solve(product);
+        read_field(part, target);
+        for (std::size_t u = 0; u < x.size(); ++u)
+          x[u] += c[k] * part[u];
+      }
+  }
+
+
+
+  template <int dim>
+  double
+  CriticalStep<dim>::estimate(
+    GridMass<dim>                                  &mass,
+    PointTransfer<dim>                             &transfer,
+    const std::vector<const Body<dim> *>           &all_bodies,
+    const std::vector<Surface<dim>>                &surfaces,
+    const std::vector<const MaterialPoints<dim> *> &mass_points,
+    const StepScheme                               &scheme,
+    HighestMode<dim>                               &mode)
+  {
+    std::vector<const Body<dim> *> bodies;
+    bool                           is_viscous = false;
+    for (const Body<dim> *body : all_bodies)
+      {
+        const Moduli moduli = body->material->moduli();
+        const bool   flows  = moduli.viscosity + moduli.bulk_viscosity > 0.;
+        if (body->rigid_motion || !(moduli.bulk + moduli.shear > 0. || flows))
+          continue;
+        bodies.push_back(body);
+        is_viscous = is_viscous || flows;
+      }
+    for (const Surface<dim> &surface : surfaces)
+      is_viscous = is_viscous || surface.damping > 0.;
+    if (bodies.empty())
+      return std::numeric_limits<double>::infinity();
+
+    const MPI_Comm comm = mass.space().communicator();
+    choose_unknowns(mass, mode);
+    const std::size_t  n      = start.size();
+    const double       factor = mass.is_diagonal() ? 1. + scheme.damping
+                                                   : std::pow(1. + scheme.damping, 2);
+    const LinearAction B      = [&](std::vector<double>       &x,
+                               const std::vector<double> &b) {
+      multiply_by_B(x, b, mass, transfer, mass_points, scheme);
+    };
+    // y = (elastic K + viscous C) x.
+    const auto multiply = [&](std::vector<double>       &y,
+                              const std::vector<double> &x,
+                              const double               elastic,
+                              const double               viscous) {
+      write_field(source, x);
+      for (const Body<dim> *body : bodies)
+        {
+          const Moduli m = body->material->moduli();
+          Stiffness    stiffness;
+          stiffness.lambda         = m.bulk - 2. / 3. * m.shear;
+          stiffness.shear          = m.shear;
+          stiffness.elastic_factor = factor * elastic;
+          stiffness.viscous_shear  = factor * viscous * m.viscosity;
+          stiffness.viscous_lambda =
+            factor * viscous * (m.bulk_viscosity - 2. / 3. * m.viscosity);
+          transfer.add_stiffness(
+            body->points, stiffness, source, target, body == bodies[0]);
+        }
+      // Dashpots see an extrapolated velocity, which counts twice.
+      for (const Surface<dim> &surface : surfaces)
+        {
+          const double k = factor * (elastic * surface.stiffness +
+                                     2. * viscous * surface.damping);
+          if (k == 0.)
+            continue;
+          transfer.multiply_mass({&surface.points}, source, product);
+          for (unsigned int d = 0; d < dim; ++d)
+            target[d].add(k, product[d]);
+        }
+      read_field(y, target);
+    };
+
+    // The dt with dt^2 a + dt b = 1.
+    const auto root = [](const double a, const double b) {
+      return a > 0. || b > 0. ? 2. / (b + std::sqrt(b * b + 4. * a))
+                              : std::numeric_limits<double>::infinity();
+    };
+
+    // A vector x has a step of its own, that with x^T B^-1 x =
+    // x^T (dt^2 / 4 K + dt / 2 C) x, and the critical step is the smallest of
+    // all. So begin with that of the first vector, and repeat with that of the
+    // eigenvector. Without viscosity any dt will do.
+    double              step = 1.;
+    std::vector<double> x(n), y(n);
+    if (is_viscous)
+      {
+        step = mode.step;
+        if (!(mode.step > 0.))
+          {
+            B(x, start);
+            const double square = dot(x, start, comm);
+            multiply(y, x, 0.25, 0.);
+            const double a = dot(x, y, comm);
+            multiply(y, x, 0., 0.5);
+            const double b = dot(x, y, comm);
+            if (!(square > 0.))
+              return std::numeric_limits<double>::infinity();
+            step = root(a / square, b / square);
+          }
+      }
+    for (unsigned int repeat = 0; repeat < 5; ++repeat)
+      {
+        if (!std::isfinite(step))
+          break;
+        const LinearAction S = [&](std::vector<double>       &y,
+                                   const std::vector<double> &x) {
+          multiply(y, x, 0.25 * step * step, 0.5 * step);
+        };
+        LargestEigenvalue result =
+          largest_eigenvalue(S, B, start, tolerance, max_products, comm);
+        start = result.b;
+        if (!is_viscous)
+          {
+            step = root(result.value, 0.);
+            break;
+          }
+        multiply(y, result.x, 0.25, 0.);
+        const double a      = dot(result.x, y, comm);
+        const double b      = result.value / step - a * step;
+        const double before = step;
+        step                = root(a, std::max(b, 0.));
+        if (std::abs(step - before) <= tolerance * step)
+          break;
+      }
+
+    mode.is_known = std::isfinite(step);
+    mode.step     = mode.is_known ? step : 0.;
+    if (mode.is_known)
+      {
+        for (VectorType &component : mode.force)
+          mass.space().initialize_vector(component);
+        write_field(mode.force, start);
+      }
+    return step;
+  }
+
+
+
+  template class CriticalStep<2>;
+  template class CriticalStep<3>;
+} // namespace greville

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/steps/body_grids.h>
+#include <greville/steps/ensemble.h>
+#include <greville/steps/state_tables.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  Ensemble<dim>::Ensemble(const SimulationParameters &parameters,
+                          const MPI_Comm              comm)
+    : comm(comm)
+    , front_above(parameters.output.front_above)
+    , load_names(parameters.general.surface_loads)
+  {
+    for (const auto &part : split_by_grids<dim>(parameters, comm))
+      parts.push_back(std::make_unique<Simulation<dim>>(part, comm));
+    for (const auto &part : parts)
+      if (parts.size() > 1)
+        part->set_label(" of 'Body " + part->state().bodies[0].name + "'");
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::fill_grid()
+  {
+    for (const auto &part : parts)
+      part->fill_grid();
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::step()
+  {
+    std::vector<Simulation<dim> *> all;
+    for (const auto &part : parts)
+      all.push_back(part.get());
+    Simulation<dim>::step_together(all);
+  }
+
+
+
+  template <int dim>
+  bool
+  Ensemble<dim>::is_finished() const
+  {
+    return exceeds_displacement() ||
+           std::all_of(parts.begin(), parts.end(), [](const auto &part) {
+             return part->is_finished();
+           });
+  }
+
+
+
+  template <int dim>
+  bool
+  Ensemble<dim>::exceeds_displacement() const
+  {
+    return std::any_of(parts.begin(), parts.end(), [](const auto &part) {
+      return part->exceeds_displacement();
+    });
+  }
+
+
+
+  template <int dim>
+  std::vector<State<dim>>
+  Ensemble<dim>::state() const
+  {
+    std::vector<State<dim>> states;
+    for (const auto &part : parts)
+      states.push_back(part->state());
+    return states;
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::set_state(const std::vector<State<dim>> &states)
+  {
+    AssertDimension(states.size(), parts.size());
+    // Only a stage that cannot be entered fails: then all parts go back.
+    std::vector<State<dim>> before;
+    for (unsigned int k = 0; k < parts.size() && before.empty(); ++k)
+      if (states[k].stage != part(k).state().stage)
+        before = state();
+    try
+      {
+        for (unsigned int k = 0; k < parts.size(); ++k)
+          parts[k]->set_state(states[k]);
+      }
+    catch (const ErrorOnAll &)
+      {
+        for (unsigned int k = 0; k < before.size(); ++k)
+          parts[k]->set_state(before[k]);
+        throw;
+      }
+  }
+
+
+
+  template <int dim>
+  std::string
+  Ensemble<dim>::prefix(const unsigned int k) const
+  {
+    return parts.size() == 1 ? "" : part(k).bodies()[0].name + ": ";
+  }
+
+
+
+  template <int dim>
+  std::vector<DistributedTable>
+  Ensemble<dim>::tables() const
+  {
+    std::vector<DistributedTable> tables;
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      for (DistributedTable &table :
+           make_tables(part(k).state(), part(k).space(), prefix(k)))
+        tables.push_back(std::move(table));
+    return tables;
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::set_from_tables(const TablesFile &content)
+  {
+    std::vector<State<dim>> states;
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      {
+        states.push_back(parts[k]->state());
+        greville::set_from_tables(states[k],
+                                  content,
+                                  parts[k]->grid(),
+                                  prefix(k));
+      }
+    set_state(states);
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::begin_with(const TablesFile &content)
+  {
+    for (const auto &part : parts)
+      part->begin_with(content);
+  }
+
+
+
+  template <int dim>
+  BodyList<dim>
+  Ensemble<dim>::bodies() const
+  {
+    BodyList<dim> list;
+    for (const auto &part : parts)
+      list.add(static_cast<const Simulation<dim> &>(*part).bodies());
+    return list;
+  }
+
+
+
+  template <int dim>
+  Statistics<dim>
+  Ensemble<dim>::statistics() const
+  {
+    Statistics<dim> result = first().statistics();
+    for (unsigned int k = 1; k < parts.size(); ++k)
+      result.add(part(k).statistics());
+    if (parts.size() > 1)
+      result.front_99 = front_quantile(bodies(), comm, front_above);
+    // In the order of the columns of files.
+    const auto loads = result.loads;
+    const auto work  = result.work.surfaces;
+    result.loads.clear();
+    result.work.surfaces.clear();
+    for (const std::string &name : load_names)
+      for (unsigned int k = 0; k < loads.size(); ++k)
+        if (loads[k].first == name)
+          {
+            result.loads.push_back(loads[k]);
+            result.work.surfaces.push_back(work[k]);
+          }
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  Ensemble<dim>::take_warnings()
+  {
+    std::vector<std::string> result;
+    for (const auto &part : parts)
+      for (const std::string &warning : part->take_warnings())
+        result.push_back((parts.size() > 1
+                            ? "Body " + part->state().bodies[0].name + ": "
+                            : "") +
+                         warning);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<NewtonRecord>
+  Ensemble<dim>::take_newton()
+  {
+    std::vector<NewtonRecord> result;
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      for (NewtonRecord &record : parts[k]->take_newton())
+        {
+          record.part = k + 1;
+          result.push_back(std::move(record));
+        }
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::map<std::string, double>
+  Ensemble<dim>::part_times() const
+  {
+    std::map<std::string, double> result;
+    for (const auto &part : parts)
+      for (const auto &[name, seconds] : part->part_times())
+        result[name] += seconds;
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  Ensemble<dim>::points_memory() const
+  {
+    return sum([](const auto &part) { return part.points_memory(); });
+  }
+
+
+
+  template class Ensemble<2>;
+  template class Ensemble<3>;
+} // namespace greville

@@ -1,0 +1,732 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/step_errors.h>
+#include <greville/steps/implicit_steps.h>
+#include <greville/steps/step_size.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <limits>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  ImplicitSteps<dim>::ImplicitSteps(const std::string          &name,
+                                    const IntegratorParts<dim> &parts)
+    : parameters(parts.parameters)
+    , discretization(parts.discretization)
+    , loads(parts.loads)
+    , log(parts.log)
+    , guard(parts.guard)
+    , scheme(make_implicit_scheme(name, parameters.implicit))
+    , system(
+        parameters.grid.degree,
+        discretization.triangulation(),
+        [this](const SplineSpace<dim> &space) {
+          return held_components_at_walls(space, discretization.walls());
+        },
+        parameters.implicit_solver,
+        parameters.implicit.filling_threshold(
+          parameters.scheme.is_total_lagrangian()),
+        parameters.scheme.mass == "lumped",
+        discretization.volume_projection())
+  {
+    check_parameters(name, parts.initial);
+    step_formula.emplace(parameters.time.step,
+                         "Time/Step",
+                         std::vector<std::string>{"h", "p"});
+    is_symmetric = true;
+    for (const Body<dim> &body : parts.initial.bodies)
+      is_symmetric = is_symmetric && body.material->has_symmetric_tangent();
+    for (auto *field : {&velocity,
+                        &acceleration,
+                        &displacement,
+                        &held_momentum,
+                        &old_force,
+                        &old_loads,
+                        &new_loads,
+                        &force,
+                        &work,
+                        &surface_velocity,
+                        &old_surface_loads,
+                        &new_surface_loads})
+      for (VectorType &component : *field)
+        system.space().initialize_vector(component);
+    system.initialize(last_residual);
+  }
+
+
+
+  template <int dim>
+  double
+  ImplicitSteps<dim>::propose_step(State<dim> &state)
+  {
+    if (state.n_rejections > 0)
+      state.step_fraction *= 0.5;
+    if (state.step_fraction < parameters.implicit.smallest_step)
+      throw StepFailed(describe_failure(state), false);
+    const double step = evaluate_step(*step_formula,
+                                      parameters.time,
+                                      discretization.cell_size(),
+                                      system.space().degree());
+    const double left = parameters.time.end - state.time;
+    check_step(step, left, parameters.time, [&]() {
+      return "'Time/Step' is <" + parameters.time.step + ">.";
+    });
+    return left /
+           std::max(1., std::ceil(left / (step * state.step_fraction) - 1e-9));
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::sum_loads(State<dim>       &state,
+                                const double      t,
+                                const bool        with_following,
+                                VectorField<dim> &sums)
+  {
+    Tensor<1, dim> g;
+    fail_with([&]() { g = loads.gravity(t); }, false);
+    if (loads.act_on_points())
+      {
+        fail_with(
+          [&]() {
+            run_on_all(
+              [&]() {
+                with_following ? loads.set(state.bodies, t)
+                               : loads.set_others(state.bodies, t);
+              },
+              discretization.communicator());
+          },
+          false);
+        discretization.sum(state, &sums);
+      }
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        if (loads.act_on_points())
+          sums[d] -= old_force[d];
+        else
+          sums[d] = 0.;
+        sums[d].add(g[d], discretization.lumped_mass());
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::start_step(State<dim> &state, const double dt)
+  {
+    bodies.clear();
+    for (const Body<dim> &body : state.bodies)
+      bodies.push_back({&body.points,
+                        body.material,
+                        body.name,
+                        body.material->strength_reduction(state.time + dt)});
+    // The mass of total Lagrangian steps never changes.
+    if (stamp == 0 || (stamp != state.points_stamp &&
+                       !parameters.scheme.is_total_lagrangian()))
+      {
+        const PartTimer timer(log, "mass");
+        system.set_points(bodies, state.surfaces, scheme.is_static);
+        check_support(state);
+        stamp = state.points_stamp;
+      }
+    // The force of the stresses at the start, with its sign in M a = F - f.
+    loads.clear(state.bodies);
+    loads.surfaces().clear(state.surfaces);
+    discretization.sum(state, &old_force);
+    sum_loads(state, state.time, true, old_loads);
+    sum_loads(state, state.time + scheme.load_time * dt, false, new_loads);
+
+    velocity = state.velocity;
+    // The velocity of walls at the start, and at the end, from displacements
+    // of a small fraction of the step.
+    const double   small = 1e-3 * dt, begin = parameters.time.start;
+    const double   end    = state.time + dt;
+    const WallTime before = {state.time,
+                             std::max(state.time - small, begin),
+                             state.time + small};
+    const WallTime after  = {end, end - small, end};
+    discretization.walls().hold_velocity(velocity, before);
+    for (VectorType &component : acceleration)
+      component = 0.;
+    if (scheme.is_static)
+      {
+        start_surfaces(state, dt);
+        return;
+      }
+    solve_mass(velocity, discretization.momentum());
+    system.finest().extended().rows_of_held(held_momentum,
+                                            velocity,
+                                            discretization.momentum());
+    start_surfaces(state, dt);
+    if (scheme.needs_acceleration())
+      {
+        if (scheme.keeps_acceleration && state.history.n > 0)
+          acceleration = state.history.accelerations[0];
+        discretization.walls().hold_acceleration(acceleration,
+                                                 before,
+                                                 after,
+                                                 dt);
+        find_acceleration(state);
+      }
+    // v + share (v' - v) without u.
+    const double share = scheme.load_time;
+    for (unsigned int d = 0; d < dim && !surfaces.empty(); ++d)
+      {
+        surface_velocity[d].equ(1. - share * scheme.gamma * scheme.alpha_v,
+                                velocity[d]);
+        surface_velocity[d].add(
+          share * dt * (1. - scheme.gamma - scheme.gamma * scheme.alpha_a),
+          acceleration[d]);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::solve_mass(VectorField<dim> &x, const VectorField<dim> &b)
+  {
+    const PartTimer   timer(log, "solve");
+    const SolveResult result = system.solve_mass(x, b);
+    if (!result.converged)
+      throw StepFailed("the solver of the mass matrix " + result.reason);
+  }
+
+
+
+  namespace
+  {
+    /**
+     * Let the accelerations that points keep and their velocities change
+     * places, so that transfers take the ones for the others.
+     */
+    template <int dim>
+    void
+    exchange_with_velocity(std::vector<Body<dim>> &bodies)
+    {
+      for (Body<dim> &body : bodies)
+        {
+          const unsigned int kept = body.points.layout().first("acceleration");
+          body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+            for (unsigned int d = 0; d < dim; ++d)
+              std::swap(p.velocity(d), p[kept + d]);
+          });
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::find_acceleration(State<dim> &state)
+  {
+    if (scheme.keeps_acceleration && state.history.n > 0)
+      {
+        if (parameters.scheme.is_total_lagrangian())
+          return;
+        std::vector<const MaterialPoints<dim> *> points;
+        for (const Body<dim> &body : state.bodies)
+          points.push_back(&body.points);
+        VectorType mass = discretization.lumped_mass();
+        exchange_with_velocity(state.bodies);
+        discretization.transfer().points_to_grid(points, &mass, &work, nullptr);
+        exchange_with_velocity(state.bodies);
+      }
+    else
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          work[d] = old_force[d];
+          work[d] += old_loads[d];
+        }
+    solve_mass(acceleration, work);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::find_new_acceleration(VectorField<dim> &result,
+                                            const double      dt) const
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        result[d].equ(scheme.alpha_u / (dt * dt), displacement[d]);
+        result[d].add(-scheme.alpha_v / dt,
+                      velocity[d],
+                      -scheme.alpha_a,
+                      acceleration[d]);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::keep_acceleration(State<dim> &state, const double dt)
+  {
+    VectorField<dim> &kept = state.history.accelerations[0];
+    kept                   = acceleration;
+    find_new_acceleration(kept, dt);
+    state.history.n = 1;
+    if (parameters.scheme.is_total_lagrangian())
+      return;
+    PointUpdate<dim> update;
+    update.acceleration = update.velocity = &kept;
+    update.flip                           = 0.;
+    exchange_with_velocity(state.bodies);
+    update_points(state.bodies, discretization.transfer(), update, state.time);
+    exchange_with_velocity(state.bodies);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::start_surfaces(const State<dim> &state, const double dt)
+  {
+    const double t = state.time + scheme.load_time * dt;
+    surfaces       = loads.surfaces().loaded(state.surfaces, t);
+    for (LoadedSurface<dim> &body : loads.following(state.bodies, t))
+      surfaces.push_back(std::move(body));
+    if (surfaces.empty())
+      return;
+    SurfaceMotion<dim> begin;
+    begin.v = scheme.is_static ? nullptr : &velocity;
+    for (VectorType &component : displacement)
+      component = 0.;
+    system.add_surfaces(loads.surfaces().loaded(state.surfaces, state.time),
+                        displacement,
+                        begin,
+                        false,
+                        old_surface_loads);
+    for (unsigned int d = 0; d < dim; ++d)
+      old_loads[d] += old_surface_loads[d];
+    surface_motion.share = scheme.load_time;
+    surface_motion.v     = scheme.is_static ? nullptr : &surface_velocity;
+    surface_motion.v_by_u =
+      scheme.load_time * scheme.gamma * scheme.alpha_u / dt;
+  }
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::find_residual(VectorType       &r,
+                                    const VectorType &x,
+                                    const double      dt,
+                                    const bool        with_stiffness)
+  {
+    const PartTimer timer(log, with_stiffness ? "stiffness" : "residual");
+    system.extend(displacement, x);
+    std::string problem = system.evaluate(
+      bodies, displacement, dt, scheme.stress, with_stiffness, force);
+    has_stiffness = with_stiffness;
+    // Formulas may have no value where the step would bring the points.
+    if (!surfaces.empty())
+      try
+        {
+          const bool symmetric = system.add_surfaces(surfaces,
+                                                     displacement,
+                                                     surface_motion,
+                                                     with_stiffness,
+                                                     new_surface_loads);
+          if (with_stiffness)
+            surfaces_are_symmetric = symmetric;
+        }
+      catch (const ErrorOnAll &error)
+        {
+          problem = message_of(error);
+        }
+    problem = first_of_all(problem, discretization.communicator());
+    if (!problem.empty())
+      return problem;
+
+    // All loads, while the forces of stresses wait.
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        work[d] = new_loads[d];
+        if (!surfaces.empty())
+          work[d] += new_surface_loads[d];
+      }
+    system.restrict(r, work, nullptr);
+    force_scale            = std::max(system.force_scale(), r.l2_norm());
+    const double old_share = scheme.alpha_f / (1. - scheme.alpha_f);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        force[d] -= work[d];
+        if (old_share != 0.)
+          force[d].add(-old_share, old_force[d], -old_share, old_loads[d]);
+        if (!scheme.is_static)
+          {
+            // (1 - alpha_m) a' + alpha_m a, over 1 - alpha_f
+            const double share = 1. / (1. - scheme.alpha_f);
+            const double end   = (1. - scheme.alpha_m) * share;
+            work[d].equ(end * scheme.alpha_u / (dt * dt), displacement[d]);
+            work[d].add(-end * scheme.alpha_v / dt,
+                        velocity[d],
+                        scheme.alpha_m * share - end * scheme.alpha_a,
+                        acceleration[d]);
+          }
+      }
+    system.restrict(r, force, nullptr);
+    if (!scheme.is_static)
+      {
+        last_residual = r;
+        system.restrict(r, force, &work);
+        last_residual -= r;
+        force_scale = std::max(force_scale, last_residual.l2_norm());
+      }
+    round_off = find_round_off();
+    return "";
+  }
+
+
+
+  template <int dim>
+  double
+  ImplicitSteps<dim>::find_inertia_at_begin(const double dt)
+  {
+    if (scheme.is_static)
+      return 0.;
+    const double share = 1. / (1. - scheme.alpha_f);
+    const double end   = (1. - scheme.alpha_m) * share;
+    double       sum   = 0.;
+    for (VectorType &component : force)
+      component = 0.;
+    const auto add = [&](const double factor, const VectorField<dim> &field) {
+      if (factor == 0.)
+        return;
+      system.restrict(last_residual, force, &field);
+      sum += std::abs(factor) * last_residual.l2_norm();
+    };
+    add(end * scheme.alpha_v / dt, velocity);
+    add(scheme.alpha_m * share - end * scheme.alpha_a, acceleration);
+    return sum;
+  }
+
+
+
+  template <int dim>
+  double
+  ImplicitSteps<dim>::find_round_off() const
+  {
+    constexpr double units = 16. * std::numeric_limits<double>::epsilon();
+    // The displacement of points is of the size of its mean: coefficients of
+    // functions that points hardly see may be any number.
+    const VectorType &mass    = discretization.lumped_mass();
+    double            sums[2] = {};
+    for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
+      {
+        sums[1] += mass.local_element(i);
+        for (unsigned int d = 0; d < dim; ++d)
+          sums[0] += mass.local_element(i) * displacement[d].local_element(i) *
+                     displacement[d].local_element(i);
+      }
+    Utilities::MPI::sum(ArrayView<const double>(sums, 2),
+                        discretization.communicator(),
+                        ArrayView<double>(sums, 2));
+    const double u = sums[1] > 0. ? std::sqrt(sums[0] / sums[1]) : 0.;
+    double       x = 0.;
+    for (const auto *corner : {&parameters.grid.lower, &parameters.grid.upper})
+      for (const double coordinate : *corner)
+        x = std::max(x, std::abs(coordinate));
+    const double of_surfaces =
+      surfaces.empty() ? 0. : system.surface_stiffness_scale() * x;
+    return units *
+           (system.stiffness_scale() * (1. + u / discretization.cell_size()) +
+            of_surfaces + force_scale + inertia_at_begin);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::find_reactions(State<dim> &state, const double dt)
+  {
+    // Walls give what is left of the balance at held coefficients, in which
+    // force has f - F', and work inertia, both over 1 - alpha_f.
+    const Walls<dim> &walls    = discretization.walls();
+    VectorField<dim>  reaction = velocity, known = force;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        known[d] *= -1.;
+        if (scheme.is_static)
+          work[d] = 0.;
+      }
+    system.finest().extended().rows_of_held(reaction, work, known);
+    for (VectorType &component : reaction)
+      component *= 1. - scheme.alpha_f;
+    state.reactions = walls.sums_of_held(reaction);
+
+    add_work(state, reaction, dt);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::take_held_momentum(State<dim> &state, const double dt)
+  {
+    // Points lose it with FLIP's kick, or take a velocity that is without it.
+    const bool   is_taken = !scheme.keeps_held_momentum;
+    const double flip     = flip_share(parameters.scheme,
+                                   discretization.cell_size(),
+                                   state.first_signal,
+                                   dt);
+    const auto   sums     = discretization.walls().sums_of_held(held_momentum);
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      state.reactions[w] += (is_taken ? 1. : 1. - flip) / dt * sums[w];
+
+    const VectorType &lumped = discretization.lumped_mass();
+    const auto       &held   = system.finest().held_components();
+    double            work   = 0.;
+    for (unsigned int d = 0; d < dim && is_taken; ++d)
+      for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+        if (((held[i] >> d) & 1) && lumped.local_element(i) > 0.)
+          {
+            const double momentum = held_momentum[d].local_element(i);
+            state.acceleration[d].local_element(i) +=
+              momentum / (dt * lumped.local_element(i));
+            work += momentum * velocity[d].local_element(i);
+          }
+    state.energy.add_work(EnergyBalance::walls, work);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::try_step(State<dim> &state, const double dt)
+  {
+    start_step(state, dt);
+    inertia_at_begin = find_inertia_at_begin(dt);
+    // The guess: the velocity goes on. Walls move by their displacement, or by
+    // their velocity in the middle.
+    for (unsigned int d = 0; d < dim; ++d)
+      displacement[d].equ(dt, velocity[d]);
+    discretization.walls().hold_velocity(
+      work, {state.time + 0.5 * dt, state.time, state.time + dt});
+    const auto &held = system.finest().held_components();
+    for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim; ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        if ((held[i] >> d) & 1)
+          displacement[d].local_element(i) = dt * work[d].local_element(i);
+    VectorType x;
+    system.initialize(x);
+    system.read(x, displacement);
+
+    n_linear = n_all_linear = 0;
+    NewtonProblem problem;
+    // The guess is linearized at once, and so is what follows up to the
+    // iterations of the last step: it gets both with one pass over points.
+    unsigned int n_residuals = 0;
+    VectorType   linearized;
+    problem.residual = [&](VectorType &r, const VectorType &at) {
+      const bool with_stiffness = n_residuals++ < expected_iterations;
+      if (with_stiffness)
+        linearized = at;
+      return find_residual(r, at, dt, with_stiffness);
+    };
+    // The tolerance of a residual is not below round-off.
+    problem.scale = [&]() {
+      const double tolerance = parameters.newton.tolerance;
+      return tolerance > 0. ? std::max(force_scale, round_off / tolerance)
+                            : force_scale;
+    };
+    problem.linearize = [&](const VectorType &at) -> std::string {
+      const auto is_linearized = [&]() {
+        VectorType difference = linearized;
+        difference -= at;
+        return difference.linfty_norm() == 0.;
+      };
+      if (!has_stiffness || !is_linearized())
+        {
+          VectorType r;
+          system.initialize(r);
+          linearized              = at;
+          const std::string wrong = find_residual(r, at, dt, true);
+          if (!wrong.empty())
+            return wrong;
+        }
+      const PartTimer timer(log, "set-up");
+      try
+        {
+          system.set_operator(scheme.is_static
+                                ? 0.
+                                : (1. - scheme.alpha_m) * scheme.alpha_u /
+                                    ((1. - scheme.alpha_f) * dt * dt),
+                              is_symmetric && surfaces_are_symmetric);
+        }
+      catch (const ErrorOnAll &error)
+        {
+          return "the tangent has no preconditioner: " + message_of(error);
+        }
+      return "";
+    };
+    problem.solve =
+      [&](VectorType &dx, const VectorType &r, const double tolerance) {
+        const PartTimer timer(log, "solve");
+        VectorType      b = r;
+        b *= -1.;
+        SolveResult result;
+        result.iterations = 0;
+        result.reduction  = 1.;
+        try
+          {
+            result = system.solve(dx, b, tolerance);
+          }
+        catch (const ErrorOnAll &error)
+          {
+            result.reason = "fails: " + message_of(error);
+          }
+        n_linear = std::max(n_linear, *result.iterations);
+        n_all_linear += *result.iterations;
+        return result;
+      };
+    const NewtonResult result = solve_newton(x, problem, parameters.newton);
+    print(state, dt, result);
+    log.newton.push_back({state.n_steps + 1, 1, state.time, dt, result});
+    if (!result.converged)
+      {
+        // Of the iterate that is reported, which need not be the last trial.
+        constexpr double much = 1e4;
+        forces_vanish         = false;
+        rejection             = result.reason;
+        VectorType r;
+        system.initialize(r);
+        if (find_residual(r, x, dt, false).empty())
+          {
+            forces_vanish = force_scale <= much * round_off;
+            last_residual = r;
+            rejection += describe_residual();
+          }
+        throw StepRejected(rejection);
+      }
+    n_newton            = result.n_iterations();
+    expected_iterations = std::max(1u, n_newton);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::advance(State<dim> &state, const double dt)
+  {
+    find_reactions(state, dt);
+    if (scheme.keeps_acceleration)
+      keep_acceleration(state, dt);
+
+    // v', and what the points get.
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        VectorType &change = work[d];
+        if (scheme.is_static)
+          change = 0.;
+        else
+          {
+            // dt (1 - gamma) a + dt gamma a'
+            change.equ(scheme.gamma * scheme.alpha_u / dt, displacement[d]);
+            change.add(-scheme.gamma * scheme.alpha_v,
+                       velocity[d],
+                       dt * (1. - scheme.gamma - scheme.gamma * scheme.alpha_a),
+                       acceleration[d]);
+          }
+        state.acceleration[d].copy_locally_owned_data_from(change);
+        state.acceleration[d] *= 1. / dt;
+        velocity[d] += change;
+        displacement[d] *= 1. / dt;
+        state.velocity[d].copy_locally_owned_data_from(
+          scheme.is_static ? displacement[d] : velocity[d]);
+      }
+    if (!scheme.is_static)
+      take_held_momentum(state, dt);
+    move_points(state, dt);
+
+    state.time += dt;
+    state.velocity_time = state.time;
+    state.step          = dt;
+    state.velocity_step = dt;
+    state.n_iterations  = n_linear;
+    state.n_all_iterations += n_all_linear;
+    ++state.n_steps;
+    if (n_newton <= parameters.implicit.easy_iterations)
+      state.step_fraction = std::min(1., 2. * state.step_fraction);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::move_points(State<dim> &state, const double dt)
+  {
+    const PartTimer  timer(log, "grid to points");
+    PointUpdate<dim> kick;
+    kick.acceleration  = &state.acceleration;
+    kick.velocity      = &velocity;
+    kick.velocity_step = dt;
+    kick.flip          = flip_share(parameters.scheme,
+                           discretization.cell_size(),
+                           state.first_signal,
+                           dt);
+    MomentumBalance<dim> momentum;
+    if (scheme.is_static)
+      stop_points(state);
+    else
+      {
+        const VectorType &lumped = discretization.lumped_mass();
+        momentum.add(discretization.momentum(), kick.flip);
+        momentum.add(lumped, state.acceleration, kick.flip * dt);
+        momentum.add(lumped, velocity, 1. - kick.flip);
+        PointMotion kicked = update_points(state.bodies,
+                                           discretization.transfer(),
+                                           kick,
+                                           state.time + dt);
+        update_surfaces(state.surfaces,
+                        discretization.transfer(),
+                        kick,
+                        kicked);
+      }
+    PointUpdate<dim> move;
+    move.velocity      = &displacement;
+    move.deformation   = &displacement;
+    move.move          = true;
+    move.step          = dt;
+    move.projection    = discretization.volume_projection();
+    PointMotion motion = update_points(state.bodies,
+                                       discretization.transfer(),
+                                       move,
+                                       state.time + dt);
+    update_surfaces(state.surfaces, discretization.transfer(), move, motion);
+    state.points_have_changed();
+    const std::string problem =
+      discretization.transport_points(state,
+                                      motion.left_cells,
+                                      motion.left_surface_cells);
+    fail_on_all(motion.problem.empty() ? problem : motion.problem,
+                discretization.communicator());
+    guard.set(motion);
+    guard.set(momentum);
+    double speeds[2] = {motion.fastest_signal, motion.fastest_wave};
+    Utilities::MPI::max(ArrayView<const double>(speeds, 2),
+                        discretization.communicator(),
+                        ArrayView<double>(speeds, 2));
+    state.signals.fastest = speeds[0];
+    state.signals.wave    = speeds[1];
+  }
+
+
+
+  template class ImplicitSteps<2>;
+  template class ImplicitSteps<3>;
+} // namespace greville

@@ -1,0 +1,413 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/geometry/inside.h>
+#include <greville/steps/implicit_scheme.h>
+#include <greville/steps/initial_state.h>
+#include <greville/steps/load_balance.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * A body without points.
+     */
+    template <int dim>
+    Body<dim>
+    make_body(const std::string &name, const SimulationParameters &parameters)
+    {
+      Body<dim> body;
+      body.name       = name;
+      body.parameters = &parameters.bodies.at(name);
+      body.material = parameters.materials.at(body.parameters->material).get();
+      return body;
+    }
+
+
+
+    template <int dim>
+    std::string
+    overlap_message(const Body<dim>        &a,
+                    const Body<dim>        &b,
+                    const unsigned int      cell,
+                    const SplineSpace<dim> &space)
+    {
+      return "'Body " + b.name + "' is in the same place as 'Body " + a.name +
+             "', for instance at (" +
+             text_of(space.lattice().cell_center(multi_index<dim>(
+               space.owned_cells()[cell], space.lattice().n_cells()))) +
+             ") m: the mass would be counted twice. In shapes, difference(a, "
+             "b) cuts one body out of another.";
+    }
+
+
+
+    /**
+     * Throw where two bodies fill the same cells.
+     */
+    template <int dim>
+    void
+    check_overlap(const std::vector<Body<dim>> &bodies,
+                  const SplineSpace<dim>       &space)
+    {
+      double cell_volume = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        cell_volume *= space.lattice().cell_size(d);
+
+      // Fractions of cells: where the bodies before fill more than what this
+      // one leaves, two of them are in the same place.
+      const unsigned int  n_cells = space.owned_cells().size();
+      std::vector<double> before(n_cells, 0.), own(n_cells);
+      for (unsigned int b = 0; b < bodies.size(); ++b)
+        {
+          const auto &points = bodies[b].points;
+          std::fill(own.begin(), own.end(), 0.);
+          points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
+            own[cell] += p.volume() / cell_volume;
+          });
+          std::string message;
+          for (unsigned int cell = 0; cell < n_cells; ++cell)
+            {
+              const auto is_there = [&](const Body<dim> &body) {
+                return body.points.n_points(cell) > 0;
+              };
+              own[cell] = std::min(own[cell], 1.);
+              if (own[cell] + before[cell] > 1.5 && message.empty())
+                message = overlap_message(*std::find_if(bodies.begin(),
+                                                        bodies.end(),
+                                                        is_there),
+                                          bodies[b],
+                                          cell,
+                                          space);
+              before[cell] = std::min(own[cell] + before[cell], 1.);
+            }
+          throw_on_all(message, space.communicator());
+        }
+    }
+
+
+
+    /**
+     * The same of bodies with shapes, however thin they are: by the points of
+     * each of two bodies that are inside of the other one. Bodies that touch
+     * may share a layer of points on their common boundary.
+     */
+    template <int dim>
+    void
+    check_overlap_of_shapes(const std::vector<Body<dim>> &bodies,
+                            const SplineSpace<dim>       &space)
+    {
+      // Volumes in both of two bodies are errors above these parts of a cell,
+      // and of the smaller body.
+      constexpr double most_of_cell = 0.4, most_of_body = 0.5;
+      double           cell_volume = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        cell_volume *= space.lattice().cell_size(d);
+      const std::size_t   n_bodies = bodies.size();
+      const unsigned int  n_cells  = space.owned_cells().size();
+      std::vector<double> common(n_bodies * n_bodies, 0.), volumes(n_bodies);
+      std::vector<double> largest(common);
+      std::vector<unsigned int> cells(common.size(), 0);
+      run_on_all(
+        [&]() {
+          std::vector<std::function<bool(const Point<dim> &)>> inside(n_bodies);
+          const auto has_shape = [&](const std::size_t b) {
+            return bodies[b].parameters->points_file.empty() &&
+                   bodies[b].parameters->displacement.empty();
+          };
+          // Of each cell, the volume of points of a that are inside of b.
+          const auto volumes_of = [&](const std::size_t a,
+                                      const std::size_t b) {
+            std::vector<double> result(n_cells, 0.);
+            bodies[a].points.for_each(
+              [&](const unsigned int cell, ConstPointRef<dim> p) {
+                if (bodies[b].points.n_points(cell) == 0)
+                  return;
+                if (!inside[b])
+                  inside[b] = make_inside<dim>(*bodies[b].parameters,
+                                               "Body " + bodies[b].name,
+                                               space);
+                if (inside[b](p.position()))
+                  result[cell] += p.volume();
+              });
+            return result;
+          };
+          for (std::size_t b = 0; b < n_bodies; ++b)
+            {
+              bodies[b].points.for_each(
+                [&](const unsigned int, ConstPointRef<dim> p) {
+                  volumes[b] += p.volume();
+                });
+              for (std::size_t a = 0; a < b && has_shape(b); ++a)
+                {
+                  if (!has_shape(a))
+                    continue;
+                  const std::size_t pair   = a * n_bodies + b;
+                  const auto        a_in_b = volumes_of(a, b);
+                  const auto        b_in_a = volumes_of(b, a);
+                  for (unsigned int cell = 0; cell < n_cells; ++cell)
+                    {
+                      const double own = std::min(a_in_b[cell], b_in_a[cell]);
+                      common[pair] += own;
+                      if (own > largest[pair])
+                        cells[pair] = cell;
+                      largest[pair] = std::max(largest[pair], own);
+                    }
+                }
+            }
+        },
+        space.communicator());
+      Utilities::MPI::sum(common, space.communicator(), common);
+      Utilities::MPI::sum(volumes, space.communicator(), volumes);
+      std::string message;
+      for (std::size_t b = 0; b < n_bodies; ++b)
+        for (std::size_t a = 0; a < b; ++a)
+          {
+            const std::size_t pair = a * n_bodies + b;
+            if (largest[pair] > 0. && message.empty() &&
+                (largest[pair] > most_of_cell * cell_volume ||
+                 common[pair] >
+                   most_of_body * std::min(volumes[a], volumes[b])))
+              message =
+                overlap_message(bodies[a], bodies[b], cells[pair], space);
+          }
+      throw_on_all(message, space.communicator());
+    }
+
+
+
+    /**
+     * Throw where two bodies share basis functions: in total Lagrangian steps
+     * they would stick to one another wherever they go.
+     */
+    template <int dim>
+    void
+    check_distances(const std::vector<Body<dim>> &bodies,
+                    const SplineSpace<dim>       &space)
+    {
+      // The sum of the numbers of all bodies that a function sees, and the sum
+      // of their squares: of one body, the square of the first is the second
+      // times the number of cells.
+      VectorType count, sum, squares;
+      for (VectorType *vector : {&count, &sum, &squares})
+        space.initialize_vector(*vector);
+      for (unsigned int b = 0; b < bodies.size(); ++b)
+        for (const unsigned int cell : bodies[b].points.cells())
+          for (const unsigned int f : space.cell_functions(cell))
+            {
+              count.local_element(f) += 1.;
+              sum.local_element(f) += b;
+              squares.local_element(f) += b * b;
+            }
+      for (VectorType *vector : {&count, &sum, &squares})
+        vector->compress(VectorOperation::add);
+      std::ostringstream message;
+      for (unsigned int i = 0;
+           i < count.locally_owned_size() && message.str().empty();
+           ++i)
+        if (sum.local_element(i) * sum.local_element(i) !=
+            squares.local_element(i) * count.local_element(i))
+          {
+            auto cell =
+              multi_index<dim>(space.owned_functions()[i], space.n_functions());
+            for (unsigned int d = 0; d < dim; ++d)
+              cell[d] =
+                std::min(cell[d] - std::min(cell[d], space.degree() / 2),
+                         space.lattice().n_cells()[d] - 1);
+            message
+              << "With 'Scheme/Formulation' = total Lagrangian two bodies "
+                 "are so close to one another initially that a B-spline "
+                 "reaches both, near ("
+              << space.lattice().cell_center(cell)
+              << ") m: they would move as one body. Place them at least "
+                 "p + 1 cells apart, or give each a grid of its own "
+                 "('Grid/Per body' = true); they do not see one another in "
+                 "such steps.";
+          }
+      throw_on_all(message.str(), space.communicator());
+    }
+
+
+
+    /**
+     * The fastest of a body's points on this process.
+     */
+    template <int dim>
+    void
+    add_signals(Signals                &signals,
+                const Body<dim>        &body,
+                const SplineSpace<dim> &space)
+    {
+      const Moduli moduli = body.material->moduli();
+      const double c      = std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) /
+                                 body.material->density);
+      signals.wave        = std::max(signals.wave, c);
+      if (body.points.layout().is_total_lagrangian())
+        {
+          signals.fastest = std::max(signals.fastest, c);
+          return;
+        }
+      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        double v2 = 0., rate = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double v = p.velocity(d);
+            v2 += v * v;
+            rate += std::abs(v) / space.lattice().cell_size(d);
+          }
+        signals.fastest       = std::max(signals.fastest, c + std::sqrt(v2));
+        signals.crossing_rate = std::max(signals.crossing_rate, rate);
+      });
+    }
+
+
+
+    /**
+     * What schemes and loads of all stages keep in points.
+     */
+    template <int dim>
+    void
+    add_fields(PointLayout<dim>    &layout,
+               SimulationParameters parameters,
+               const bool           is_rigid)
+    {
+      for (unsigned int k = 0; k < parameters.n_stages(); ++k)
+        {
+          parameters.enter_stage(k);
+          if (parameters.scheme.transfer == "APIC")
+            layout.add("affine", dim * dim);
+          const std::string &name = parameters.scheme.stress_update;
+          if (is_implicit_scheme(name) &&
+              make_implicit_scheme(name, parameters.implicit)
+                .keeps_acceleration &&
+              !parameters.scheme.is_total_lagrangian())
+            layout.add("acceleration", dim);
+          Loads<dim>(parameters).add_fields(layout);
+          if (parameters.scheme.volumetric_projection != "none" && !is_rigid)
+            layout.add_projected_J();
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  Partition
+  initial_partition(DistributedTriangulation<dim> &mesh,
+                    const SimulationParameters    &parameters,
+                    const Loads<dim>              &loads)
+  {
+    const MPI_Comm comm = get_communicator(mesh);
+    if (Utilities::MPI::n_mpi_processes(comm) == 1)
+      return Partition({}, comm);
+    const SplineSpace<dim>     cells(mesh, 1);
+    std::vector<std::uint64_t> counts(cells.owned_cells().size(), 0);
+    for (const std::string &name : parameters.general.bodies)
+      {
+        Body<dim> body = make_body<dim>(name, parameters);
+        make_points(body,
+                    cells,
+                    loads.gravity(parameters.time.start),
+                    PointLayout<dim>(body.material->state_names()));
+        for (const unsigned int cell : body.points.cells())
+          counts[cell] += body.points.n_points(cell);
+      }
+    return partition_by_points(counts, cells, parameters.load_balance);
+  }
+
+
+
+  template <int dim>
+  Signals
+  initial_signals(const std::vector<Body<dim>> &bodies,
+                  const SplineSpace<dim>       &space)
+  {
+    Signals signals;
+    for (const Body<dim> &body : bodies)
+      add_signals(signals, body, space);
+    const MPI_Comm comm   = space.communicator();
+    signals.fastest       = Utilities::MPI::max(signals.fastest, comm);
+    signals.crossing_rate = Utilities::MPI::max(signals.crossing_rate, comm);
+    signals.wave          = Utilities::MPI::max(signals.wave, comm);
+    return signals;
+  }
+
+
+
+  template <int dim>
+  State<dim>
+  make_initial_state(const SimulationParameters &parameters,
+                     const Loads<dim>           &loads,
+                     Discretization<dim>        &discretization)
+  {
+    const MPI_Comm          comm  = discretization.communicator();
+    const SplineSpace<dim> &space = discretization.space();
+    State<dim>              state;
+    for (const std::string &name : parameters.general.bodies)
+      {
+        Body<dim>        body = make_body<dim>(name, parameters);
+        PointLayout<dim> layout(body.material->state_names());
+        add_fields(layout,
+                   parameters,
+                   !body.parameters->imposed_velocity.empty());
+        if (parameters.scheme.is_total_lagrangian())
+          {
+            layout.basis_position = PointLayout<dim>::reference;
+            if (!body.parameters->stress.empty() || body.parameters->K0 >= 0.)
+              layout.add_initial_F();
+          }
+        const auto left  = make_points(body,
+                                      space,
+                                      loads.gravity(parameters.time.start),
+                                      layout);
+        const auto moved = discretization.transport().move(body.points, left);
+        AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
+                    ExcMessage("The parameter 'Body " + name +
+                               "/Displacement' moves points out of the grid."));
+        if (!body.rigid_motion)
+          state.n_free += body.n_points;
+        state.bodies.push_back(std::move(body));
+      }
+    state.partition = discretization.partition();
+    state.surfaces  = loads.surfaces().make_surfaces(state.bodies, space);
+    for (Surface<dim> &surface : state.surfaces)
+      {
+        const auto moved =
+          discretization.transport().move(surface.points,
+                                          surface.points.cells());
+        AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
+                    ExcMessage("The surface of 'Surface load " + surface.name +
+                               "' is moved out of the grid initially."));
+      }
+    state.signals      = initial_signals(state.bodies, space);
+    state.first_signal = state.signals.fastest;
+    state.time = state.velocity_time = parameters.time.start;
+    check_overlap(state.bodies, space);
+    check_overlap_of_shapes(state.bodies, space);
+    if (parameters.scheme.is_total_lagrangian())
+      check_distances(state.bodies, space);
+    AssertThrow(state.n_free > 0,
+                ExcMessage("All bodies have an 'Imposed velocity': there is "
+                           "none that feels forces."));
+    discretization.initialize(state.velocity);
+    discretization.initialize(state.acceleration);
+    state.points_have_changed();
+    return state;
+  }
+
+
+
+  template decltype(initial_partition<2>)  initial_partition<2>;
+  template decltype(initial_partition<3>)  initial_partition<3>;
+  template decltype(initial_signals<2>)    initial_signals<2>;
+  template decltype(initial_signals<3>)    initial_signals<3>;
+  template decltype(make_initial_state<2>) make_initial_state<2>;
+  template decltype(make_initial_state<3>) make_initial_state<3>;
+} // namespace greville

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/mass/fmpm.h>
+#include <greville/steps/lumped_mass.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  LumpedMass<dim>::LumpedMass(const unsigned int             n_terms,
+                              const unsigned int             degree,
+                              DistributedTriangulation<dim> &triangulation,
+                              const Walls<dim>              &walls)
+    : GridMass<dim>(degree, triangulation, "none", walls)
+    , n_terms(n_terms)
+  {
+    for (VectorType &component : inverse)
+      this->space().initialize_vector(component);
+  }
+
+
+
+  template <int dim>
+  std::string
+  LumpedMass<dim>::solver() const
+  {
+    return n_terms == 1 ? "lumped" : "fmpm-" + std::to_string(n_terms);
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::update(
+    const VectorType                               &lumped,
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    const PointTransfer<dim>                       &transfer)
+  {
+    this->lumped_mass.copy_locally_owned_data_from(lumped);
+    change_held();
+    if (n_terms == 1)
+      return;
+    if (!product)
+      {
+        weights.emplace(this->space(), 2 * this->space().degree() + 1);
+        product = std::make_unique<CrossMassOperator<dim>>(this->space(),
+                                                           this->space(),
+                                                           *weights);
+      }
+    transfer.mass_weights(bodies, *weights);
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::change_held()
+  {
+    for (unsigned int i = 0; i < this->lumped_mass.locally_owned_size(); ++i)
+      {
+        const double m = this->lumped_mass.local_element(i);
+        const double f = m > 0. ? 1. / m : 0.;
+        for (unsigned int c = 0; c < dim; ++c)
+          inverse[c].local_element(i) = (this->held[i] >> c) & 1 ? 0. : f;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::solve(const std::vector<VectorField<dim> *>       &x,
+                         const std::vector<const VectorField<dim> *> &b,
+                         const std::vector<double> &)
+  {
+    AssertDimension(x.size(), b.size());
+    if (n_terms > 1)
+      products.resize(x.size());
+    for (unsigned int k = 0; k < x.size(); ++k)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          VectorType       &solution = (*x[k])[c];
+          const VectorType &rows     = (*b[k])[c];
+          for (unsigned int i = 0; i < rows.locally_owned_size(); ++i)
+            if (!((this->held[i] >> c) & 1))
+              solution.local_element(i) =
+                inverse[c].local_element(i) * rows.local_element(i);
+          if (n_terms > 1)
+            products[k][c] =
+              add_fmpm_terms(solution, rows, *product, inverse[c], n_terms);
+        }
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::rows_of_held(VectorField<dim>       &rows,
+                                const VectorField<dim> &x,
+                                const VectorField<dim> &b,
+                                const unsigned int      k) const
+  {
+    for (unsigned int i = 0; i < this->lumped_mass.locally_owned_size(); ++i)
+      for (unsigned int c = 0; c < dim && this->held[i] != 0; ++c)
+        if ((this->held[i] >> c) & 1)
+          rows[c].local_element(i) =
+            (n_terms > 1
+               ? products[k][c].local_element(i)
+               : this->lumped_mass.local_element(i) * x[c].local_element(i)) -
+            b[c].local_element(i);
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::multiply_at_held(
+    VectorField<dim>            &rows,
+    const VectorField<dim>      &x,
+    const std::array<bool, dim> &components) const
+  {
+    for (unsigned int c = 0; c < dim; ++c)
+      if (components[c] && n_terms > 1)
+        product->vmult(rows[c], x[c]);
+      else if (components[c])
+        for (unsigned int i = 0; i < x[c].locally_owned_size(); ++i)
+          rows[c].local_element(i) =
+            this->lumped_mass.local_element(i) * x[c].local_element(i);
+  }
+
+
+
+  template class LumpedMass<2>;
+  template class LumpedMass<3>;
+} // namespace greville

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/steps/move_points.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Steps between two exchanges of volume, and what of a difference they
+    // take in the time that a wave needs for a cell.
+    constexpr unsigned int share_every = 10;
+    constexpr double       share_rate  = 0.025;
+
+
+
+    /**
+     * Points with an imposed velocity go on by @p dt. Returns the cells that
+     * they leave, and their largest speed. @p sums get their mass, and what
+     * they cross.
+     */
+    template <int dim>
+    std::pair<std::vector<unsigned int>, double>
+    move_rigidly(MaterialPoints<dim> &points, const double dt, PointSums &sums)
+    {
+      std::vector<unsigned int> left;
+      double                    speed   = 0.;
+      const auto               &lattice = points.space().lattice();
+      points.for_each([&](const unsigned int cell, PointRef<dim> p) {
+        double square = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double v = p.velocity(d);
+            p.position(d) += dt * v;
+            square += v * v;
+            sums.crossed =
+              std::max(sums.crossed, std::abs(dt * v) / lattice.cell_size(d));
+          }
+        sums.mass += p.mass();
+        speed = std::max(speed, std::sqrt(square));
+        if (!points.is_inside(cell, p) && (left.empty() || left.back() != cell))
+          left.push_back(cell);
+      });
+      return {left, speed};
+    }
+  } // namespace
+
+
+
+  void
+  PointMotion::merge(const PointMotion &before)
+  {
+    fastest_signal = std::max(fastest_signal, before.fastest_signal);
+    fastest_wave   = std::max(fastest_wave, before.fastest_wave);
+    sums.add(before.sums);
+    if (!before.problem.empty())
+      problem = before.problem;
+  }
+
+
+
+  double
+  flip_share(const SchemeParameters &scheme,
+             const double            h,
+             const double            signal,
+             const double            dt)
+  {
+    if (scheme.transfer == "PIC" || scheme.flip == 0.)
+      return 0.;
+    if (scheme.flip == 1.)
+      return 1.;
+    const double time = scheme.flip_time > 0. ? scheme.flip_time : h / signal;
+    return std::pow(scheme.flip, dt / time);
+  }
+
+
+
+  template <int dim>
+  void
+  impose_velocities(std::vector<Body<dim>> &bodies, const double t)
+  {
+    for (Body<dim> *body : rigid_bodies(bodies))
+      {
+        const Tensor<1, dim> v = (*body->rigid_motion)(t);
+        body->points.for_each([&](const unsigned int, PointRef<dim> p) {
+          for (unsigned int d = 0; d < dim; ++d)
+            p.velocity(d) = v[d];
+        });
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  stop_points(State<dim> &state)
+  {
+    for (Surface<dim> &surface : state.surfaces)
+      surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+        for (unsigned int d = 0; d < dim; ++d)
+          p.velocity(d) = 0.;
+      });
+    for (Body<dim> *body : deformable_bodies(state.bodies))
+      {
+        const PointField *affine = body->points.layout().find("affine");
+        body->points.for_each([&](const unsigned int, PointRef<dim> p) {
+          for (unsigned int d = 0; d < dim; ++d)
+            p.velocity(d) = 0.;
+          if (affine)
+            for (unsigned int k = 0; k < dim * dim; ++k)
+              p[affine->first + k] = 0.;
+        });
+      }
+  }
+
+
+
+  template <int dim>
+  PointMotion
+  update_points(std::vector<Body<dim>> &bodies,
+                PointTransfer<dim>     &transfer,
+                PointUpdate<dim>        update,
+                const double            time)
+  {
+    PointMotion motion;
+    motion.left_cells.resize(bodies.size());
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      {
+        Body<dim> &body = bodies[b];
+        if (body.rigid_motion)
+          {
+            if (!update.move)
+              continue;
+            const auto [left, speed] =
+              move_rigidly(body.points, update.step, motion.sums);
+            motion.left_cells[b]  = left;
+            motion.fastest_signal = std::max(motion.fastest_signal, speed);
+            continue;
+          }
+        update.material           = body.material;
+        update.strength_reduction = body.material->strength_reduction(time);
+        PointReport report;
+        // A law may throw on one process, and the next body is moved by all.
+        try
+          {
+            report = transfer.grid_to_points(body.points, update);
+          }
+        catch (const std::exception &error)
+          {
+            if (motion.problem.empty())
+              motion.problem = "the law of the body '" + body.name +
+                               "' has failed: " + message_of(error);
+          }
+        motion.sums.add(report.sums);
+        motion.fastest_signal =
+          std::max(motion.fastest_signal, report.fastest_signal);
+        motion.fastest_wave =
+          std::max(motion.fastest_wave, report.fastest_wave);
+        if (update.move)
+          motion.left_cells[b] = report.left_cells;
+        if (report.bad_point >= 0 && motion.problem.empty())
+          motion.problem = "point " + std::to_string(report.bad_point) +
+                           " of the body '" + body.name +
+                           "': " + report.bad_reason;
+      }
+    return motion;
+  }
+
+
+
+  template <int dim>
+  void
+  update_surfaces(std::vector<Surface<dim>> &surfaces,
+                  PointTransfer<dim>        &transfer,
+                  PointUpdate<dim>           update,
+                  PointMotion               &motion)
+  {
+    update.material   = nullptr;
+    update.projection = nullptr;
+    update.apic       = false;
+    update.flip       = 0.;
+    motion.left_surface_cells.resize(surfaces.size());
+    for (unsigned int s = 0; s < surfaces.size(); ++s)
+      {
+        const PointReport report =
+          transfer.grid_to_points(surfaces[s].points, update);
+        if (update.move)
+          motion.left_surface_cells[s] = report.left_cells;
+        if (report.bad_point >= 0 && motion.problem.empty())
+          motion.problem = "point " + std::to_string(report.bad_point) +
+                           " of the surface of the load '" + surfaces[s].name +
+                           "': " + report.bad_reason;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  share_volume(State<dim> &state, PointTransfer<dim> &transfer, const double h)
+  {
+    state.time_to_share += state.step;
+    if (state.n_steps % share_every != 0)
+      return;
+    for (Body<dim> *body : deformable_bodies(state.bodies))
+      if (body->material->shares_volume() &&
+          !body->points.layout().is_total_lagrangian())
+        {
+          const double c =
+            std::sqrt(body->material->moduli().bulk / body->material->density);
+          transfer.share_volume(body->points,
+                                -std::expm1(-share_rate * c *
+                                            state.time_to_share / h));
+        }
+    state.time_to_share = 0.;
+  }
+
+
+
+  template decltype(stop_points<2>)       stop_points<2>;
+  template decltype(stop_points<3>)       stop_points<3>;
+  template decltype(impose_velocities<2>) impose_velocities<2>;
+  template decltype(impose_velocities<3>) impose_velocities<3>;
+  template decltype(update_points<2>)     update_points<2>;
+  template decltype(update_points<3>)     update_points<3>;
+  template decltype(update_surfaces<2>)   update_surfaces<2>;
+  template decltype(update_surfaces<3>)   update_surfaces<3>;
+  template decltype(share_volume<2>)      share_volume<2>;
+  template decltype(share_volume<3>)      share_volume<3>;
+} // namespace greville

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/steps/partition.h>
+
+#include <array>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * The last bits of a number spread over all of them (the finalizer of
+     * MurmurHash3), so that sums of such numbers tell rows apart.
+     */
+    std::uint64_t
+    mixed(std::uint64_t k)
+    {
+      k ^= k >> 33;
+      k *= 0xff51afd7ed558ccd;
+      k ^= k >> 33;
+      k *= 0xc4ceb9fe1a85ec53;
+      return k ^ (k >> 33);
+    }
+  } // namespace
+
+
+
+  Partition::Partition(std::vector<double> rows_, const MPI_Comm comm)
+    : rows(std::move(rows_))
+  {
+    AssertThrow(rows.size() % 2 == 0,
+                ExcMessage("a row of a partition has a cell and a weight"));
+    std::array<std::uint64_t, 2> sums{{rows.size() / 2, 0}};
+    for (std::size_t k = 0; k < rows.size(); k += 2)
+      sums[1] +=
+        mixed(mixed(std::uint64_t(rows[k])) + std::uint64_t(rows[k + 1]));
+    // Unsigned: what is too large begins at zero again.
+    std::array<std::uint64_t, 2> all{};
+    const int                    ierr =
+      MPI_Allreduce(sums.data(), all.data(), 2, MPI_UINT64_T, MPI_SUM, comm);
+    AssertThrowMPI(ierr);
+    n_rows   = all[0];
+    checksum = all[1];
+  }
+} // namespace greville

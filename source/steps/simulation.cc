@@ -1,0 +1,546 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/step_errors.h>
+#include <greville/steps/initial_state.h>
+#include <greville/steps/load_balance.h>
+#include <greville/steps/simulation.h>
+#include <greville/steps/state_tables.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // The imbalance that cells are shared anew for, over the one that the last
+    // time has left.
+    constexpr double worth_it = 1.05;
+
+
+
+    SimulationParameters
+    first_stage_of(SimulationParameters parameters)
+    {
+      AssertThrow(!parameters.has_body_grids(),
+                  ExcMessage("Bodies have grids of their own ('Grid/Per body' "
+                             "or a section 'Grid' of a body): they are "
+                             "simulations of their own, and greville::Ensemble "
+                             "takes their common steps."));
+      parameters.enter_stage(0);
+      return parameters;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  Simulation<dim>::Simulation(const SimulationParameters &given,
+                              const MPI_Comm              comm)
+    : parameters(first_stage_of(given)) // what others refer to
+    , comm(comm)
+    , loads(parameters)
+    , discretization(parameters, loads, log, comm)
+    , damping(parameters.loads, discretization)
+    , guard(parameters, discretization, log)
+    , current(make_initial_state(parameters, loads, discretization))
+    , integrator(make_time_integrator<dim>(
+        parameters.scheme.stress_update,
+        {parameters, discretization, loads, current, log, guard}))
+  {
+    // All stages, the first one last: what is wrong with one is found now.
+    for (unsigned int k = parameters.n_stages(); k-- > 0;)
+      {
+        if (parameters.n_stages() > 1)
+          enter_stage(k);
+        loads.find_points(current.bodies, comm);
+      }
+    if (!parameters.stages.empty())
+      start_stage();
+    guard.start(current);
+    current.imbalance = imbalance(work(), comm);
+    good.take(current);
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::is_finished() const
+  {
+    return (is_stage_finished() &&
+            current.stage + 1 == parameters.n_stages()) ||
+           current.n_free == 0 || exceeds_displacement() ||
+           (parameters.time.max_steps > 0 &&
+            current.n_steps >= parameters.time.max_steps);
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::exceeds_displacement() const
+  {
+    const double most = parameters.time.most_displacement;
+    return most > 0. && current.displacement > most;
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::is_stage_finished() const
+  {
+    const TimeParameters &time = parameters.time;
+    return current.time >= time.end - 1e-12 * std::max(std::abs(time.start),
+                                                       std::abs(time.end));
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::enter_stage(const unsigned int stage)
+  {
+    parameters.enter_stage(stage);
+    entered_stage = stage;
+    integrator.reset();
+    try
+      {
+        loads = Loads<dim>(parameters);
+        discretization.reinit();
+        for (Body<dim> &body : current.bodies)
+          body.points.set_space(discretization.space());
+        for (Surface<dim> &surface : current.surfaces)
+          surface.points.set_space(discretization.space());
+        integrator = make_time_integrator<dim>(
+          parameters.scheme.stress_update,
+          {parameters, discretization, loads, current, log, guard});
+      }
+    catch (const std::exception &exception)
+      {
+        AssertThrow(false,
+                    ErrorOnAll(parameters.stage_text(stage) +
+                               message_of(exception)));
+      }
+    current.stage = stage;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::next_stage()
+  {
+    const std::string scheme     = parameters.scheme.stress_update;
+    const std::string velocities = parameters.time.velocities;
+    const auto       &next       = parameters.stages[current.stage + 1];
+    const bool        goes_on =
+      scheme == next.scheme.stress_update && velocities == next.time.velocities;
+    current.n_rejections = 0;
+    if (!goes_on)
+      {
+        integrator->finish(current);
+        current.velocity_time = current.time;
+        current.step = current.velocity_step = 0.;
+      }
+    current.reactions = {};
+    // What an implicit scheme keeps is part of its solution.
+    AccelerationHistory<dim> kept;
+    if (goes_on && is_implicit())
+      kept = current.history;
+    enter_stage(current.stage + 1);
+    start_stage();
+    current.history = kept;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::start_stage()
+  {
+    // What has been found with other walls, mass or integrator.
+    discretization.initialize(current.velocity);
+    discretization.initialize(current.acceleration);
+    current.step_fraction = 1.;
+    current.last_kinetic  = 0.;
+    current.estimates     = StepEstimates<dim>();
+    current.history       = AccelerationHistory<dim>();
+    current.slid.clear();
+
+    loads.clear(current.bodies);
+    loads.surfaces().clear(current.surfaces);
+    const bool reset = !parameters.stages.empty() &&
+                       parameters.stages[current.stage].reset_displacements;
+    const bool apic = parameters.scheme.transfer == "APIC";
+    for (Surface<dim> &surface : current.surfaces)
+      surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+        for (unsigned int d = 0; reset && d < dim; ++d)
+          p.reference(d) = p.position(d);
+      });
+    for (Body<dim> &body : current.bodies)
+      {
+        const PointField *affine = body.points.layout().find("affine");
+        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+          if (reset)
+            for (unsigned int d = 0; d < dim; ++d)
+              p.reference(d) = p.position(d);
+          if (affine && !apic)
+            for (unsigned int k = 0; k < dim * dim; ++k)
+              p[affine->first + k] = 0.;
+        });
+      }
+    current.points_have_changed();
+
+    const Signals last      = current.signals;
+    current.signals         = initial_signals(current.bodies, space());
+    current.signals.wave    = std::max(last.wave, current.signals.wave);
+    current.signals.fastest = std::max(last.fastest, current.signals.fastest);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::set_state(const State<dim> &state)
+  {
+    AssertDimension(state.bodies.size(), current.bodies.size());
+    const bool is_here =
+      !state.partition || state.partition->is_same(*current.partition);
+    const bool goes_on = is_here && integrator && state.stage == entered_stage;
+    if (!is_here)
+      {
+        integrator.reset();
+        discretization.repartition(state.partition);
+      }
+    current           = state;
+    current.partition = discretization.partition();
+    // It may be that of another simulation, which is gone before this one.
+    for (Body<dim> &body : current.bodies)
+      {
+        body.parameters = &parameters.bodies.at(body.name);
+        body.material =
+          parameters.materials.at(body.parameters->material).get();
+        if (goes_on)
+          body.points.set_space(discretization.space());
+      }
+    // A stage that is entered makes the spaces anew, and gives them to points.
+    if (goes_on)
+      for (Surface<dim> &surface : current.surfaces)
+        surface.points.set_space(discretization.space());
+    if (!goes_on)
+      enter_stage(state.stage);
+    discretization.mass().forget();
+    integrator->forget();
+    guard.weigh(current);
+    good.take(current);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::begin_with(const TablesFile &content)
+  {
+    set_points_from_tables(current, content, discretization);
+    share_cells();
+    enter_stage(0);
+    loads.find_points(current.bodies, comm);
+    start_stage();
+    guard.start(current);
+    good.take(current);
+  }
+
+
+
+  template <int dim>
+  double
+  Simulation<dim>::work() const
+  {
+    return work_of_process(current, space(), parameters.load_balance);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::share_cells()
+  {
+    const auto partition = std::make_shared<const Partition>(
+      balanced_partition(current, space(), parameters.load_balance));
+    if (Utilities::MPI::n_mpi_processes(comm) == 1 ||
+        partition->is_same(*current.partition))
+      return;
+    // What refers to the spaces of before, and the memory of a copy.
+    integrator.reset();
+    good = Snapshot<dim>();
+    redistribute(current, discretization, partition);
+    ++current.n_partitions;
+    current.imbalance = imbalance(work(), comm);
+    integrator        = make_time_integrator<dim>(
+      parameters.scheme.stress_update,
+      {parameters, discretization, loads, current, log, guard});
+    good.take(current);
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::balance_load()
+  {
+    const LoadBalanceParameters &when = parameters.load_balance;
+    const unsigned int           n    = current.n_steps;
+    if (Utilities::MPI::n_mpi_processes(comm) == 1 || n == 0)
+      return false;
+    const bool is_due   = when.every_steps > 0 && n % when.every_steps == 0;
+    const bool compares = when.threshold > 0. && n % when.check_every == 0;
+    if (!is_due && !compares)
+      return false;
+    const PartTimer timer(log, "load balance");
+    // Where cells are few, no partition is below the threshold.
+    if (!is_due && imbalance(work(), comm) <=
+                     std::max(when.threshold, worth_it * current.imbalance))
+      return false;
+    share_cells();
+    return true;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::fill_grid()
+  {
+    discretization.sum(current);
+    try
+      {
+        discretization.walls().hold_velocity(current.velocity,
+                                             {current.velocity_time,
+                                              current.time - current.step,
+                                              current.time});
+        const unsigned int n =
+          discretization.solve({&current.velocity},
+                               {&discretization.momentum()});
+        current.n_iterations = std::max(current.n_iterations, n);
+        current.n_all_iterations += n;
+      }
+    catch (const StepFailed &failure)
+      {
+        go_back(failure, current.step);
+      }
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::begin_output(const std::string &part)
+  {
+    const Lag lag = integrator->lag(current);
+    if (lag == Lag::nothing)
+      return false;
+    const PartTimer timer(log, part);
+    const auto      seconds = log.seconds;
+    unfinished.take(current, lag);
+    discretization.mass().begin_trial();
+    std::string problem;
+    try
+      {
+        integrator->finish(current);
+      }
+    catch (const StepFailed &failure)
+      {
+        problem = without_stop(failure.what());
+      }
+    catch (const ExcMessage &)
+      {
+        discretization.mass().end_trial();
+        end_output();
+        throw;
+      }
+    discretization.mass().end_trial();
+    // Of these tasks, steps have not taken more.
+    for (auto &[task, sum] : log.seconds)
+      {
+        const auto before = seconds.find(task);
+        sum               = before == seconds.end() ? 0. : before->second;
+      }
+    if (problem.empty())
+      return true;
+    end_output();
+    std::ostringstream message;
+    message << "Velocities at t = " << current.time
+            << " s are those of t = " << current.velocity_time
+            << " s, since the kick to the end of the step has failed: "
+            << problem << ".";
+    // The guard and files may ask for the same state.
+    if (std::count(log.warnings.begin(), log.warnings.end(), message.str()) ==
+        0)
+      log.warnings.push_back(message.str());
+    return false;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::end_output()
+  {
+    unfinished.give_back(current);
+  }
+
+
+
+  template <int dim>
+  EnergyTotals
+  Simulation<dim>::energy_totals()
+  {
+    const EndOfStep<dim> end_of_step(*this, "energy");
+    const PartTimer      timer(log, "energy");
+    return current.energy.totals(
+      free_energy<dim>(current.bodies, discretization.transfer(), comm), comm);
+  }
+
+
+
+  template <int dim>
+  Statistics<dim>
+  Simulation<dim>::statistics() const
+  {
+    // Where its formula fails at this time, a row has no potential energy, and
+    // the next step fails with a message and a last state.
+    Tensor<1, dim> gravity;
+    try
+      {
+        gravity = loads.gravity(current.time);
+      }
+    catch (const ExcMessage &)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          gravity[d] = std::numeric_limits<double>::quiet_NaN();
+      }
+    Statistics<dim> result =
+      compute_statistics<dim>(current.bodies,
+                              discretization.transfer(),
+                              gravity,
+                              comm,
+                              parameters.output.front_above);
+    result.time       = current.time;
+    result.step       = current.step;
+    result.iterations = current.n_iterations;
+    result.active     = mass().n_active();
+    result.fragments  = mass().n_fragments();
+    result.redone     = current.n_all_rejections;
+    // All sums over processes are one message.
+    std::vector<std::pair<std::string, double>> sums;
+    const auto add = [&](const std::string &name, const double own) {
+      sums.emplace_back(name, own);
+    };
+    current.energy.visit_numbers(
+      EnergyBalance::surfaces + current.surfaces.size(),
+      [](const std::string &, const double) {},
+      add);
+    for (const Tensor<1, dim> &reaction : current.reactions)
+      for (unsigned int d = 0; d < dim; ++d)
+        add("reaction", reaction[d]);
+    std::vector<double> values;
+    for (const auto &sum : sums)
+      values.push_back(sum.second);
+    Utilities::MPI::sum(values, comm, values);
+    std::map<std::string, double> energy;
+    for (unsigned int k = 0; k < sums.size(); ++k)
+      energy[sums[k].first] = values[k];
+    const auto work = [&](const unsigned int source) {
+      return energy.at("work_" + std::to_string(source));
+    };
+    result.work.gravity   = work(EnergyBalance::gravity);
+    result.work.loads     = work(EnergyBalance::loads);
+    result.work.walls     = work(EnergyBalance::walls);
+    result.work.obstacles = work(EnergyBalance::obstacles);
+    result.work.friction  = energy.at("friction");
+    result.work.damping   = energy.at("damping");
+    for (unsigned int k = 0; k < current.surfaces.size(); ++k)
+      result.work.surfaces.push_back(work(EnergyBalance::surfaces + k));
+    auto value = values.end() - 2 * dim * dim;
+    for (Tensor<1, dim> &reaction : result.reactions)
+      for (unsigned int d = 0; d < dim; ++d)
+        reaction[d] = *value++;
+    result.loads =
+      loads.surfaces().resultants(current.surfaces, current.time, comm);
+    return result;
+  }
+
+
+
+  template <int dim>
+  VectorField<dim>
+  Simulation<dim>::grid_force()
+  {
+    run_on_all([&]() { loads.set(current.bodies, current.time); }, comm);
+    loaded_surfaces();
+    VectorField<dim> force;
+    discretization.initialize(force);
+    discretization.find_force(current, loads.gravity(current.time), force);
+    return force;
+  }
+
+
+
+  template <int dim>
+  const std::vector<Surface<dim>> &
+  Simulation<dim>::loaded_surfaces()
+  {
+    run_on_all([&]() { loads.surfaces().set(current.surfaces, current.time); },
+               comm);
+    return current.surfaces;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  Simulation<dim>::take_warnings()
+  {
+    std::vector<std::string> result;
+    result.swap(log.warnings);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<NewtonRecord>
+  Simulation<dim>::take_newton()
+  {
+    std::vector<NewtonRecord> result;
+    result.swap(log.newton);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::size_t
+  Simulation<dim>::points_memory() const
+  {
+    std::size_t n = good.memory_consumption();
+    for (const Body<dim> &body : current.bodies)
+      n += body.points.memory_consumption();
+    for (const Surface<dim> &surface : current.surfaces)
+      n += surface.points.memory_consumption();
+    return n;
+  }
+
+
+
+  template class Simulation<2>;
+  template class Simulation<3>;
+} // namespace greville

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/step_errors.h>
+#include <greville/steps/move_points.h>
+#include <greville/steps/simulation.h>
+#include <greville/steps/step_size.h>
+
+#include <algorithm>
+#include <sstream>
+
+// How a simulation goes from one time to the next, and back to a good state.
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Steps between two snapshots.
+    constexpr unsigned int remember_every = 50;
+
+    // Times that a step is rejected.
+    constexpr unsigned int most_rejections = 20;
+  } // namespace
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::keeps_state() const
+  {
+    // Implicit steps are few, and go until there is no solution.
+    return current.n_steps == 0 || current.n_steps % remember_every == 0 ||
+           is_stage_finished() || is_implicit();
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::remember()
+  {
+    if (current.n_steps > 0 && keeps_state())
+      good.take(current);
+    if (programs_have_points)
+      current.points_have_changed();
+    proposed = current.step;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::begin_step()
+  {
+    is_first_step_of_stage = current.n_steps == 0 || is_stage_finished();
+    if (is_stage_finished())
+      next_stage();
+    log.newton.clear();
+    current.n_rejections = 0;
+    propose();
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::propose()
+  {
+    // It depends on what all processes know.
+    try
+      {
+        proposed = integrator->propose_step(current);
+      }
+    catch (const ExcMessage &error)
+      {
+        AssertThrow(false, ErrorOnAll(message_of(error)));
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::propose_again(const StepRejected &rejection)
+  {
+    ++current.n_all_rejections;
+    if (current.n_rejections == most_rejections)
+      throw StepFailed("the step has been shortened " +
+                       std::to_string(most_rejections) + " times, and still " +
+                       rejection.what());
+    ++current.n_rejections;
+    propose();
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::take_step(const double dt)
+  {
+    integrator->advance(current, dt);
+    {
+      const PartTimer timer(log, "volume of fluids");
+      share_volume(current,
+                   discretization.transfer(),
+                   discretization.cell_size());
+    }
+    if (parameters.time.most_displacement > 0.)
+      current.displacement = largest_displacement(current.bodies, comm);
+    if (is_first_step_of_stage)
+      check_fragments();
+    guard.check(current, is_implicit());
+    if (guard.is_energy_due(current, is_finished()))
+      guard.check_energy(current, energy_totals());
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::end_step()
+  {
+    if (current.n_free == 0)
+      log.warnings.push_back("The last point has left the grid at t = " +
+                             std::to_string(current.time) +
+                             " s: the run ends.");
+    damping.damp_kinetically(current);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::step()
+  {
+    step_together({this});
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::step_together(const std::vector<Simulation *> &simulations)
+  {
+    bool is_shared = false;
+    for (Simulation *simulation : simulations)
+      is_shared = simulation->balance_load() || is_shared;
+    for (Simulation *simulation : simulations)
+      {
+        simulation->remember();
+        // All of them keep the state of the same step.
+        if (is_shared)
+          simulation->good.take(simulation->current);
+      }
+    // Whose turn it is, and the step that is being tried.
+    Simulation *at_hand  = simulations.front();
+    double      dt       = at_hand->proposed;
+    const auto  for_each = [&](const auto &action) {
+      for (Simulation *simulation : simulations)
+        {
+          at_hand = simulation;
+          action(*simulation);
+        }
+    };
+    const auto restore_others = [&](const Simulation *failed) {
+      for (Simulation *simulation : simulations)
+        if (simulation != failed)
+          simulation->restore();
+    };
+    try
+      {
+        const bool enters_stage = simulations.front()->is_stage_finished();
+        for_each([](Simulation &simulation) { simulation.begin_step(); });
+        // All of them, or none.
+        if (enters_stage)
+          for_each([](Simulation &simulation) {
+            simulation.good.take(simulation.current);
+          });
+        for (bool is_rejected = true; is_rejected;)
+          {
+            dt = simulations.front()->proposed;
+            for (const Simulation *simulation : simulations)
+              dt = std::min(dt, simulation->proposed);
+            try
+              {
+                for_each([&](Simulation &simulation) {
+                  simulation.integrator->try_step(simulation.current, dt);
+                });
+                is_rejected = false;
+              }
+            catch (const StepRejected &rejection)
+              {
+                at_hand->propose_again(rejection);
+              }
+          }
+        for_each([&](Simulation &simulation) { simulation.take_step(dt); });
+      }
+    catch (const StepFailed &failure)
+      {
+        restore_others(at_hand);
+        at_hand->go_back(failure, dt);
+      }
+    catch (const ExcMessage &)
+      {
+        restore_others(nullptr);
+        throw;
+      }
+    for_each([](Simulation &simulation) { simulation.end_step(); });
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::restore()
+  {
+    if (entered_stage != good.stage() || !integrator)
+      enter_stage(good.stage());
+    good.restore(current);
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::go_back(const StepFailed &failure, const double dt)
+  {
+    std::ostringstream message;
+    message << "Step " << current.n_steps + 1 << log.of
+            << " at t = " << current.time << " s, dt = " << dt
+            << " s: " << without_stop(failure.what()) << ". ";
+    if (failure.by_materials)
+      message << describe_materials(current.bodies) << " "
+              << loads.what_is_large(current.time,
+                                     dt,
+                                     discretization.cell_size(),
+                                     comm);
+    restore();
+    message << "The state of step " << current.n_steps
+            << ", t = " << current.time
+            << " s, is the last good one that was kept.";
+    AssertThrow(false, StepGivenUp(message.str()));
+    // Not reached.
+    throw failure;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::check_fragments()
+  {
+    constexpr double most_fragments = 0.05;
+    if (!consistent_mass())
+      return;
+    const double fraction = consistent_mass()->fragment_fraction();
+    if (fraction <= most_fragments)
+      return;
+    std::ostringstream message;
+    message << 100. * fraction
+            << " % of the cells with points have lumped mass: the bodies are "
+               "too thin there for the exact mass. Take more cells.";
+    log.warnings.push_back(message.str());
+  }
+
+
+
+  template class Simulation<2>;
+  template class Simulation<3>;
+} // namespace greville

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/steps/step_size.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Runs with more are an error in a parameter.
+    constexpr double most_steps = 1e9;
+
+    // Estimates of the critical step of which the smallest counts.
+    constexpr unsigned int n_estimates = 3;
+
+    // With consistent mass, cells that a point crosses in a step at most, times
+    // the order: the filter of the velocity cannot keep up with longer steps.
+    constexpr double most_crossings = 0.6;
+
+    // Where an estimate is closer to the last one than this part, the time to
+    // the next one is twice as long, up to a factor.
+    constexpr double       small_change  = 0.02;
+    constexpr unsigned int longest_delay = 8;
+
+    // Growth of the largest wave speed that asks for an estimate at once.
+    constexpr double wave_growth = 1.1;
+
+    // Accelerations that change a speed by less than this part of c + |v| in a
+    // step are noise.
+    constexpr double noise_of_acceleration = 1e-8;
+
+  } // namespace
+
+
+
+  double
+  evaluate_step(const Expression     &formula,
+                const TimeParameters &parameters,
+                const double          h,
+                const unsigned int    degree)
+  {
+    const double arguments[2] = {h, double(degree)};
+    const double step         = formula(ArrayView<const double>(arguments, 2));
+    AssertThrow(step > 0. && std::isfinite(step),
+                ExcMessage("The parameter 'Time/Step' is <" + parameters.step +
+                           ">, which gives " + text_of(step) +
+                           " s: it has to be positive."));
+    return step;
+  }
+
+
+
+  void
+  check_step(const double                        step,
+             const double                        left,
+             const TimeParameters               &parameters,
+             const std::function<std::string()> &reason)
+  {
+    AssertThrow(left / step <= most_steps || parameters.max_steps > 0,
+                ExcMessage("To 'Time/End' it would take " +
+                           text_of(left / step) + " steps of " + text_of(step) +
+                           " s; at most " + text_of(most_steps) +
+                           " are allowed without 'Time/Maximum steps'. " +
+                           reason()));
+    const double shortest =
+      std::numeric_limits<double>::epsilon() *
+      std::max(std::abs(parameters.start), std::abs(parameters.end));
+    AssertThrow(step > shortest,
+                ExcMessage("A step of " + text_of(step) +
+                           " s is lost to rounding in times near 'Time/End', " +
+                           text_of(parameters.end) +
+                           " s: steps have to be longer than " +
+                           text_of(shortest) + " s. " + reason()));
+  }
+
+
+
+  template <int dim>
+  std::string
+  describe_materials(const std::vector<Body<dim>> &bodies)
+  {
+    std::ostringstream text;
+    text << "Critical steps come from the materials:";
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      {
+        const Moduli moduli = bodies[b].material->moduli();
+        text << (b > 0 ? "," : "") << " 'Material "
+             << bodies[b].parameters->material << "' in 'Body "
+             << bodies[b].name << "' has the density "
+             << bodies[b].material->density << " kg / m^3, K = " << moduli.bulk
+             << " Pa, G = " << moduli.shear << " Pa, and the viscosity "
+             << moduli.viscosity << " Pa s";
+      }
+    return text.str() + ".";
+  }
+
+
+
+  template <int dim>
+  StepSize<dim>::StepSize(const TimeParameters &parameters,
+                          Discretization<dim>  &discretization,
+                          const bool            has_obstacles,
+                          StepLog              &log)
+    : parameters(parameters)
+    , discretization(discretization)
+    , has_obstacles(has_obstacles)
+    , log(log)
+  {
+    if (!parameters.step.empty())
+      formula.emplace(parameters.step,
+                      "Time/Step",
+                      std::vector<std::string>{"h", "p"});
+  }
+
+
+
+  template <int dim>
+  bool
+  StepSize<dim>::is_estimate_due(const State<dim> &state) const
+  {
+    return state.n_steps == 0 || state.n_rejections > 0 ||
+           (parameters.estimate_every > 0 &&
+            state.n_steps >= state.estimates.next) ||
+           state.signals.wave > wave_growth * state.estimates.wave;
+  }
+
+
+
+  template <int dim>
+  void
+  StepSize<dim>::estimate(State<dim> &state, const StepScheme &scheme)
+  {
+    const auto                    &summed = discretization.sum(state);
+    const PartTimer                timer(log, "critical step");
+    GridMass<dim>                 &mass      = discretization.mass();
+    StepEstimates<dim>            &estimates = state.estimates;
+    std::vector<const Body<dim> *> bodies;
+    for (const Body<dim> &body : state.bodies)
+      bodies.push_back(&body);
+    if (has_obstacles)
+      mass.hold(std::vector<unsigned char>(
+        discretization.space().owned_functions().size(), 0));
+    const double last     = estimates.last.empty() ? 0. : estimates.last.back();
+    const double estimate = critical_step.estimate(mass,
+                                                   discretization.transfer(),
+                                                   bodies,
+                                                   state.surfaces,
+                                                   summed,
+                                                   scheme,
+                                                   estimates.mode);
+
+    estimates.last.push_back(estimate);
+    const unsigned int n_kept =
+      discretization.consistent_mass() ? n_estimates : 1;
+    if (estimates.last.size() > n_kept)
+      estimates.last.erase(estimates.last.begin(),
+                           estimates.last.end() - n_kept);
+    estimates.critical =
+      *std::min_element(estimates.last.begin(), estimates.last.end());
+
+    const unsigned int every = parameters.estimate_every;
+    if (std::abs(estimate - last) <= small_change * estimate)
+      estimates.n_between = std::min(std::max(2 * estimates.n_between, every),
+                                     longest_delay * every);
+    else
+      estimates.n_between = every;
+    estimates.next = state.n_steps + estimates.n_between;
+    estimates.wave = state.signals.wave;
+  }
+
+
+
+  template <int dim>
+  std::string
+  StepSize<dim>::what_sets_the_step(const State<dim> &state) const
+  {
+    std::ostringstream text;
+    if (!formula)
+      text << "The step is the smaller of 'Time/CFL number' (" << parameters.cfl
+           << ") times h / (c + |v|), with the largest c + |v| = "
+           << state.signals.fastest << " m / s, and 'Time/Safety' ("
+           << parameters.safety << ") times the critical step of "
+           << state.estimates.critical
+           << " s; with consistent mass points cross at most " << most_crossings
+           << " / p cells. ";
+    return text.str() + describe_materials(state.bodies);
+  }
+
+
+
+  template <int dim>
+  double
+  StepSize<dim>::given_step(const State<dim> &state, const bool has_estimate)
+  {
+    const double step = evaluate_step(*formula,
+                                      parameters,
+                                      discretization.cell_size(),
+                                      discretization.space().degree());
+    if (has_estimate && step > state.estimates.critical)
+      {
+        std::ostringstream message;
+        message << "The parameter 'Time/Step' is <" << parameters.step
+                << ">: the step of " << step
+                << " s is above the critical step of "
+                << state.estimates.critical << " s at t = " << state.time
+                << " s";
+        AssertThrow(parameters.too_large_step != "refuse",
+                    ExcMessage(message.str() +
+                               " ('Time/Too large step' = warn goes on; steps "
+                               "have no such limit with an implicit "
+                               "'Scheme/Stress update'). " +
+                               what_sets_the_step(state)));
+        log.warnings.push_back(message.str() + ".");
+      }
+    return step;
+  }
+
+
+
+  template <int dim>
+  double
+  StepSize<dim>::automatic_step(const State<dim> &state) const
+  {
+    const Signals &signals = state.signals;
+    double         step =
+      std::min(parameters.cfl * discretization.cell_size() / signals.fastest,
+               parameters.safety * state.estimates.critical);
+    if (discretization.consistent_mass() && signals.crossing_rate > 0.)
+      step = std::min(step,
+                      most_crossings / (discretization.space().degree() *
+                                        signals.crossing_rate));
+    AssertThrow(std::isfinite(step) && step > 0.,
+                ExcMessage("The automatic time step is " + text_of(step) +
+                           " s. " + what_sets_the_step(state)));
+    return step;
+  }
+
+
+
+  template <int dim>
+  double
+  StepSize<dim>::propose(State<dim> &state, const StepScheme &scheme)
+  {
+    // A given step is estimated only to warn.
+    const bool has_estimate =
+      is_estimate_due(state) &&
+      (!formula || parameters.too_large_step != "ignore");
+    if (has_estimate)
+      estimate(state, scheme);
+    const double step =
+      formula ? given_step(state, has_estimate) : automatic_step(state);
+
+    const auto reason = [&]() {
+      return formula ? "'Time/Step' is <" + parameters.step + ">."
+                     : what_sets_the_step(state);
+    };
+    const double left = parameters.end - state.time;
+    check_step(step, left, parameters, reason);
+    // Equal steps to the end where a step is given; a last one that is not tiny
+    // otherwise.
+    if (formula)
+      return left / std::max(1., std::ceil(left / step - 1e-9));
+    if (step >= left)
+      return left;
+    return step > 0.5 * left ? 0.5 * left : step;
+  }
+
+
+
+  template <int dim>
+  bool
+  StepSize<dim>::shows_faster_mode(const State<dim>       &state,
+                                   const VectorField<dim> &acceleration,
+                                   const double            dt) const
+  {
+    const AccelerationHistory<dim> &history = state.history;
+    if (history.n < 2)
+      return false;
+    const VectorType   &mass = discretization.lumped_mass();
+    std::vector<double> sums(4, 0.);
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
+        {
+          const double m  = mass.local_element(i);
+          const double a2 = acceleration[d].local_element(i);
+          const double a1 = history.accelerations[0][d].local_element(i);
+          const double a0 = history.accelerations[1][d].local_element(i);
+          const double change =
+            2. * ((a2 - a1) / history.steps[0] - (a1 - a0) / history.steps[1]) /
+            (history.steps[0] + history.steps[1]);
+          sums[0] += m * change * change;
+          sums[1] += m * a1 * a1;
+          sums[2] += m * a2 * a2;
+          sums[3] += m / dim;
+        }
+    Utilities::MPI::sum(sums, discretization.communicator(), sums);
+    const double noise = noise_of_acceleration * state.signals.fastest / dt;
+    if (!(sums[2] > noise * noise * sums[3]))
+      return false;
+    const double omega =
+      sums[1] > 0. ? std::sqrt(std::sqrt(sums[0] / sums[1])) : 0.;
+    return dt * omega > 2. * parameters.safety;
+  }
+
+
+
+  template <int dim>
+  void
+  StepSize<dim>::remember(State<dim>             &state,
+                          const VectorField<dim> &acceleration,
+                          const double            dt) const
+  {
+    AccelerationHistory<dim> &history = state.history;
+    std::swap(history.accelerations[0], history.accelerations[1]);
+    history.accelerations[0] = acceleration;
+    history.steps            = {{dt, history.steps[0]}};
+    ++history.n;
+  }
+
+
+
+  template decltype(describe_materials<2>) describe_materials<2>;
+  template decltype(describe_materials<3>) describe_materials<3>;
+  template class StepSize<2>;
+  template class StepSize<3>;
+} // namespace greville

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/steps/central_differences.h>
+#include <greville/steps/implicit_steps.h>
+#include <greville/steps/time_integrator.h>
+
+#include <utility>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    using Entry = std::pair<std::string, MakeTimeIntegrator<dim>>;
+
+    template <int dim>
+    Entry<dim>
+    central_differences(const std::string &name, const StressUpdate order)
+    {
+      return {name, [order](const IntegratorParts<dim> &parts) {
+                return std::make_unique<CentralDifferences<dim>>(order, parts);
+              }};
+    }
+
+    template <int dim>
+    Entry<dim>
+    implicit_steps(const std::string &name)
+    {
+      return {name, [name](const IntegratorParts<dim> &parts) {
+                return std::make_unique<ImplicitSteps<dim>>(name, parts);
+              }};
+    }
+
+    // All integrators, one line each.
+    template <int dim>
+    std::vector<Entry<dim>> &
+    integrators()
+    {
+      static std::vector<Entry<dim>> list = {
+        central_differences<dim>("USL", StressUpdate::USL),
+        central_differences<dim>("USF", StressUpdate::USF),
+        central_differences<dim>("MUSL", StressUpdate::MUSL),
+        implicit_steps<dim>("quasi-static"),
+        implicit_steps<dim>("backward-euler"),
+        implicit_steps<dim>("newmark"),
+        implicit_steps<dim>("generalized-alpha"),
+        implicit_steps<dim>("implicit-midpoint")};
+      return list;
+    }
+  } // namespace
+
+
+
+  std::string
+  time_integrator_names()
+  {
+    std::string names;
+    const auto  add = [&](const std::string &name) {
+      if (("|" + names + "|").find("|" + name + "|") == std::string::npos)
+        names += (names.empty() ? "" : "|") + name;
+    };
+    for (const auto &entry : integrators<2>())
+      add(entry.first);
+    for (const auto &entry : integrators<3>())
+      add(entry.first);
+    return names;
+  }
+
+
+
+  template <int dim>
+  void
+  add_time_integrator(const std::string             &name,
+                      const MakeTimeIntegrator<dim> &make)
+  {
+    integrators<dim>().emplace_back(name, make);
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<TimeIntegrator<dim>>
+  make_time_integrator(const std::string          &name,
+                       const IntegratorParts<dim> &parts)
+  {
+    for (const Entry<dim> &entry : integrators<dim>())
+      if (entry.first == name)
+        return entry.second(parts);
+    AssertThrow(false,
+                ExcMessage("'Scheme/Stress update' = <" + name +
+                           "> is none of " + time_integrator_names() + "."));
+    return nullptr;
+  }
+
+
+
+  template decltype(add_time_integrator<2>)  add_time_integrator<2>;
+  template decltype(add_time_integrator<3>)  add_time_integrator<3>;
+  template decltype(make_time_integrator<2>) make_time_integrator<2>;
+  template decltype(make_time_integrator<3>) make_time_integrator<3>;
+} // namespace greville

@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/steps/velocity_filter.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Linear functions have kinks that cross points, which excites them more.
+    constexpr double more_if_linear = 5.;
+
+
+
+    /**
+     * For each run of p + 2 coefficients the jump of the p-th derivative across
+     * the knot that all of their functions share, scaled; entry by entry.
+     */
+    std::vector<double>
+    make_differences(const KnotVector &knots, const unsigned int n_functions)
+    {
+      const unsigned int p      = knots.degree();
+      const auto        &t      = knots.knots();
+      const unsigned int n_runs = n_functions > p + 1 ? n_functions - p - 1 : 0;
+      std::vector<double> result(std::size_t(n_runs) * (p + 2));
+      for (unsigned int run = 0; run < n_runs; ++run)
+        {
+          // Row i: how coefficient run + i of the kth derivative depends on the
+          // coefficients of the run.
+          std::vector<std::vector<double>> rows(p + 2,
+                                                std::vector<double>(p + 2));
+          for (unsigned int i = 0; i < p + 2; ++i)
+            rows[i][i] = 1.;
+          for (unsigned int k = 1; k <= p; ++k)
+            for (unsigned int i = 0; i + k < p + 2; ++i)
+              for (unsigned int j = 0; j < p + 2; ++j)
+                rows[i][j] = (rows[i + 1][j] - rows[i][j]) /
+                             (t[run + i + p + 1] - t[run + i + k]);
+          double sum = 0.;
+          for (unsigned int j = 0; j < p + 2; ++j)
+            {
+              rows[0][j] = rows[1][j] - rows[0][j];
+              sum += std::abs(rows[0][j]);
+            }
+          for (unsigned int j = 0; j < p + 2; ++j)
+            result[std::size_t(j) * n_runs + run] =
+              std::ldexp(rows[0][j] / sum, p + 1);
+        }
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  VelocityFilter<dim>::reinit(const SplineSpace<dim> &new_space)
+  {
+    space               = &new_space;
+    const int   reach   = space->degree() + 1;
+    const auto &extents = space->n_functions();
+    const auto &owned   = space->owned_functions();
+    const auto &lattice = space->lattice();
+
+    // Counted without periods, functions go from -reach to n + reach in
+    // periodic directions. All of them are shifted to be positive.
+    MultiIndex<dim> shift, all;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        shift[d]       = lattice.is_periodic(d) ? reach : 0;
+        all[d]         = extents[d] + 2 * shift[d];
+        differences[d] = make_differences(
+          lattice.is_periodic(d)
+            ? KnotVector::periodic_uniform(space->degree(), all[d], 0., all[d])
+            : space->knots(d),
+          all[d]);
+      }
+
+    const auto position_of = [&](MultiIndex<dim> i) {
+      for (unsigned int d = 0; d < dim; ++d)
+        i[d] = (i[d] + extents[d] - shift[d]) % extents[d];
+      return lexicographic<dim>(i, extents);
+    };
+    const auto is_owned = [&](const std::uint64_t position) {
+      return std::binary_search(owned.begin(), owned.end(), position);
+    };
+
+    // Functions of this process, and what else is in their runs.
+    std::vector<MultiIndex<dim>> functions;
+    std::vector<std::uint64_t>   near, others;
+    for (const std::uint64_t position : owned)
+      {
+        auto i = multi_index<dim>(position, extents);
+        for (unsigned int d = 0; d < dim; ++d)
+          i[d] += shift[d];
+        functions.push_back(i);
+      }
+    for (const auto &i : functions)
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          auto      j    = i;
+          const int last = std::min(int(i[d]) + reach, int(all[d]) - 1);
+          for (int k = std::max(int(i[d]) - reach, 0); k <= last; ++k)
+            {
+              j[d]                         = k;
+              const std::uint64_t position = position_of(j);
+              const bool          is_mine  = is_owned(position);
+              if (!is_mine)
+                others.push_back(position);
+              if (!is_mine || unsigned(k) < shift[d] ||
+                  unsigned(k) >= shift[d] + extents[d])
+                near.push_back(lexicographic<dim>(j, all));
+            }
+        }
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    const auto numbers = space->global_numbers(others);
+    auto       ghosts  = numbers;
+    std::sort(ghosts.begin(), ghosts.end());
+    IndexSet ghost_set(space->n_dofs());
+    ghost_set.add_indices(ghosts.begin(), ghosts.end());
+    partitioner = std::make_shared<const Utilities::MPI::Partitioner>(
+      space->locally_owned_dofs(), ghost_set, space->communicator());
+    exchanged.reinit(partitioner);
+
+    std::vector<unsigned int> sources;
+    for (const std::uint64_t k : near)
+      {
+        const auto          i        = multi_index<dim>(k, all);
+        const std::uint64_t position = position_of(i);
+        functions.push_back(i);
+        if (is_owned(position))
+          sources.push_back(
+            std::lower_bound(owned.begin(), owned.end(), position) -
+            owned.begin());
+        else
+          {
+            const auto number =
+              numbers[std::lower_bound(others.begin(), others.end(), position) -
+                      others.begin()];
+            sources.push_back(partitioner->global_to_local(number));
+          }
+      }
+
+    // The box of lines around the functions, with room for runs that leave it.
+    std::array<int, dim> low, high;
+    low.fill(std::numeric_limits<int>::max());
+    high.fill(0);
+    for (const auto &i : functions)
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          low[d]  = std::min(low[d], int(i[d]));
+          high[d] = std::max(high[d], int(i[d]));
+        }
+    lines.clear();
+    places.clear();
+    if (!functions.empty())
+      {
+        low_y         = low[1];
+        low_z         = dim == 3 ? low[dim - 1] : 0;
+        n_lines_y     = high[1] - low_y + 1 + reach;
+        const int n_z = dim == 3 ? high[dim - 1] - low_z + 1 + reach : 1;
+        lines.resize(std::size_t(n_lines_y) * n_z);
+      }
+    const auto line_of = [&](const MultiIndex<dim> &i) -> Line & {
+      return lines[int(i[1]) - low_y +
+                   (dim == 3 ? (int(i[dim - 1]) - low_z) * n_lines_y : 0)];
+    };
+    for (const auto &i : functions)
+      {
+        Line &line = line_of(i);
+        if (line.begin == line.end)
+          line.begin = line.end = i[0];
+        line.begin = std::min(line.begin, int(i[0]));
+        line.end   = std::max(line.end, int(i[0]) + 1);
+      }
+    n_places = 0;
+    for (Line &line : lines)
+      {
+        line.place = int(n_places) - line.begin;
+        n_places += line.end - line.begin;
+        AssertThrow(n_places < std::size_t(std::numeric_limits<int>::max()),
+                    ExcMessage("A process has more coefficients than an "
+                               "integer can count."));
+      }
+    copies.clear();
+    for (std::size_t k = 0; k < functions.size(); ++k)
+      {
+        const auto        &i     = functions[k];
+        const unsigned int place = line_of(i).place + int(i[0]);
+        if (k < owned.size())
+          places.push_back(place);
+        else
+          copies.emplace_back(place, sources[k - owned.size()]);
+      }
+
+    inverse_mass = ZeroedArray<double>(n_places);
+    crossings    = ZeroedArray<double>(n_places);
+    for (unsigned int d = 0; d < dim; ++d)
+      for (auto *values : {&run_mass[d], &velocities[d], &results[d]})
+        *values = ZeroedArray<double>(n_places);
+    jumps.resize(all[0]);
+    strengths.resize(all[0]);
+  }
+
+
+
+  template <int dim>
+  void
+  VelocityFilter<dim>::to_places(const ZeroedArray<double> &values,
+                                 const VectorType          &vector) const
+  {
+    exchanged.copy_locally_owned_data_from(vector);
+    exchanged.update_ghost_values();
+    for (unsigned int f = 0; f < places.size(); ++f)
+      values[places[f]] = exchanged.local_element(f);
+    for (const auto &[place, source] : copies)
+      values[place] = exchanged.local_element(source);
+    exchanged.zero_out_ghost_values();
+  }
+
+
+
+  template <int dim>
+  void
+  VelocityFilter<dim>::set_mass(const VectorType &lumped)
+  {
+    const int length = space->degree() + 2;
+    to_places(crossings, lumped);
+    const ZeroedArray<double> &mass = crossings;
+    for (unsigned int l = 0; l < lines.size(); ++l)
+      {
+        Line &line = lines[l];
+        for (int x = line.begin; x < line.end; ++x)
+          {
+            const double m               = mass[line.place + x];
+            inverse_mass[line.place + x] = m > 0. ? 1. / m : 0.;
+          }
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            // The places that all functions of a run have.
+            int begin = line.begin, end = line.end - (d == 0 ? length - 1 : 0);
+            for (int k = 1; k < length && d > 0; ++k)
+              {
+                const std::size_t other = l + std::size_t(k) * line_step(d);
+                const Line       *next =
+                  other < lines.size() ? &lines[other] : nullptr;
+                begin = next ? std::max(begin, next->begin) : begin;
+                end   = next ? std::min(end, next->end) : begin;
+              }
+            line.first_run[d]   = std::numeric_limits<int>::max();
+            line.end_of_runs[d] = 0;
+            for (int x = begin; x < end; ++x)
+              {
+                double smallest = mass[line.place + x];
+                for (int k = 1; k < length && smallest > 0.; ++k)
+                  smallest = std::min(smallest,
+                                      mass[lines[l + k * line_step(d)].place +
+                                           x + (d == 0 ? k : 0)]);
+                run_mass[d][line.place + x] = smallest;
+                if (smallest > 0.)
+                  {
+                    line.first_run[d]   = std::min(line.first_run[d], x);
+                    line.end_of_runs[d] = x + 1;
+                  }
+              }
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  VelocityFilter<dim>::apply(std::array<VectorType, dim>       &z,
+                             const std::array<VectorType, dim> &velocity,
+                             const double                       strength,
+                             const double                       dt) const
+  {
+    const int p = space->degree(), length = p + 2;
+    for (const Line &line : lines)
+      std::fill(crossings.data() + line.place + line.begin,
+                crossings.data() + line.place + line.end,
+                0.);
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        to_places(velocities[c], velocity[c]);
+        const double factor = (p == 1 ? more_if_linear : 1.) * strength * dt /
+                              space->lattice().cell_size(c);
+        for (const Line &line : lines)
+          for (int i = line.place + line.begin; i < line.place + line.end; ++i)
+            {
+              crossings[i] += factor * std::abs(velocities[c][i]);
+              results[c][i] = 0.;
+            }
+      }
+
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const int         step   = line_step(d);
+        const std::size_t n_runs = differences[d].size() / length;
+        for (unsigned int l = 0; l < lines.size(); ++l)
+          {
+            const Line &line  = lines[l];
+            const int   begin = line.first_run[d], end = line.end_of_runs[d];
+            if (begin >= end)
+              continue;
+            // In x each run has its own differences, in other directions all
+            // runs of the line have the same.
+            const int  first    = d == 0   ? 0
+                                  : d == 1 ? int(l % n_lines_y) + low_y
+                                           : int(l / n_lines_y) + low_z;
+            const auto place_of = [&](const int k) {
+              return d == 0 ? line.place + k : lines[l + k * step].place;
+            };
+            const auto difference = [&](const int k) {
+              return differences[d].data() + k * n_runs + first;
+            };
+            double *theta = strengths.data();
+            for (int x = begin; x < end; ++x)
+              theta[x] = 0.;
+            for (int k = 0; k < length; ++k)
+              {
+                const double *from = crossings.data() + place_of(k);
+                for (int x = begin; x < end; ++x)
+                  theta[x] = std::max(theta[x], from[x]);
+              }
+            for (int x = begin; x < end; ++x)
+              theta[x] =
+                std::min(theta[x], 1. / dim) * run_mass[d][line.place + x];
+            for (unsigned int c = 0; c < dim; ++c)
+              {
+                for (int x = begin; x < end; ++x)
+                  jumps[x] = 0.;
+                for (int k = 0; k < length; ++k)
+                  {
+                    const double *g    = difference(k);
+                    const double *from = velocities[c].data() + place_of(k);
+                    for (int x = begin; x < end; ++x)
+                      jumps[x] += (d == 0 ? g[x] : *g) * from[x];
+                  }
+                for (int x = begin; x < end; ++x)
+                  jumps[x] *= theta[x];
+                for (int k = 0; k < length; ++k)
+                  {
+                    const double *g  = difference(k);
+                    double       *to = results[c].data() + place_of(k);
+                    for (int x = begin; x < end; ++x)
+                      to[x] += (d == 0 ? g[x] : *g) * jumps[x];
+                  }
+              }
+          }
+      }
+    const double scale = -std::ldexp(1., -2 * (p + 1));
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int f = 0; f < z[c].locally_owned_size(); ++f)
+        z[c].local_element(f) =
+          scale * inverse_mass[places[f]] * results[c][places[f]];
+  }
+
+
+
+  template class VelocityFilter<2>;
+  template class VelocityFilter<3>;
+} // namespace greville
