@@ -62,13 +62,17 @@ namespace greville
 
     Mat      fine = matrix;
     PetscInt n_rows;
+    // PETSc multiplies matrices of the same type only, and on one process both
+    // types occur.
+    MatType type;
+    check_petsc(MatGetType(matrix, &type));
     check_petsc(MatGetSize(matrix, &n_rows, nullptr));
     while (
       interpolations.empty() ||
       (n_rows > small_size && *std::max_element(size.begin(), size.end()) > 2))
       {
         interpolations.push_back(coarsen(
-          unknowns, size, periodic, n_components, space.communicator()));
+          unknowns, size, periodic, n_components, type, space.communicator()));
         Mat P = interpolations.back().get(), coarse;
         check_petsc(
           MatPtAP(fine, P, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &coarse));
@@ -87,6 +91,7 @@ namespace greville
                               MultiIndex<dim>             &size,
                               const std::array<bool, dim> &periodic,
                               const unsigned int           n_components,
+                              const MatType                type,
                               const MPI_Comm               comm) const
   {
     MultiIndex<dim> coarse_size;
@@ -169,7 +174,7 @@ namespace greville
     PetscMatrix result(handle);
     check_petsc(MatSetSizes(
       handle, unknowns.size(), n_owned, PETSC_DETERMINE, PETSC_DETERMINE));
-    check_petsc(MatSetType(handle, MATAIJ));
+    check_petsc(MatSetType(handle, type));
     check_petsc(MatSeqAIJSetPreallocation(handle, most, nullptr));
     check_petsc(
       MatMPIAIJSetPreallocation(handle, most, nullptr, most, nullptr));

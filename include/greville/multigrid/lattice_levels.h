@@ -60,13 +60,14 @@ namespace greville
     /**
      * Collective. The interpolation from the next coarser lattice to the owned
      * @p unknowns, which become those of the coarse lattice, as @p size becomes
-     * that of it.
+     * that of it. It has the PETSc @p type.
      */
     PetscMatrix
     coarsen(std::vector<Unknown>        &unknowns,
             MultiIndex<dim>             &size,
             const std::array<bool, dim> &periodic,
             const unsigned int           n_components,
+            const MatType                type,
             const MPI_Comm               comm) const;
 
     std::vector<PetscMatrix> interpolations; // to the finest level first

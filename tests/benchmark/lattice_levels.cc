@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3
+
+// Geometric levels below the Laplacian of order 1 on bodies that end anywhere
+// in the lattice: iterations of conjugate gradients do not grow with the mesh,
+// and are the same on any number of processes.
+
+#include <deal.II/lac/solver_cg.h>
+
+#include <greville/benchmark/laplace_level.h>
+
+#include <tests.h>
+
+const std::string options =
+  "-pc_mg_multiplicative_cycles 1 -mg_levels_ksp_type chebyshev "
+  "-mg_levels_ksp_max_it 3 -mg_levels_pc_type jacobi "
+  "-mg_levels_ksp_chebyshev_esteig 0,0.1,0,1.3";
+
+// Iterations until the residual has fallen by 1e-8. The functions outside of a
+// ball are constrained to zero.
+template <int dim>
+unsigned int
+iterations(const unsigned int           n_cells,
+           const std::array<bool, dim> &periodic = {})
+{
+  Box<dim>               box(cube<dim>(n_cells), MPI_COMM_WORLD, periodic);
+  const SplineSpace<dim> space(box.mesh, 1);
+  Point<dim>             center;
+  for (unsigned int d = 0; d < dim; ++d)
+    center[d] = 0.47 + 0.2 * d;
+  std::vector<unsigned char> constrained(space.owned_functions().size(), 0);
+  for (unsigned int i = 0; i < constrained.size(); ++i)
+    {
+      const MultiIndex<dim> k =
+        multi_index<dim>(space.owned_functions()[i], space.n_functions());
+      Point<dim> x;
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] = space.knots(d).greville_abscissa(k[d]);
+      constrained[i] = x.distance(center) > 0.43;
+    }
+  const LaplaceLevel<dim> laplace(space, constrained);
+  const auto preconditioner = laplace.lattice_preconditioner(options);
+
+  VectorType x, b = pseudo_random_vector(space);
+  for (const unsigned int i : laplace.inactive())
+    b.local_element(i) = 0.;
+  space.initialize_vector(x);
+  SolverControl control(100, 1e-8 * b.l2_norm());
+  SolverCG<VectorType>(control).solve(laplace, x, b, *preconditioner);
+  VectorType residual(b), product(b);
+  laplace.vmult(product, x);
+  residual -= product;
+  check("solved", residual.l2_norm(), 2e-8 * b.l2_norm());
+  return control.last_step();
+}
+
+
+
+void
+test_main()
+{
+  for (const unsigned int n : {8, 16, 32, 64})
+    check_range("2D, " + std::to_string(n), iterations<2>(n), 3, 9);
+  for (const unsigned int n : {6, 12, 24})
+    check_range("3D, " + std::to_string(n), iterations<3>(n), 3, 9);
+  check_range("2D, periodic", iterations<2>(32, {{true, false}}), 3, 12);
+}
