@@ -182,7 +182,7 @@ namespace greville
     out << "\n  processes " << Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD)
         << ", results in " << output_directory << '\n';
     if (parameters.print_times)
-      out << "  " << simd_width << " doubles per SIMD vector, deal.II "
+      out << "  " << native_simd_width << " doubles per SIMD vector, deal.II "
           << DEAL_II_PACKAGE_VERSION << '\n';
     out << '\n';
 

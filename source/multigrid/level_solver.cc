@@ -4,9 +4,11 @@
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_gmres.h>
 
+#include <greville/linear_algebra/krylov.h>
 #include <greville/multigrid/level_solver.h>
 
 #include <sstream>
+
 
 namespace greville
 {
@@ -59,23 +61,6 @@ namespace greville
 
   namespace
   {
-    std::string
-    reason_of_failure(const unsigned int iterations, const double reduction)
-    {
-      std::ostringstream reason;
-      if (!std::isfinite(reduction) || reduction > 1e3)
-        reason << "diverged: the residual is " << reduction
-               << " times the right-hand side after " << iterations
-               << " iterations";
-      else
-        reason << "did not converge in " << iterations
-               << " iterations; the residual is " << reduction
-               << " times the right-hand side";
-      return reason.str();
-    }
-
-
-
     template <int dim>
     void
     improve(const LevelOperator<dim> &A,
@@ -123,14 +108,9 @@ namespace greville
         improve<dim>(A, *preconditioner, parameters, x, b, result);
         return;
       }
-    const double                    start = b.l2_norm();
-    SolverControl                   control(parameters.max_iterations,
-                          parameters.tolerance * start,
-                          false,
-                          false);
-    GrowingVectorMemory<VectorType> memory;
-    try
-      {
+    const SolveResult run =
+      run_krylov(parameters, b, [&](SolverControl &control) {
+        GrowingVectorMemory<VectorType> memory;
         if (!preconditioner)
           SolverCG<VectorType>(control, memory)
             .solve(A, x, b, PreconditionIdentity());
@@ -142,13 +122,9 @@ namespace greville
             .solve(A, x, b, *preconditioner);
         else
           SolverCG<VectorType>(control, memory).solve(A, x, b, *preconditioner);
-      }
-    catch (const SolverControl::NoConvergence &failure)
-      {
-        result.reason =
-          reason_of_failure(failure.last_step, failure.last_residual / start);
-      }
-    result.iterations = control.last_step();
+      });
+    result.iterations = run.iterations;
+    result.reason     = run.reason;
   }
 
 

@@ -116,7 +116,7 @@ namespace greville
         return x + i * stride + line + v * width;
       };
       const auto entries = [&](const unsigned int i, const unsigned int v) {
-        return Vector(at(i, v), std::experimental::element_aligned);
+        return load<Vector>(at(i, v));
       };
       // x_i = (x_i - sum_(begin <= j < end) L_ij x_j) / L_ii, or with L_ji.
       const auto eliminate = [&](const unsigned int i,
@@ -130,8 +130,7 @@ namespace greville
           for (unsigned int v = 0; v < n_vectors; ++v)
             values[v] -= factor_of(j) * entries(j, v);
         for (unsigned int v = 0; v < n_vectors; ++v)
-          (values[v] * factor.rows[i * (p + 1) + p])
-            .copy_to(at(i, v), std::experimental::element_aligned);
+          store(values[v] * factor.rows[i * (p + 1) + p], at(i, v));
       };
       for (; line + n_vectors * width <= n_lines; line += n_vectors * width)
         {
@@ -149,8 +148,8 @@ namespace greville
         }
     };
     using One = std::integral_constant<unsigned int, 1>;
-    solve_some(Simd(), std::integral_constant<unsigned int, 4>());
-    solve_some(Simd(), One());
+    solve_some(NativeSimd(), std::integral_constant<unsigned int, 4>());
+    solve_some(NativeSimd(), One());
     solve_some(
       std::experimental::simd<double, std::experimental::simd_abi::scalar>(),
       One());
@@ -167,7 +166,7 @@ namespace greville
     const std::size_t n_rows  = space->n_dofs() / n_x;
 
     // Lines in x lie one behind the other: transpose some at a time.
-    constexpr unsigned int n_at_once = 4 * simd_width;
+    constexpr unsigned int n_at_once = 4 * native_simd_width;
     std::vector<double>    buffer(n_x * n_at_once);
     for (std::size_t row = 0; row < n_rows; row += n_at_once)
       {

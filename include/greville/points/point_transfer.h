@@ -55,6 +55,17 @@ namespace greville
   template <int dim>
   struct SpacePolynomials
   {
+    /**
+     * The space is kept by reference.
+     */
+    void
+    reinit(const SplineSpace<dim> &given)
+    {
+      space = &given;
+      for (unsigned int d = 0; d < dim; ++d)
+        directions[d].reinit(given.knots(d));
+    }
+
     const SplineSpace<dim>            *space = nullptr;
     std::array<SplinePolynomials, dim> directions;
   };
