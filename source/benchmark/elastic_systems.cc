@@ -210,7 +210,7 @@ namespace greville
           solver.multigrid.coarsening == "none" ? "smoother" : "p-multigrid";
         tangent.max_iterations = parameters.max_iterations;
         tangent.multigrid      = solver.multigrid;
-        static_cast<SmootherParameters &>(tangent.smoother) = solver.smoother;
+        tangent.smoother       = solver.smoother;
         return std::make_unique<ElasticSystem<dim>>(bodies,
                                                     walls,
                                                     threshold(),

@@ -365,6 +365,34 @@ namespace greville
     {
       with_one_of<2, 3, 4, 5, 6, 7, 9, 11>(n_points_1d, action);
     }
+
+
+
+    /**
+     * Whether mass of two spaces with n functions each has q points: p + 1
+     * where it is that of a density and 2 p + 1 where it is that of material
+     * points, p being the higher of the two orders. Hierarchies go down by one
+     * or two orders, or to order 1.
+     */
+    constexpr bool
+    has_points(const int n_1, const int n_2, const int q)
+    {
+      const int lower = std::min(n_1, n_2), higher = std::max(n_1, n_2);
+      return (q == higher || q == 2 * higher - 1) &&
+             (lower + 2 >= higher || lower == 2);
+    }
+
+    /**
+     * Whether a space with n functions has a cross mass with q points.
+     */
+    constexpr bool
+    meets_points(const int n, const int q)
+    {
+      for (int other = 2; other <= 6; ++other)
+        if (has_points(n, other, q))
+          return true;
+      return false;
+    }
   } // namespace
 
 
@@ -378,7 +406,7 @@ namespace greville
       with_points(n_points_1d, [&](const auto points) {
         constexpr int n = decltype(functions)::value;
         constexpr int q = decltype(points)::value;
-        if constexpr (n <= q)
+        if constexpr (n <= q && meets_points(n, q))
           result = {&interpolate<dim, n, q>,
                     &integrate<dim, n, q>,
                     &interpolate<dim - 1, n, q>,
@@ -402,9 +430,6 @@ namespace greville
                 const unsigned int n_points_1d,
                 const unsigned int degree_out)
   {
-    // Mass has p + 1 points per direction where it is that of a density and
-    // 2 p + 1 where it is that of material points, p being the higher of the
-    // two orders: only these columns are compiled.
     ColumnKernel result = nullptr;
     with_order(degree_in, [&](const auto functions_in) {
       with_order(degree_out, [&](const auto functions_out) {
@@ -412,8 +437,7 @@ namespace greville
           constexpr int n_in  = decltype(functions_in)::value;
           constexpr int n_out = decltype(functions_out)::value;
           constexpr int q     = decltype(points)::value;
-          constexpr int n     = std::max(n_in, n_out);
-          if constexpr (q == n || q == 2 * n - 1)
+          if constexpr (has_points(n_in, n_out, q))
             result = &multiply_column<dim, n_in, q, n_out>;
         });
       });

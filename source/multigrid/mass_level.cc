@@ -8,27 +8,19 @@ namespace greville
 
   template <int dim>
   void
-  MassLevel<dim>::assemble(const bool with_matrix, const bool apply)
+  MassLevel<dim>::assemble(const bool with_entries)
   {
-    apply_matrix = apply;
     mass_operator =
       std::make_unique<MassOperator<dim>>(*spline_space, density_weights);
-    mass_matrix.reset();
-    const bool needs_matrix = with_matrix || apply;
-    if (!is_extended() && !needs_matrix)
+    if (!is_extended() && !with_entries)
       {
         entries.reset();
         return;
       }
     fill_entries();
-    const LowerTriangle local_entries = entries->local_entries(1);
+    lower_entries = entries->local_entries(1);
     if (is_extended())
-      find_extended_diagonal(local_entries);
-    if (needs_matrix)
-      mass_matrix = std::make_unique<MassMatrix<dim>>(*entries,
-                                                      local_entries,
-                                                      inactive(),
-                                                      diagonal().linfty_norm());
+      find_extended_diagonal();
   }
 
 
@@ -70,12 +62,12 @@ namespace greville
 
   template <int dim>
   void
-  MassLevel<dim>::find_extended_diagonal(const LowerTriangle &local_entries)
+  MassLevel<dim>::find_extended_diagonal()
   {
     unknown_result = 0.;
-    for (unsigned int u = 0; u < local_entries.size(); ++u)
+    for (unsigned int u = 0; u < lower_entries.size(); ++u)
       unknown_result.local_element(u) =
-        local_entries.values[local_entries.row_begin[u + 1] - 1];
+        lower_entries.values[lower_entries.row_begin[u + 1] - 1];
     unknown_result.compress(VectorOperation::add);
     spline_space->initialize_vector(extended_diagonal);
     write(extended_diagonal, unknown_result);
@@ -114,11 +106,6 @@ namespace greville
   void
   MassLevel<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
-    if (apply_matrix)
-      {
-        mass_matrix->vmult(dst, src);
-        return;
-      }
     if (!is_extended())
       {
         mass_operator->vmult(dst, src);
@@ -175,6 +162,47 @@ namespace greville
     entries->restrict_columns(unknown_result, {&x}, 1);
     write(x, unknown_result);
     LevelOperator<dim>::condense(x);
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  MassLevel<dim>::factorization(const double shift, const bool) const
+  {
+    class Factorization : public Preconditioner
+    {
+    public:
+      Factorization(const MassLevel<dim> &level, const double shift)
+        : level(level)
+      {
+        const ExtendedMass<dim> &entries = *level.entries;
+        factors.factorize(level.lower_entries,
+                          entries.unknown_layout(),
+                          entries.unknown_positions(),
+                          std::vector<bool>(entries.n_owned_unknowns(), false),
+                          level.space().degree(),
+                          shift);
+      }
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        level.read(level.unknown_source, src);
+        factors.solve(level.unknown_source.begin(), 1);
+        level.write(dst, level.unknown_source);
+        for (const unsigned int i : level.inactive())
+          dst.local_element(i) =
+            src.local_element(i) / level.diagonal().local_element(i);
+      }
+
+    private:
+      const MassLevel<dim> &level;
+      PartitionedCholesky   factors;
+    };
+    if (!entries)
+      return nullptr;
+    return std::make_unique<Factorization>(*this, shift);
   }
 
 

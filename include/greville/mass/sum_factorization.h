@@ -123,9 +123,8 @@ namespace greville
                                 NativeSimd *const       *out);
 
   /**
-   * Kernels are compiled for 1 <= p < n_q <= 6 and for n_q = 7, 9, 11.
-   * Those of columns are compiled for n_q = p + 1 and n_q = 2 p + 1 only, p
-   * being the higher of the two orders.
+   * Kernels are compiled for pairs of orders that follow each other in an
+   * OrderHierarchy, with n_q = p + 1 and n_q = 2 p + 1, p being the higher one.
    */
   template <int dim>
   CellKernels

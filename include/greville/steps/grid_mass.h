@@ -3,7 +3,7 @@
 #ifndef greville_steps_grid_mass_h
 #define greville_steps_grid_mass_h
 
-#include <greville/boundary/walls.h>
+#include <greville/boundary/held_functions.h>
 #include <greville/mass/extended_mass.h>
 #include <greville/points/point_transfer.h>
 #include <greville/spline/order_hierarchy.h>
@@ -217,37 +217,6 @@ namespace greville
     std::array<bool, dim>
     held_meet_mass() const;
   };
-
-
-
-  /**
-   * Collective. Values of owned functions, for all local ones.
-   */
-  template <int dim>
-  std::vector<unsigned char>
-  with_ghosts(const SplineSpace<dim>           &space,
-              const std::vector<unsigned char> &owned);
-
-  /**
-   * Collective. The local functions of a space that walls hold in a component:
-   * 1, others 0.
-   */
-  template <int dim>
-  std::vector<unsigned char>
-  held_at_walls(const SplineSpace<dim> &space,
-                const Walls<dim>       &walls,
-                const unsigned int      component);
-
-
-
-  /**
-   * Collective. The components (bits) in which walls hold the local functions
-   * of a space.
-   */
-  template <int dim>
-  std::vector<unsigned char>
-  held_components_at_walls(const SplineSpace<dim> &space,
-                           const Walls<dim>       &walls);
 
 
 
