@@ -51,9 +51,9 @@ namespace greville
         , mass_factor(mass_factor)
         , parameters(solver)
         , tangent(tangent)
+        , orders(triangulation, p, tangent.multigrid.coarsening)
         , system(
-            p,
-            triangulation,
+            orders,
             [&](const SplineSpace<dim> &space) {
               return held_components_at_walls(space, walls);
             },
@@ -123,6 +123,7 @@ namespace greville
       const double                       mass_factor;
       const SolverParameters            &parameters;
       const TangentParameters            tangent;
+      const OrderHierarchy<dim>          orders;
       TangentSystem<dim>                 system;
       VectorField<dim>                   u, force;
       VectorType                         x, b;

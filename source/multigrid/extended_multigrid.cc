@@ -85,7 +85,7 @@ namespace greville
                                 const unsigned int width,
                                 const unsigned int n_columns) const
   {
-    const auto &functions = mass.unknown_functions();
+    const auto &functions = mass.unknowns().unknown_functions();
     z                     = 0.;
     for (unsigned int c = 0; c < n_columns; ++c)
       {

@@ -51,11 +51,11 @@ namespace greville
     held_functions.resize(space.owned_functions().size() +
                             space.ghost_functions().size(),
                           0);
-    entries->hold(held_functions);
+    entries->unknowns().hold(held_functions);
     add_mass_matrix(entries->matrix(), density_weights);
     entries->finish();
     for (VectorType *vector : {&unknown_source, &unknown_result})
-      entries->initialize_vector(*vector, 1);
+      entries->unknowns().initialize_vector(*vector, 1);
   }
 
 
@@ -83,7 +83,7 @@ namespace greville
   void
   MassLevel<dim>::read(VectorType &unknowns, const VectorType &x) const
   {
-    const auto &functions = entries->unknown_functions();
+    const auto &functions = entries->unknowns().unknown_functions();
     for (unsigned int u = 0; u < functions.size(); ++u)
       unknowns.local_element(u) = x.local_element(functions[u]);
   }
@@ -94,7 +94,7 @@ namespace greville
   void
   MassLevel<dim>::write(VectorType &x, const VectorType &unknowns) const
   {
-    const auto &functions = entries->unknown_functions();
+    const auto &functions = entries->unknowns().unknown_functions();
     x                     = 0.;
     for (unsigned int u = 0; u < functions.size(); ++u)
       x.local_element(functions[u]) = unknowns.local_element(u);
@@ -148,7 +148,7 @@ namespace greville
       return;
     LevelOperator<dim>::distribute(x);
     read(unknown_source, x);
-    entries->write_columns({&x}, unknown_source, 1);
+    entries->unknowns().write_columns({&x}, unknown_source, 1);
   }
 
 
@@ -159,7 +159,7 @@ namespace greville
   {
     if (!is_extended())
       return;
-    entries->restrict_columns(unknown_result, {&x}, 1);
+    entries->unknowns().restrict_columns(unknown_result, {&x}, 1);
     write(x, unknown_result);
     LevelOperator<dim>::condense(x);
   }
@@ -177,12 +177,13 @@ namespace greville
         : level(level)
       {
         const ExtendedMass<dim> &entries = *level.entries;
-        factors.factorize(level.lower_entries,
-                          entries.unknown_layout(),
-                          entries.unknown_positions(),
-                          std::vector<bool>(entries.n_owned_unknowns(), false),
-                          level.space().degree(),
-                          shift);
+        factors.factorize(
+          level.lower_entries,
+          entries.unknowns().unknown_layout(),
+          entries.unknowns().unknown_positions(),
+          std::vector<bool>(entries.unknowns().n_owned_unknowns(), false),
+          level.space().degree(),
+          shift);
       }
 
       void

@@ -27,10 +27,10 @@ namespace greville
     for (const unsigned int f : inactive)
       is_inactive[f] = true;
     VectorType numbers;
-    mass.initialize_vector(numbers, 1);
-    for (unsigned int u = 0; u < mass.n_owned_unknowns(); ++u)
+    mass.unknowns().initialize_vector(numbers, 1);
+    for (unsigned int u = 0; u < mass.unknowns().n_owned_unknowns(); ++u)
       {
-        const unsigned int f     = mass.unknown_functions()[u];
+        const unsigned int f     = mass.unknowns().unknown_functions()[u];
         numbers.local_element(u) = is_inactive[f] ? -1. : double(first + f);
       }
     numbers.update_ghost_values();

@@ -12,11 +12,9 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  GridMass<dim>::GridMass(const unsigned int             degree,
-                          DistributedTriangulation<dim> &triangulation,
-                          const std::string             &coarsening,
-                          const Walls<dim>              &walls)
-    : orders(triangulation, degree, coarsening)
+  GridMass<dim>::GridMass(const OrderHierarchy<dim> &orders,
+                          const Walls<dim>          &walls)
+    : orders(orders)
   {
     space().initialize_vector(lumped_mass);
     held      = held_components_at_walls(space(), walls);
@@ -119,22 +117,15 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<GridMass<dim>>
-  make_grid_mass(const std::string             &mass,
-                 const unsigned int             degree,
-                 DistributedTriangulation<dim> &triangulation,
-                 const SimulationParameters    &parameters,
-                 const Walls<dim>              &walls)
+  make_grid_mass(const std::string          &mass,
+                 const OrderHierarchy<dim>  &orders,
+                 const SimulationParameters &parameters,
+                 const Walls<dim>           &walls)
   {
     if (const unsigned int n_terms = n_fmpm_terms(mass))
-      return std::make_unique<LumpedMass<dim>>(n_terms,
-                                               degree,
-                                               triangulation,
-                                               walls);
+      return std::make_unique<LumpedMass<dim>>(n_terms, orders, walls);
     Assert(mass == "consistent", ExcMessage("Unknown mass <" + mass + ">."));
-    return std::make_unique<ConsistentMass<dim>>(degree,
-                                                 triangulation,
-                                                 parameters,
-                                                 walls);
+    return std::make_unique<ConsistentMass<dim>>(orders, parameters, walls);
   }
 
 

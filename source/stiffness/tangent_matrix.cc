@@ -130,8 +130,8 @@ namespace greville
         , matrix(std::move(given_matrix))
         , petsc(matrix.get(), options, prepare)
       {
-        level.extended().initialize_vector(to, dim);
-        level.extended().initialize_vector(from, dim);
+        level.extended().unknowns().initialize_vector(to, dim);
+        level.extended().unknowns().initialize_vector(from, dim);
       }
 
       void
@@ -139,7 +139,7 @@ namespace greville
       {
         level.read(from, src);
         petsc.vmult(to, from);
-        level.extended().zero_held_unknowns(to, dim);
+        level.extended().unknowns().zero_held_unknowns(to, dim);
         level.write(dst, to);
       }
 
@@ -157,9 +157,10 @@ namespace greville
   PetscMatrix
   TangentLevel<dim>::petsc_matrix() const
   {
-    const InterleavedLayout &layout    = *extended_mass.unknown_layout();
-    const auto              &functions = extended_mass.unknown_functions();
-    const MPI_Comm           comm      = spline_space.communicator();
+    const InterleavedLayout &layout =
+      *extended_mass.unknowns().unknown_layout();
+    const auto    &functions = extended_mass.unknowns().unknown_functions();
+    const MPI_Comm comm      = spline_space.communicator();
     checked_index<PetscInt>(
       Utilities::MPI::sum<std::uint64_t>(layout.n_owned() * dim, comm),
       "rows of a matrix");
@@ -235,7 +236,7 @@ namespace greville
     PetscMatrix matrix = petsc_matrix();
     set_rigid_body_modes(matrix.get(),
                          spline_space,
-                         extended_mass.unknown_functions());
+                         extended_mass.unknowns().unknown_functions());
     return std::make_unique<UnknownsPreconditioner<dim>>(*this,
                                                          std::move(matrix),
                                                          options);
@@ -248,11 +249,12 @@ namespace greville
   TangentLevel<dim>::lattice_preconditioner(const std::string &options) const
   {
     PetscMatrix              matrix = petsc_matrix();
-    const LatticeLevels<dim> lattice(matrix.get(),
-                                     spline_space,
-                                     extended_mass.unknown_functions(),
-                                     dim,
-                                     extended_mass.held_unknowns());
+    const LatticeLevels<dim> lattice(
+      matrix.get(),
+      spline_space,
+      extended_mass.unknowns().unknown_functions(),
+      dim,
+      extended_mass.unknowns().held_unknowns());
     return std::make_unique<UnknownsPreconditioner<dim>>(
       *this, std::move(matrix), options, [&](PC pc) { lattice.apply_to(pc); });
   }

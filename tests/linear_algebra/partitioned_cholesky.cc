@@ -55,31 +55,31 @@ test(const MultiIndex<dim> &cells,
     if (multi_index<dim>(space.function_position(f), space.n_functions())[1] ==
         0)
       held[f] = 2;
-  mass.hold(held);
+  mass.unknowns().hold(held);
   std::vector<bool> may_leave_out;
-  const auto        bits = mass.held_unknowns();
+  const auto        bits = mass.unknowns().held_unknowns();
   for (const unsigned char b : bits)
     may_leave_out.push_back(b != 0);
 
   PartitionedCholesky cholesky;
   cholesky.factorize(mass.local_entries((1 << dim) - 1),
-                     mass.unknown_layout(),
-                     mass.unknown_positions(),
+                     mass.unknowns().unknown_layout(),
+                     mass.unknowns().unknown_positions(),
                      may_leave_out,
                      p,
                      0.);
   cholesky.hold(bits, dim);
 
-  const auto positions  = mass.unknown_positions();
+  const auto positions  = mass.unknowns().unknown_positions();
   const auto new_vector = [&](const double frequency) {
     VectorType result;
-    mass.initialize_vector(result, width);
+    mass.unknowns().initialize_vector(result, width);
     for (unsigned int u = 0; u < positions.size(); ++u)
       for (unsigned int c = 0; c < dim; ++c)
         result.local_element(u * width + c) =
           std::sin(frequency * (positions[u][0] + 17. * positions[u][1] +
                                 71. * positions[u][2] + 5. * c));
-    mass.zero_held_unknowns(result, width);
+    mass.unknowns().zero_held_unknowns(result, width);
     return result;
   };
   const auto solve = [&](const VectorType &r) {

@@ -75,14 +75,14 @@ struct Problem
     transfer.add_mass_matrix({&points}, mass.matrix());
     mass.finish();
     if (changed)
-      mass.hold(held);
+      mass.unknowns().hold(held);
   }
 
   void
   hold()
   {
     held = held_bits(space);
-    mass.hold(held);
+    mass.unknowns().hold(held);
   }
 
   double
@@ -122,7 +122,7 @@ test_products(const MultiIndex<dim>       &cells,
           << " stable, " << counts.extended << " extended, " << counts.lumped
           << " lumped" << std::endl;
   const unsigned int n_unknowns =
-    Utilities::MPI::sum(mass.n_owned_unknowns(), MPI_COMM_WORLD);
+    Utilities::MPI::sum(mass.unknowns().n_owned_unknowns(), MPI_COMM_WORLD);
   check("  unknowns", n_unknowns == counts.stable + counts.lumped);
 
   {
@@ -209,7 +209,7 @@ test_products(const MultiIndex<dim>       &cells,
       }
   }
 
-  const auto         &functions = mass.unknown_functions();
+  const auto         &functions = mass.unknowns().unknown_functions();
   std::vector<double> errors;
   for (const bool is_held : {false, true})
     {
@@ -218,13 +218,13 @@ test_products(const MultiIndex<dim>       &cells,
       for (const unsigned int width : {1, 2, 4, 8})
         {
           VectorType from, to;
-          mass.initialize_vector(from, width);
-          mass.initialize_vector(to, width);
+          mass.unknowns().initialize_vector(from, width);
+          mass.unknowns().initialize_vector(to, width);
           for (unsigned int u = 0; u < functions.size(); ++u)
             for (unsigned int c = 0; c < width; ++c)
               from.local_element(u * width + c) =
                 x[is_held][c].local_element(functions[u]);
-          mass.zero_held_unknowns(from, width);
+          mass.unknowns().zero_held_unknowns(from, width);
           // Twice: vectors on places are not zero any more.
           mass.vmult(to, from, width);
           mass.vmult(to, from, width);
@@ -249,14 +249,15 @@ test_products(const MultiIndex<dim>       &cells,
       // Component 0; held rows are unit rows.
       const LowerTriangle entries = std::as_const(mass).local_entries(1);
       VectorType          from, to;
-      mass.initialize_vector(from, 1);
-      mass.initialize_vector(to, 1);
+      mass.unknowns().initialize_vector(from, 1);
+      mass.unknowns().initialize_vector(to, 1);
       for (unsigned int u = 0; u < functions.size(); ++u)
         from.local_element(u) = x[is_held][0].local_element(functions[u]);
-      mass.zero_held_unknowns(from, 1);
+      mass.unknowns().zero_held_unknowns(from, 1);
       from.update_ghost_values();
-      to             = 0.;
-      bool ascending = entries.size() == mass.unknown_places().size();
+      to = 0.;
+      bool ascending =
+        entries.size() == mass.unknowns().unknown_places().size();
       for (unsigned int i = 0; i < entries.size(); ++i)
         for (std::size_t e = entries.row_begin[i]; e < entries.row_begin[i + 1];
              ++e)
@@ -349,7 +350,7 @@ test_solver(const MultiIndex<dim>       &cells,
                                                      : 8;
     VectorType         rows, unknowns, product;
     for (VectorType *vector : {&rows, &unknowns, &product})
-      mass.initialize_vector(*vector, width);
+      mass.unknowns().initialize_vector(*vector, width);
     std::vector<const VectorField<dim> *> right, left;
     std::vector<VectorField<dim> *>       fields;
     for (unsigned int k = 0; k < n_fields; ++k)
@@ -358,9 +359,9 @@ test_solver(const MultiIndex<dim>       &cells,
         left.push_back(&x[k]);
         fields.push_back(&x[k]);
       }
-    mass.restrict_fields(rows, right, width);
+    mass.unknowns().restrict_fields(rows, right, width);
     mass.subtract_held(rows, fields, width);
-    mass.read_fields(unknowns, left, width);
+    mass.unknowns().read_fields(unknowns, left, width);
     mass.vmult(product, unknowns, width);
     const double size = rows.l2_norm();
     product.sadd(-1., 1., rows);

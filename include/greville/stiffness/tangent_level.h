@@ -219,7 +219,7 @@ namespace greville
     mutable BlockStencil<dim, float> single_blocks;
     mutable bool                     has_single_blocks = false;
 
-    // A diagonal block of A or their mean, with the same extension.
+    // A diagonal block of A or their mean, with the unknowns of the mass.
     mutable ExtendedMass<dim> block;
     // Made by the first call of apply_inverse_mass() for a mass.
     mutable std::unique_ptr<PartitionedCholesky> mass_factors;
