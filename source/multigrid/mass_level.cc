@@ -70,34 +70,11 @@ namespace greville
         lower_entries.values[lower_entries.row_begin[u + 1] - 1];
     unknown_result.compress(VectorOperation::add);
     spline_space->initialize_vector(extended_diagonal);
-    write(extended_diagonal, unknown_result);
+    entries->unknowns().write(extended_diagonal, unknown_result, 1);
     for (unsigned int f = 0; f < spline_space->owned_functions().size(); ++f)
       if (held_functions[f] != 0)
         extended_diagonal.local_element(f) = 0.;
     extended_inactive = fill_inactive(extended_diagonal).second;
-  }
-
-
-
-  template <int dim>
-  void
-  MassLevel<dim>::read(VectorType &unknowns, const VectorType &x) const
-  {
-    const auto &functions = entries->unknowns().unknown_functions();
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      unknowns.local_element(u) = x.local_element(functions[u]);
-  }
-
-
-
-  template <int dim>
-  void
-  MassLevel<dim>::write(VectorType &x, const VectorType &unknowns) const
-  {
-    const auto &functions = entries->unknowns().unknown_functions();
-    x                     = 0.;
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      x.local_element(functions[u]) = unknowns.local_element(u);
   }
 
 
@@ -111,11 +88,9 @@ namespace greville
         mass_operator->vmult(dst, src);
         return;
       }
-    dst = src;
-    LevelOperator<dim>::distribute(dst);
-    read(unknown_source, dst);
+    entries->unknowns().read(unknown_source, src, 1);
     entries->vmult(unknown_result, unknown_source, 1);
-    write(dst, unknown_result);
+    entries->unknowns().write(dst, unknown_result, 1);
     for (const unsigned int i : extended_inactive)
       dst.local_element(i) =
         extended_diagonal.local_element(i) * src.local_element(i);
@@ -144,11 +119,8 @@ namespace greville
   {
     // Coefficients without mass take part in transfers with unit weights, which
     // keep constants so.
-    if (!is_extended())
-      return;
-    LevelOperator<dim>::distribute(x);
-    read(unknown_source, x);
-    entries->unknowns().write_columns({&x}, unknown_source, 1);
+    if (is_extended())
+      entries->unknowns().distribute(x, 0);
   }
 
 
@@ -157,11 +129,8 @@ namespace greville
   void
   MassLevel<dim>::condense(VectorType &x, const unsigned int) const
   {
-    if (!is_extended())
-      return;
-    entries->unknowns().restrict_columns(unknown_result, {&x}, 1);
-    write(x, unknown_result);
-    LevelOperator<dim>::condense(x);
+    if (is_extended())
+      entries->unknowns().condense(x, 0);
   }
 
 
@@ -189,9 +158,9 @@ namespace greville
       void
       vmult(VectorType &dst, const VectorType &src) const override
       {
-        level.read(level.unknown_source, src);
+        level.entries->unknowns().read(level.unknown_source, src, 1);
         factors.solve(level.unknown_source.begin(), 1);
-        level.write(dst, level.unknown_source);
+        level.entries->unknowns().write(dst, level.unknown_source, 1);
         for (const unsigned int i : level.inactive())
           dst.local_element(i) =
             src.local_element(i) / level.diagonal().local_element(i);

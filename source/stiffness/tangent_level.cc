@@ -56,7 +56,6 @@ namespace greville
       return;
     for (VectorType *vector : {&source, &result})
       extended_mass.unknowns().initialize_vector(*vector, dim);
-    extended_mass.unknowns().initialize_vector(column, 1);
     std::vector<bool> is_unknown(spline_space.owned_functions().size(), false);
     for (const unsigned int f : extended_mass.unknowns().unknown_functions())
       is_unknown[f] = true;
@@ -129,34 +128,6 @@ namespace greville
 
   template <int dim>
   void
-  TangentLevel<dim>::read(VectorType &unknowns, const VectorType &x) const
-  {
-    const auto &functions = extended_mass.unknowns().unknown_functions();
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      for (unsigned int c = 0; c < dim; ++c)
-        unknowns.local_element(u * dim + c) =
-          x.local_element(functions[u] * dim + c);
-    extended_mass.unknowns().zero_held_unknowns(unknowns, dim);
-  }
-
-
-
-  template <int dim>
-  void
-  TangentLevel<dim>::write(VectorType &x, const VectorType &unknowns) const
-  {
-    const auto &functions = extended_mass.unknowns().unknown_functions();
-    x                     = 0.;
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      for (unsigned int c = 0; c < dim; ++c)
-        x.local_element(functions[u] * dim + c) =
-          unknowns.local_element(u * dim + c);
-  }
-
-
-
-  template <int dim>
-  void
   TangentLevel<dim>::vmult_in_cycle(VectorType       &dst,
                                     const VectorType &src) const
   {
@@ -175,14 +146,14 @@ namespace greville
                               const VectorType                &src,
                               const BlockStencil<dim, Number> &matrix) const
   {
-    read(source, src);
+    extended_mass.unknowns().read(source, src, dim);
     extended_mass.unknowns().multiply(result,
                                       source,
                                       dim,
                                       [&](double *y, const double *x) {
                                         matrix.vmult(y, x);
                                       });
-    write(dst, result);
+    extended_mass.unknowns().write(dst, result, dim);
     for (const unsigned int f : inactive_functions)
       for (unsigned int c = 0; c < dim; ++c)
         dst.local_element(f * dim + c) =
@@ -203,39 +174,9 @@ namespace greville
   void
   TangentLevel<dim>::multiply_mass(VectorType &dst, const VectorType &src) const
   {
-    read(source, src);
+    extended_mass.unknowns().read(source, src, dim);
     extended_mass.vmult(result, source, dim);
-    write(dst, result);
-  }
-
-
-
-  template <int dim>
-  void
-  TangentLevel<dim>::distribute(VectorType        &x,
-                                const unsigned int component) const
-  {
-    const auto &functions = extended_mass.unknowns().unknown_functions();
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      column.local_element(u) = (held[functions[u]] >> component) & 1
-                                  ? 0.
-                                  : x.local_element(functions[u]);
-    x = 0.;
-    extended_mass.unknowns().write_columns({&x}, column, 1, component);
-  }
-
-
-
-  template <int dim>
-  void
-  TangentLevel<dim>::condense(VectorType &x, const unsigned int component) const
-  {
-    extended_mass.unknowns().restrict_columns(column, {&x}, 1, component);
-    const auto &functions = extended_mass.unknowns().unknown_functions();
-    x                     = 0.;
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      if (!((held[functions[u]] >> component) & 1))
-        x.local_element(functions[u]) = column.local_element(u);
+    extended_mass.unknowns().write(dst, result, dim);
   }
 
 

@@ -137,10 +137,10 @@ namespace greville
       void
       vmult(VectorType &dst, const VectorType &src) const override
       {
-        level.read(from, src);
+        level.extended().unknowns().read(from, src, dim);
         petsc.vmult(to, from);
         level.extended().unknowns().zero_held_unknowns(to, dim);
-        level.write(dst, to);
+        level.extended().unknowns().write(dst, to, dim);
       }
 
     private:
@@ -166,14 +166,14 @@ namespace greville
       "rows of a matrix");
 
     // What is held of unknowns of other processes, too.
-    column = 0.;
+    VectorType column;
+    extended_mass.unknowns().initialize_vector(column, 1);
     for (unsigned int u = 0; u < functions.size(); ++u)
       column.local_element(u) = held[functions[u]];
     column.update_ghost_values();
     std::vector<unsigned char> held_local(layout.n_local());
     for (unsigned int u = 0; u < held_local.size(); ++u)
       held_local[u] = static_cast<unsigned char>(column.local_element(u));
-    column.zero_out_ghost_values();
 
     const auto rows =
       extended_blocks<dim>(blocks, extended_mass, held, held_local);

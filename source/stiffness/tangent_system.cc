@@ -462,7 +462,7 @@ namespace greville
               products[c].local_element(functions[u]);
         mass.unknowns().zero_held_unknowns(unknowns, dim);
       }
-    finest().write(rows, unknowns);
+    finest().extended().unknowns().write(rows, unknowns, dim);
   }
 
 
@@ -471,7 +471,7 @@ namespace greville
   void
   TangentSystem<dim>::extend(VectorField<dim> &field, const VectorType &x) const
   {
-    finest().read(unknowns, x);
+    finest().extended().unknowns().read(unknowns, x, dim);
     finest().extended().unknowns().write_fields({&field}, unknowns, dim);
   }
 
@@ -482,7 +482,7 @@ namespace greville
   TangentSystem<dim>::read(VectorType &x, const VectorField<dim> &field) const
   {
     finest().extended().unknowns().read_fields(unknowns, {&field}, dim);
-    finest().write(x, unknowns);
+    finest().extended().unknowns().write(x, unknowns, dim);
   }
 
 

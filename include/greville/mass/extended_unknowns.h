@@ -39,9 +39,8 @@ namespace greville
     reinit(const StencilMatrix<dim> &matrix);
 
     /**
-     * Collective. Number the unknowns of an extension, which is kept by
-     * reference, where it has @p changed or is the first one. Returns whether
-     * it did.
+     * Collective. Number the unknowns of an extension, kept by reference, where
+     * it has @p changed or is the first one. Returns whether it did.
      */
     bool
     update(const Extension<dim> &extension, const bool changed);
@@ -65,10 +64,7 @@ namespace greville
     unsigned int
     n_holds() const;
 
-    /**
-     * Whether any function that meets mass is held in a component, on any
-     * process.
-     */
+    /// Whether any function with mass is held in a component, anywhere.
     const std::array<bool, dim> &
     has_held() const;
 
@@ -76,10 +72,7 @@ namespace greville
     std::vector<unsigned char>
     held_unknowns() const;
 
-    /**
-     * The positions of the owned unknowns in the lattice of functions, with
-     * zeros for directions beyond @p dim.
-     */
+    /// Positions of owned unknowns in the lattice, zeros beyond @p dim.
     std::vector<std::array<int, 3>>
     unknown_positions() const;
 
@@ -100,10 +93,7 @@ namespace greville
     const std::vector<unsigned int> &
     unknown_functions() const;
 
-    /**
-     * The layout of vectors of @p width columns. Ghost entries are those that
-     * vmult() needs.
-     */
+    /// Layout of @p width columns; ghosts are those that multiply() needs.
     void
     initialize_vector(VectorType &vector, const unsigned int width) const;
 
@@ -133,24 +123,27 @@ namespace greville
     for_each_image_of_unknown(const Visit &visit) const;
 
     /**
-     * Collective. rows = E^T b for @p columns b of the space, of the
-     * @p component and those that follow it: ..., dim - 1, 0, ...
+     * Vectors of levels have @p width components of all owned functions,
+     * interleaved. Copy the entries at unknowns, where they are not held, to a
+     * vector of unknowns, and all of these back; others become zero.
      */
     void
-    restrict_columns(VectorType                            &rows,
-                     const std::vector<const VectorType *> &columns,
-                     const unsigned int                     width,
-                     const unsigned int component = 0) const;
+    read(VectorType        &unknowns,
+         const VectorType  &x,
+         const unsigned int width) const;
 
-    /**
-     * Collective. @p columns = E x for the owned functions of the space, where
-     * they are not held; zero where they are inactive.
-     */
     void
-    write_columns(const std::vector<VectorType *> &columns,
-                  VectorType                      &x,
-                  const unsigned int               width,
-                  const unsigned int               component = 0) const;
+    write(VectorType        &x,
+          const VectorType  &unknowns,
+          const unsigned int width) const;
+
+    /// Collective. See LevelOperator: x = E x for a @p component of the space.
+    void
+    distribute(VectorType &x, const unsigned int component) const;
+
+    /// Collective. The same with the transpose of E.
+    void
+    condense(VectorType &x, const unsigned int component) const;
 
     /**
      * rows = E^T b for fields b of the space, one behind the other: component c
@@ -197,6 +190,22 @@ namespace greville
       unsigned int unknown;
       double       weight;
     };
+
+    /**
+     * Collective. rows = E^T b for @p columns b, of the @p component and those
+     * that follow it: ..., dim - 1, 0, ...; columns = E x where not held.
+     */
+    void
+    restrict_columns(VectorType                            &rows,
+                     const std::vector<const VectorType *> &columns,
+                     const unsigned int                     width,
+                     const unsigned int component = 0) const;
+
+    void
+    write_columns(const std::vector<VectorType *> &columns,
+                  VectorType                      &x,
+                  const unsigned int               width,
+                  const unsigned int               component = 0) const;
 
     /// place_x = E x, at all places.
     void
@@ -259,6 +268,7 @@ namespace greville
     std::array<bool, dim>                               component_has_held{};
 
     mutable ZeroedArray<double> place_x, place_y;
+    mutable VectorType          column; // of unknowns
 
     void
     number_unknowns();

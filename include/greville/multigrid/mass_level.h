@@ -157,15 +157,6 @@ namespace greville
     void
     find_extended_diagonal();
 
-    /**
-     * The value of @p x at owned unknowns as a vector of these, and back.
-     */
-    void
-    read(VectorType &unknowns, const VectorType &x) const;
-
-    void
-    write(VectorType &x, const VectorType &unknowns) const;
-
     const SplineSpace<dim>            *spline_space;
     DensityWeights<dim>                density_weights;
     std::optional<Extension<dim>>      given_extension;
