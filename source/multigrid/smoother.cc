@@ -19,8 +19,9 @@ namespace greville
   {
     prm.add_parameter("Shift",
                       shift,
-                      "ic0: added to the diagonal of the scaled matrix "
-                      "(which is 1) before the factorization. (ic0 raises "
+                      "Of incomplete factorizations: added to the diagonal "
+                      "of the scaled matrix (which is 1) before the "
+                      "factorization. (ic0 raises "
                       "pivots that fail all the same, and shifts by up to 4e-3 "
                       "where its factors are nearly singular.) Unit: none.",
                       Patterns::Double(0.));

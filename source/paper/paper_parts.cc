@@ -65,26 +65,6 @@ namespace greville
 
 
     template <int dim>
-    std::unique_ptr<Preconditioner>
-    make_factorization(const SmootherParameters &p,
-                       const LevelOperator<dim> &level,
-                       const bool                symmetric,
-                       const bool                by_components)
-    {
-      if (auto factorization = level.factorization(p.shift, by_components))
-        return factorization;
-      auto one =
-        schwarz_with<dim>([](const Mat m, const SmootherParameters &q) {
-          return make_ic0(m, q.shift);
-        })(p, level, symmetric);
-      if (level.n_components() == 1)
-        return one;
-      return std::make_unique<SmootherByComponents<dim>>(std::move(one), level);
-    }
-
-
-
-    template <int dim>
     void
     add_parts()
     {

@@ -11,12 +11,12 @@ namespace greville
 {
   namespace
   {
-    using IndexSet = PetscHandle<IS, ISDestroy>;
+    using PetscIndexSet = PetscHandle<IS, ISDestroy>;
 
     struct Factors
     {
       std::unique_ptr<ILUT> ilut;
-      IndexSet              ordering;
+      PetscIndexSet         ordering;
       std::vector<double>   work;
     };
 
@@ -62,7 +62,7 @@ namespace greville
         check_petsc(PCGetOperators(pc, nullptr, &matrix));
         check_petsc(MatGetOrdering(matrix, MATORDERINGAMD, &rows, &columns));
         factors.ordering.reset(rows);
-        const IndexSet owner(columns);
+        const PetscIndexSet owner(columns);
         check_petsc(MatPermute(matrix, rows, rows, &permuted));
         const PetscMatrix permuted_owner(permuted);
         factors.ilut = std::make_unique<ILUT>(permuted, 1e-12, 1.);
