@@ -144,9 +144,8 @@ namespace
     mass.begin(extension, true);
     transfer.add_mass_matrix(points, mass.matrix());
     mass.finish();
-    mass.hold(std::vector<unsigned char>(space.owned_functions().size() +
-                                           space.ghost_functions().size(),
-                                         0));
+    mass.unknowns().hold(std::vector<unsigned char>(
+      space.owned_functions().size() + space.ghost_functions().size(), 0));
     const LowerTriangle entries = mass.local_entries((1 << dim) - 1);
     const unsigned int  n       = entries.size();
 
@@ -163,8 +162,8 @@ namespace
             value = normal(engine);
         }
     VectorType rows;
-    mass.initialize_vector(rows, width);
-    mass.restrict_fields(rows, {&b[0], &b[1]}, width);
+    mass.unknowns().initialize_vector(rows, width);
+    mass.unknowns().restrict_fields(rows, {&b[0], &b[1]}, width);
 
     std::vector<Method> methods;
 

@@ -52,14 +52,16 @@ namespace StepGreville
 
   // @sect3{The class}
 
-  // A <code>TangentSystem</code> has a spline space for each order, and sums
-  // mass, forces and stiffness of points for all of them. A
+  // An <code>OrderHierarchy</code> has a spline space for each order, and a
+  // <code>TangentSystem</code> sums mass, forces and stiffness of points for
+  // all of them. A
   // <code>PointTransfer</code> leads from points to the space of the highest
   // order and back.
   class FallingDisk
   {
     DistributedTriangulation<dim>       mesh;
     TangentParameters                   parameters;
+    OrderHierarchy<dim>                 orders;
     std::unique_ptr<TangentSystem<dim>> system;
     PointTransfer<dim>                  transfer;
     PointTransport<dim>                 transport;
@@ -88,10 +90,10 @@ namespace StepGreville
     {
       const Point<dim> lower, upper(1., 1.);
       create_box_mesh<dim>(mesh, lower, upper, {{n_cells, n_cells}});
-      parameters.multigrid.coarsening = "one by one";
+      orders.reinit(mesh, degree, "one by one");
       const TangentSystem<dim>::HeldFunctions nothing;
       system = std::make_unique<TangentSystem<dim>>(
-        degree, mesh, nothing, parameters, 0.5, false);
+        orders, nothing, parameters, 0.5, false);
 
       const SplineSpace<dim> &space = system->space();
       transfer.reinit(space);

@@ -2,6 +2,7 @@
 
 #include <greville/base/disk.h>
 #include <greville/base/errors.h>
+#include <greville/base/mixed_bits.h>
 #include <greville/base/parameters.h>
 
 #include <algorithm>
@@ -24,21 +25,6 @@ namespace greville
 
     // Numbers of eight bytes that are in memory at a time.
     constexpr std::uint64_t piece = 1 << 17;
-
-
-
-    /**
-     * The finalizer of MurmurHash3: a bijection of 64 bits that spreads them.
-     */
-    std::uint64_t
-    mix(std::uint64_t x)
-    {
-      x ^= x >> 33;
-      x *= 0xff51afd7ed558ccdull;
-      x ^= x >> 33;
-      x *= 0xc4ceb9fe1a85ec53ull;
-      return x ^ (x >> 33);
-    }
 
 
 
@@ -172,7 +158,7 @@ namespace greville
       {
         std::uint64_t bits;
         std::memcpy(&bits, &values[k], sizeof(bits));
-        sum += mix(bits + 0x9e3779b97f4a7c15ull * (first + k + 1));
+        sum += mixed_bits(bits + 0x9e3779b97f4a7c15ull * (first + k + 1));
       }
     return sum;
   }
@@ -182,9 +168,9 @@ namespace greville
   std::uint64_t
   checksum(const std::string &text, const std::uint64_t before)
   {
-    std::uint64_t sum = mix(before + text.size());
+    std::uint64_t sum = mixed_bits(before + text.size());
     for (const unsigned char c : text)
-      sum = mix(sum + c);
+      sum = mixed_bits(sum + c);
     return sum;
   }
 

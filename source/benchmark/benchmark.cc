@@ -25,7 +25,9 @@ namespace greville
   Benchmark::Benchmark(const std::string &program)
     : program(program)
     , out(std::cout, Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-  {}
+  {
+    add_paper_parts();
+  }
 
 
 
@@ -37,7 +39,14 @@ namespace greville
     declare_section(prm, "Solver", solver_parameters);
     declare_section(prm, "p-multigrid", multigrid_parameters);
     declare_section(prm, "Smoother", smoother_parameters);
-    declare_section(prm, "Implicit p-multigrid", implicit.multigrid);
+    prm.enter_subsection("Implicit p-multigrid");
+    declare_levels(prm, implicit.multigrid);
+    prm.leave_subsection();
+    declare_section(prm,
+                    "Implicit p-multigrid",
+                    implicit.multigrid,
+                    "auto|" + smoother_names(),
+                    PMultigridParameters::all_coarse_preconditioners());
     declare_section(prm, "Implicit smoother", implicit.smoother);
   }
 
@@ -182,7 +191,7 @@ namespace greville
     out << "\n  processes " << Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD)
         << ", results in " << output_directory << '\n';
     if (parameters.print_times)
-      out << "  " << simd_width << " doubles per SIMD vector, deal.II "
+      out << "  " << native_simd_width << " doubles per SIMD vector, deal.II "
           << DEAL_II_PACKAGE_VERSION << '\n';
     out << '\n';
 

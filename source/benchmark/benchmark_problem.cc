@@ -5,6 +5,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/benchmark/benchmark_problem.h>
+#include <greville/paper/paper_parts.h>
 
 #include <algorithm>
 
@@ -114,7 +115,7 @@ namespace greville
 
     if (name == "fgmres-tielen")
       {
-        result.multigrid                       = PMultigridParameters();
+        result.multigrid                       = PaperMultigridParameters();
         result.smoother                        = SmootherParameters();
         result.smoother.ordering               = "amd";
         result.multigrid.coarse_preconditioner = "direct";

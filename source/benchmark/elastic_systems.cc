@@ -51,9 +51,9 @@ namespace greville
         , mass_factor(mass_factor)
         , parameters(solver)
         , tangent(tangent)
+        , orders(triangulation, p, tangent.multigrid.coarsening)
         , system(
-            p,
-            triangulation,
+            orders,
             [&](const SplineSpace<dim> &space) {
               return held_components_at_walls(space, walls);
             },
@@ -123,6 +123,7 @@ namespace greville
       const double                       mass_factor;
       const SolverParameters            &parameters;
       const TangentParameters            tangent;
+      const OrderHierarchy<dim>          orders;
       TangentSystem<dim>                 system;
       VectorField<dim>                   u, force;
       VectorType                         x, b;
@@ -210,7 +211,7 @@ namespace greville
           solver.multigrid.coarsening == "none" ? "smoother" : "p-multigrid";
         tangent.max_iterations = parameters.max_iterations;
         tangent.multigrid      = solver.multigrid;
-        static_cast<SmootherParameters &>(tangent.smoother) = solver.smoother;
+        tangent.smoother       = solver.smoother;
         return std::make_unique<ElasticSystem<dim>>(bodies,
                                                     walls,
                                                     threshold(),

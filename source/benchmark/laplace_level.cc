@@ -110,7 +110,7 @@ namespace greville
     ExtendedMass<dim> stencil;
     stencil.reinit(space);
     stencil.begin(all_stable, true);
-    stencil.hold(held);
+    stencil.unknowns().hold(held);
     add_laplace_matrix(stencil.matrix());
     stencil.finish();
     for (unsigned int f = 0; f < space.owned_functions().size(); ++f)

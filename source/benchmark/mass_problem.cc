@@ -33,13 +33,14 @@ namespace greville
       }
 
       void
-      right_hand_side(VectorType &b, const MassLevel<dim> &level) override
+      right_hand_side(VectorType                    &b,
+                      const AssembledMassLevel<dim> &level) override
       {
         level.mass().cross_mass().integrate(b, *acceleration);
       }
 
       double
-      error(const VectorType &x, const MassLevel<dim> &level) override
+      error(const VectorType &x, const AssembledMassLevel<dim> &level) override
       {
         const auto norms =
           level.mass().cross_mass().difference(x, *acceleration);
@@ -105,7 +106,8 @@ namespace greville
       }
 
       void
-      right_hand_side(VectorType &b, const MassLevel<dim> &level) override
+      right_hand_side(VectorType                    &b,
+                      const AssembledMassLevel<dim> &level) override
       {
         PointTransfer<dim> transfer;
         VectorType         mass;
@@ -120,7 +122,7 @@ namespace greville
       }
 
       double
-      error(const VectorType &x, const MassLevel<dim> &level) override
+      error(const VectorType &x, const AssembledMassLevel<dim> &level) override
       {
         PointTransfer<dim> transfer;
         VectorField<dim>   u, zero;

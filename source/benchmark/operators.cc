@@ -3,7 +3,7 @@
 #include <deal.II/base/timer.h>
 
 #include <greville/benchmark/operators.h>
-#include <greville/multigrid/tensor_product_solver.h>
+#include <greville/paper/tensor_product_solver.h>
 
 #include <cmath>
 #include <limits>
@@ -14,7 +14,7 @@ namespace greville
 
   template <int dim>
   OperatorRecord
-  measure_operators(MassLevel<dim> &level)
+  measure_operators(AssembledMassLevel<dim> &level)
   {
     const SplineSpace<dim> &space = level.space();
     level.assemble(true, false);
@@ -95,7 +95,7 @@ namespace greville
 
 
   template OperatorRecord
-  measure_operators<2>(MassLevel<2> &);
+  measure_operators<2>(AssembledMassLevel<2> &);
   template OperatorRecord
-  measure_operators<3>(MassLevel<3> &);
+  measure_operators<3>(AssembledMassLevel<3> &);
 } // namespace greville

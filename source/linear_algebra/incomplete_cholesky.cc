@@ -3,13 +3,13 @@
 #include <deal.II/base/exceptions.h>
 
 #include <greville/base/largest_eigenvalue.h>
+#include <greville/base/simd.h>
 #include <greville/base/with_width.h>
 #include <greville/linear_algebra/incomplete_cholesky.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <experimental/simd>
 #include <string>
 
 namespace greville
@@ -267,31 +267,30 @@ namespace greville
   namespace
   {
     template <int width>
-    using Lanes = std::experimental::
-      simd<float, std::experimental::simd_abi::deduce_t<float, width>>;
+    using Columns = FixedSimd<float, width>;
 
     template <int width>
-    Lanes<width>
+    Columns<width>
     at(const float *x, const std::size_t i)
     {
-      return Lanes<width>(x + i * width, std::experimental::element_aligned);
+      return load<Columns<width>>(x + i * width);
     }
 
     template <int width>
     void
-    put(float *x, const std::size_t i, const Lanes<width> &value)
+    put(float *x, const std::size_t i, const Columns<width> &value)
     {
-      value.copy_to(x + i * width, std::experimental::element_aligned);
+      store(value, x + i * width);
     }
 
     /**
      * One for the vectors that the row is in, zero for the others.
      */
     template <int width>
-    Lanes<width>
+    Columns<width>
     mask(const unsigned int bits, const unsigned int n_components)
     {
-      return Lanes<width>([&](const unsigned int c) {
+      return Columns<width>([&](const unsigned int c) {
         return (bits >> (c % n_components)) & 1 ? 0.f : 1.f;
       });
     }
@@ -331,7 +330,7 @@ namespace greville
     const float        *l      = entries.data();
     const auto          reduce = [&](const std::size_t i) {
       // Two sums: the last entries of a row wait for the rows just before.
-      Lanes<width>      sum = at<width>(x, i), other_sum = 0.f;
+      Columns<width>    sum = at<width>(x, i), other_sum = 0.f;
       std::size_t       e   = row_begin[i];
       const std::size_t end = row_begin[i + 1];
       for (; e + 1 < end; e += 2)
@@ -365,8 +364,8 @@ namespace greville
   {
     const unsigned int *c          = columns.data();
     const float        *l          = entries.data();
-    const auto          substitute = [&](const std::size_t   i,
-                                const Lanes<width> &value) {
+    const auto          substitute = [&](const std::size_t     i,
+                                const Columns<width> &value) {
       for (std::size_t e = row_begin[i]; e < row_begin[i + 1]; ++e)
         put<width>(x, c[e], at<width>(x, c[e]) - l[e] * value);
     };
@@ -377,7 +376,7 @@ namespace greville
       {
         while (--i > row->first)
           substitute(i, at<width>(x, i));
-        const Lanes<width> value =
+        const Columns<width> value =
           mask<width>(row->second, held.n_components) * at<width>(x, i);
         put<width>(x, i, value);
         substitute(i, value);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/linear_algebra/petsc_ilut.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
 
 #include <sstream>
@@ -15,7 +14,6 @@ namespace greville
     const std::string             &options,
     const std::function<void(PC)> &prepare)
   {
-    register_petsc_ilut();
     const MPI_Comm comm =
       PetscObjectComm(reinterpret_cast<PetscObject>(matrix));
 

@@ -14,7 +14,18 @@ namespace greville
   ExtendedMass<dim>::reinit(const SplineSpace<dim> &space)
   {
     points_mass.reinit(space);
-    ExtendedUnknowns<dim>::reinit(points_mass);
+    E = std::make_shared<ExtendedUnknowns<dim>>();
+    E->reinit(points_mass);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::reinit(const ExtendedMass<dim> &other)
+  {
+    points_mass.reinit(other.points_mass.space());
+    E = other.E;
   }
 
 
@@ -23,16 +34,25 @@ namespace greville
   void
   ExtendedMass<dim>::begin(const Extension<dim> &extension, const bool changed)
   {
-    if (!this->update(extension, changed))
+    begin(E->update(extension, changed));
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::begin(const bool changed)
+  {
+    if (!changed)
       {
         points_mass.clear();
         return;
       }
     std::vector<unsigned int> active;
-    this->for_each_active(this->held_functions.size(),
-                          [&](const unsigned int f, const std::size_t) {
-                            active.push_back(f);
-                          });
+    E->for_each_active(E->held_functions.size(),
+                       [&](const unsigned int f, const std::size_t) {
+                         active.push_back(f);
+                       });
     points_mass.set_rows(active);
   }
 
@@ -45,10 +65,10 @@ namespace greville
     // A function that a point meets with its outermost edge only has the mass
     // of round-off.
     double largest = 0.;
-    for (const unsigned int place : this->unknowns)
+    for (const unsigned int place : E->unknowns)
       if (place != numbers::invalid_unsigned_int)
         largest = std::max(largest, points_mass.diagonal(place));
-    for (const unsigned int place : this->lumped)
+    for (const unsigned int place : E->lumped)
       {
         points_mass.decouple(place);
         points_mass.raise_diagonal(place, 1e-15 * largest);
@@ -63,7 +83,7 @@ namespace greville
                            VectorType        &x,
                            const unsigned int width) const
   {
-    this->multiply(y, x, width, [&](double *to, const double *from) {
+    E->multiply(y, x, width, [&](double *to, const double *from) {
       points_mass.vmult(to, from, width);
     });
   }
@@ -80,54 +100,54 @@ namespace greville
     const auto columns  = columns_of<VectorType>(fields);
     const auto for_held = [&](const bool everywhere, const auto &visit) {
       const auto at = [&](const unsigned int f, const std::size_t place) {
-        if (this->held_functions[f] != 0)
+        if (E->held_functions[f] != 0)
           for (unsigned int c = 0; c < columns.size(); ++c)
-            if (this->is_held(f, c))
+            if (E->is_held(f, c))
               visit(c, place, columns[c]->local_element(f));
       };
-      if (std::count(this->component_has_held.begin(),
-                     this->component_has_held.end(),
+      if (std::count(E->component_has_held.begin(),
+                     E->component_has_held.end(),
                      true) == 0)
         return;
       if (everywhere)
-        this->for_each_active_place(at);
+        E->for_each_active_place(at);
       else
-        this->for_each_active(this->n_owned_functions(), at);
+        E->for_each_active(E->n_owned_functions(), at);
     };
     VectorType x, y;
-    this->initialize_vector(x, width);
+    E->initialize_vector(x, width);
     bool any = false;
     for_held(false,
              [&](const unsigned int c,
                  const std::size_t  place,
                  const double       value) {
                any = any || value != 0.;
-               if (this->roles[place] > 0)
-                 x.local_element((this->roles[place] - 1) * width + c) = value;
+               if (E->roles[place] > 0)
+                 x.local_element((E->roles[place] - 1) * width + c) = value;
              });
     // Walls at rest contribute nothing.
-    if (Utilities::MPI::max<unsigned int>(any, this->communicator()) == 0)
+    if (Utilities::MPI::max<unsigned int>(any, E->communicator()) == 0)
       return;
 
     x.update_ghost_values();
-    this->expand(x.begin(), width);
+    E->expand(x.begin(), width);
     for (const VectorType *column : columns)
       column->update_ghost_values();
     for_held(true,
              [&](const unsigned int c,
                  const std::size_t  place,
                  const double       value) {
-               this->place_x[place * width + c] = value;
+               E->place_x[place * width + c] = value;
              });
     for (VectorType *column : columns)
       column->zero_out_ghost_values();
-    points_mass.vmult(this->place_y.data(), this->place_x.data(), width);
-    this->zero_held(this->place_y.data(), width);
-    this->initialize_vector(y, width);
-    this->collect(y.begin(), width);
+    points_mass.vmult(E->place_y.data(), E->place_x.data(), width);
+    E->zero_held(E->place_y.data(), width);
+    E->initialize_vector(y, width);
+    E->collect(y.begin(), width);
     y.compress(VectorOperation::add);
     rows.add(-1., y);
-    this->zero_held_unknowns(rows, width);
+    E->zero_held_unknowns(rows, width);
   }
 
 
@@ -139,20 +159,20 @@ namespace greville
                                     const bool              without_held) const
   {
     VectorType y;
-    this->initialize_vector(y, 1);
+    E->initialize_vector(y, 1);
     for (unsigned int c = 0; c < dim; ++c)
       {
-        this->to_places(field[c]);
-        points_mass.vmult(this->place_y.data(), this->place_x.data(), 1);
+        E->to_places(field[c]);
+        points_mass.vmult(E->place_y.data(), E->place_x.data(), 1);
         if (without_held)
-          for (const auto &[place, components] : this->held_places)
+          for (const auto &[place, components] : E->held_places)
             if ((components >> c) & 1)
-              this->place_y[place] = 0.;
-        this->collect(y.begin(), 1);
+              E->place_y[place] = 0.;
+        E->collect(y.begin(), 1);
         y.compress(VectorOperation::add);
         rows[c] = 0.;
-        for (unsigned int u = 0; u < this->n_owned; ++u)
-          rows[c].local_element(this->owned_unknown_functions[u]) =
+        for (unsigned int u = 0; u < E->n_owned; ++u)
+          rows[c].local_element(E->owned_unknown_functions[u]) =
             y.local_element(u);
       }
   }
@@ -166,7 +186,7 @@ namespace greville
     double sum = 0.;
     points_mass.for_each_entry(place,
                                [&](const unsigned int j, const double value) {
-                                 sum += value * this->place_x[j];
+                                 sum += value * E->place_x[j];
                                });
     return sum;
   }
@@ -181,12 +201,12 @@ namespace greville
     for (unsigned int c = 0; c < dim; ++c)
       {
         rows[c] = 0.;
-        if (!this->component_has_held[c])
+        if (!E->component_has_held[c])
           continue;
-        this->to_places(field[c]);
-        this->for_each_active_place(
+        E->to_places(field[c]);
+        E->for_each_active_place(
           [&](const unsigned int f, const std::size_t place) {
-            if (this->is_held(f, c))
+            if (E->is_held(f, c))
               rows[c].local_element(f) += row(place);
           });
         rows[c].compress(VectorOperation::add);
@@ -202,46 +222,47 @@ namespace greville
                                   const VectorField<dim> &b) const
   {
     VectorType y;
-    this->initialize_vector(y, 1);
+    E->initialize_vector(y, 1);
     for (unsigned int c = 0; c < dim; ++c)
       {
         rows[c] = 0.;
-        if (!this->component_has_held[c])
+        if (!E->component_has_held[c])
           continue;
         y = 0.;
-        this->to_places(field[c]);
+        E->to_places(field[c]);
         const auto add = [&](const unsigned int f,
                              const std::size_t  place,
                              const double       known) {
-          if (this->is_held(f, c))
+          if (E->is_held(f, c))
             rows[c].local_element(f) += row(place) - known;
-          else if (this->may_extend_held(place, c))
+          else if (E->may_extend_held(place, c))
             {
               const double value = row(place) - known;
-              this->for_each_unknown(place,
-                                     [&](const unsigned int u,
-                                         const double       weight) {
-                                       y.local_element(u) += weight * value;
-                                     });
+              E->for_each_unknown(place,
+                                  [&](const unsigned int u,
+                                      const double       weight) {
+                                    y.local_element(u) += weight * value;
+                                  });
             }
         };
-        this->for_each_active(
-          this->held_functions.size(),
-          [&](const unsigned int f, const std::size_t place) {
-            add(f,
-                place,
-                f < this->n_owned_functions() ? b[c].local_element(f) : 0.);
-          });
-        this->for_each_active_image(
+        E->for_each_active(E->held_functions.size(),
+                           [&](const unsigned int f, const std::size_t place) {
+                             add(f,
+                                 place,
+                                 f < E->n_owned_functions()
+                                   ? b[c].local_element(f)
+                                   : 0.);
+                           });
+        E->for_each_active_image(
           [&](const unsigned int f, const std::size_t place) {
             add(f, place, 0.);
           });
         rows[c].compress(VectorOperation::add);
         y.compress(VectorOperation::add);
-        for (unsigned int u = 0; u < this->n_owned; ++u)
+        for (unsigned int u = 0; u < E->n_owned; ++u)
           {
-            const unsigned int f = this->owned_unknown_functions[u];
-            if (this->is_held(f, c))
+            const unsigned int f = E->owned_unknown_functions[u];
+            if (E->is_held(f, c))
               rows[c].local_element(f) += y.local_element(u);
           }
       }
@@ -253,11 +274,11 @@ namespace greville
   void
   ExtendedMass<dim>::approximate_diagonal(VectorType &diagonal) const
   {
-    this->initialize_vector(diagonal, 1);
-    for (unsigned int u = 0; u < this->unknowns.size(); ++u)
-      if (this->unknowns[u] != numbers::invalid_unsigned_int)
-        diagonal.local_element(u) = points_mass.diagonal(this->unknowns[u]);
-    this->for_each_image_of_unknown(
+    E->initialize_vector(diagonal, 1);
+    for (unsigned int u = 0; u < E->unknowns.size(); ++u)
+      if (E->unknowns[u] != numbers::invalid_unsigned_int)
+        diagonal.local_element(u) = points_mass.diagonal(E->unknowns[u]);
+    E->for_each_image_of_unknown(
       [&](const unsigned int u, const std::size_t place) {
         diagonal.local_element(u) += points_mass.diagonal(place);
       });
@@ -271,22 +292,22 @@ namespace greville
   ExtendedMass<dim>::local_entries(const unsigned int components) const
   {
     using Entry          = typename ExtendedUnknowns<dim>::Entry;
-    const unsigned int n = this->unknowns.size();
+    const unsigned int n = E->unknowns.size();
     LowerTriangle      result;
 
     std::vector<double> image_diagonal(n, 0.);
-    this->for_each_image_of_unknown(
+    E->for_each_image_of_unknown(
       [&](const unsigned int u, const std::size_t place) {
         image_diagonal[u] += points_mass.diagonal(place);
       });
 
     // What all of them hold is left out: unknowns, and extended functions.
     std::vector<unsigned char> is_held(n, 0);
-    std::vector<unsigned char> is_held_extended(this->extended.size(), 0);
-    for (const auto &entry : this->held_places)
+    std::vector<unsigned char> is_held_extended(E->extended.size(), 0);
+    for (const auto &entry : E->held_places)
       if ((entry.second & components) == components)
         {
-          const int role = this->roles[entry.first];
+          const int role = E->roles[entry.first];
           if (role > 0)
             is_held[role - 1] = 1;
           else if (role < 0)
@@ -325,29 +346,29 @@ namespace greville
                                      const unsigned int last) {
       points_mass.for_each_entry(
         place, [&](const unsigned int j, const double value) {
-          const int role = this->roles[j];
+          const int role = E->roles[j];
           if (role > 0)
             {
               if (unsigned(role - 1) <= last)
                 add_entry(role - 1, value);
             }
           else if (role < 0 && !is_held_extended[-role - 1])
-            for (std::size_t e = this->extended_begin[-role - 1];
-                 e < this->extended_begin[-role];
+            for (std::size_t e = E->extended_begin[-role - 1];
+                 e < E->extended_begin[-role];
                  ++e)
-              if (this->extended_entries[e].unknown <= last)
-                add_entry(this->extended_entries[e].unknown,
-                          this->extended_entries[e].weight * value);
+              if (E->extended_entries[e].unknown <= last)
+                add_entry(E->extended_entries[e].unknown,
+                          E->extended_entries[e].weight * value);
         });
     };
 
     // B = M E in the rows of extended functions.
     std::vector<std::size_t> B_begin(1, 0);
     std::vector<Entry>       B;
-    for (unsigned int k = 0; k < this->extended.size(); ++k)
+    for (unsigned int k = 0; k < E->extended.size(); ++k)
       {
         if (!is_held_extended[k])
-          add_row_times_E(this->extended[k], n);
+          add_row_times_E(E->extended[k], n);
         take_row([&](const unsigned int j, const double value) {
           B.push_back({j, value});
         });
@@ -356,32 +377,31 @@ namespace greville
 
     // The extended functions of each unknown.
     std::vector<std::size_t> transpose_begin(n + 1, 0);
-    for (const auto &entry : this->extended_entries)
+    for (const auto &entry : E->extended_entries)
       ++transpose_begin[entry.unknown + 1];
     std::partial_sum(transpose_begin.begin(),
                      transpose_begin.end(),
                      transpose_begin.begin());
-    std::vector<Entry> transpose(this->extended_entries.size());
+    std::vector<Entry> transpose(E->extended_entries.size());
     {
       auto next = transpose_begin;
-      for (unsigned int k = 0; k < this->extended.size(); ++k)
-        for (std::size_t e = this->extended_begin[k];
-             e < this->extended_begin[k + 1];
+      for (unsigned int k = 0; k < E->extended.size(); ++k)
+        for (std::size_t e = E->extended_begin[k]; e < E->extended_begin[k + 1];
              ++e)
-          transpose[next[this->extended_entries[e].unknown]++] = {
-            k, this->extended_entries[e].weight};
+          transpose[next[E->extended_entries[e].unknown]++] = {
+            k, E->extended_entries[e].weight};
     }
 
     // Unknowns that no extended function meets have the entries of M.
     std::vector<bool> is_plain(n, true);
     for (unsigned int u = 0; u < n; ++u)
       is_plain[u] =
-        transpose_begin[u] == transpose_begin[u + 1] && u < this->n_owned;
-    for (const unsigned int place : this->extended)
+        transpose_begin[u] == transpose_begin[u + 1] && u < E->n_owned;
+    for (const unsigned int place : E->extended)
       points_mass.for_each_entry(place,
                                  [&](const unsigned int j, const double) {
-                                   if (this->roles[j] > 0)
-                                     is_plain[this->roles[j] - 1] = false;
+                                   if (E->roles[j] > 0)
+                                     is_plain[E->roles[j] - 1] = false;
                                  });
 
     // A = (E^T B) with the rows of B = M E, lower part.
@@ -397,21 +417,21 @@ namespace greville
         if (is_held[i])
           {
             const bool has_place =
-              this->unknowns[i] != numbers::invalid_unsigned_int;
+              E->unknowns[i] != numbers::invalid_unsigned_int;
             result.columns.push_back(i);
-            result.values.push_back(
-              has_place
-                ? points_mass.diagonal(this->unknowns[i]) + image_diagonal[i]
-                : 0.);
+            result.values.push_back(has_place
+                                      ? points_mass.diagonal(E->unknowns[i]) +
+                                          image_diagonal[i]
+                                      : 0.);
             result.row_begin.push_back(result.columns.size());
             continue;
           }
         if (is_plain[i])
           {
             points_mass.for_each_lower_entry(
-              this->unknowns[i], [&](const unsigned int j, const double value) {
+              E->unknowns[i], [&](const unsigned int j, const double value) {
                 // Ghosts, which come last, have the entry in their row.
-                const int role = this->roles[j];
+                const int role = E->roles[j];
                 if (role <= 0 || unsigned(role - 1) > i || is_held[role - 1])
                   return;
                 result.columns.push_back(role - 1);
@@ -427,8 +447,8 @@ namespace greville
             result.row_begin.push_back(result.columns.size());
             continue;
           }
-        if (this->unknowns[i] != numbers::invalid_unsigned_int)
-          add_row_times_E(this->unknowns[i], i);
+        if (E->unknowns[i] != numbers::invalid_unsigned_int)
+          add_row_times_E(E->unknowns[i], i);
         for (std::size_t t = transpose_begin[i]; t < transpose_begin[i + 1];
              ++t)
           for (std::size_t b = B_begin[transpose[t].unknown];

@@ -188,6 +188,74 @@ namespace greville
 
 
 
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::read(VectorType        &unknown_values,
+                              const VectorType  &x,
+                              const unsigned int width) const
+  {
+    for (unsigned int u = 0; u < n_owned; ++u)
+      for (unsigned int c = 0; c < width; ++c)
+        unknown_values.local_element(u * width + c) =
+          x.local_element(owned_unknown_functions[u] * width + c);
+    zero_held_unknowns(unknown_values, width);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::write(VectorType        &x,
+                               const VectorType  &unknown_values,
+                               const unsigned int width) const
+  {
+    x = 0.;
+    for (unsigned int u = 0; u < n_owned; ++u)
+      for (unsigned int c = 0; c < width; ++c)
+        x.local_element(owned_unknown_functions[u] * width + c) =
+          unknown_values.local_element(u * width + c);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::distribute(VectorType        &x,
+                                    const unsigned int component) const
+  {
+    if (column.get_partitioner() != layout->partitioner(1))
+      initialize_vector(column, 1);
+    for (unsigned int u = 0; u < n_owned; ++u)
+      {
+        const unsigned int f = owned_unknown_functions[u];
+        column.local_element(u) =
+          is_held(f, component) ? 0. : x.local_element(f);
+      }
+    x = 0.;
+    write_columns({&x}, column, 1, component);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::condense(VectorType        &x,
+                                  const unsigned int component) const
+  {
+    if (column.get_partitioner() != layout->partitioner(1))
+      initialize_vector(column, 1);
+    restrict_columns(column, {&x}, 1, component);
+    x = 0.;
+    for (unsigned int u = 0; u < n_owned; ++u)
+      {
+        const unsigned int f = owned_unknown_functions[u];
+        if (!is_held(f, component))
+          x.local_element(f) = column.local_element(u);
+      }
+  }
+
+
+
   // The members of this source.
 #define INSTANTIATE(dim)                                                       \
   template void ExtendedUnknowns<dim>::restrict_columns(                       \
@@ -212,6 +280,16 @@ namespace greville
     const std::vector<VectorField<dim> *> &, VectorType &, const unsigned int) \
     const;                                                                     \
   template void ExtendedUnknowns<dim>::to_places(const VectorType &) const;    \
+  template void ExtendedUnknowns<dim>::read(VectorType &,                      \
+                                            const VectorType &,                \
+                                            const unsigned int) const;         \
+  template void ExtendedUnknowns<dim>::write(VectorType &,                     \
+                                             const VectorType &,               \
+                                             const unsigned int) const;        \
+  template void ExtendedUnknowns<dim>::distribute(VectorType &,                \
+                                                  const unsigned int) const;   \
+  template void ExtendedUnknowns<dim>::condense(VectorType &,                  \
+                                                const unsigned int) const;     \
   template void ExtendedUnknowns<dim>::extend(VectorField<dim> &,              \
                                               const VectorType &) const
   INSTANTIATE(2);

@@ -46,10 +46,10 @@ namespace greville
     bool
     is_contiguous(const typename CellBatches<dim>::Batch &batch) const
     {
-      if (batch.end_lane < simd_width)
+      if (batch.end_lane < native_simd_width)
         return false;
       const auto first = space.cell_functions(batch.first_cell);
-      for (unsigned int lane = 0; lane < simd_width; ++lane)
+      for (unsigned int lane = 0; lane < native_simd_width; ++lane)
         {
           const auto numbers = space.cell_functions(batch.first_cell + lane);
           for (unsigned int r = 0; r < n_layer; ++r)
@@ -69,7 +69,7 @@ namespace greville
                  const typename CellBatches<dim>::Batch &batch,
                  const unsigned int                      layer,
                  const double                           *source,
-                 Simd                                   *values) const
+                 NativeSimd                             *values) const
     {
       const unsigned int *first =
         space.cell_functions(batch.first_cell).data() + layer * n_layer;
@@ -88,7 +88,7 @@ namespace greville
     scatter_add_layer(const std::size_t                       b,
                       const typename CellBatches<dim>::Batch &batch,
                       const unsigned int                      layer,
-                      const Simd                             *values,
+                      const NativeSimd                       *values,
                       double                                 *target) const
     {
       const unsigned int *first =
@@ -106,7 +106,7 @@ namespace greville
     gather(const std::size_t                       b,
            const typename CellBatches<dim>::Batch &batch,
            const double                           *source,
-           Simd                                   *values) const
+           NativeSimd                             *values) const
     {
       for (unsigned int layer = 0; layer < n; ++layer)
         gather_layer(b, batch, layer, source, values + layer * n_layer);
@@ -115,7 +115,7 @@ namespace greville
     void
     scatter_add(const std::size_t                       b,
                 const typename CellBatches<dim>::Batch &batch,
-                const Simd                             *values,
+                const NativeSimd                       *values,
                 double                                 *target) const
     {
       for (unsigned int layer = 0; layer < n; ++layer)
@@ -127,7 +127,7 @@ namespace greville
      */
     struct Tables
     {
-      Simd          x[ShapeTables<dim>::max_size];
+      NativeSimd    x[ShapeTables<dim>::max_size];
       const double *y;
       const double *z;
     };
@@ -183,11 +183,11 @@ namespace greville
     // but one: each layer is interpolated in the other directions once, when it
     // enters the column, and integrated once, when it leaves.
     typename Side::Tables in_tables, out_tables;
-    Simd                  coefficients[max_cell_size(dim - 1)];
-    Simd                  in_memory[max_cell_size(dim)];
-    Simd                  out_memory[max_cell_size(dim)];
-    Simd                 *in_layers[max_cell_size(1)];
-    Simd                 *out_layers[max_cell_size(1)];
+    NativeSimd            coefficients[max_cell_size(dim - 1)];
+    NativeSimd            in_memory[max_cell_size(dim)];
+    NativeSimd            out_memory[max_cell_size(dim)];
+    NativeSimd           *in_layers[max_cell_size(1)];
+    NativeSimd           *out_layers[max_cell_size(1)];
     const unsigned int    n_layer_points =
       Utilities::fixed_power<dim - 1>(weights->n_points_1d());
     for (unsigned int k = 0; k < max_cell_size(1); ++k)
@@ -226,7 +226,7 @@ namespace greville
                                          in_layers[layer]);
           }
         for (unsigned int layer = out.n - n_new_out; layer < out.n; ++layer)
-          std::fill_n(out_layers[layer], n_layer_points, Simd(0.));
+          std::fill_n(out_layers[layer], n_layer_points, NativeSimd(0.));
 
         multiply_column(in_layers,
                         dim == 2 ? in_tables.y : in_tables.z,
@@ -262,14 +262,14 @@ namespace greville
     squares.square();
 
     typename Side::Tables tables;
-    Simd                  values[max_cell_size(dim)];
-    Simd                  result[max_cell_size(dim)];
+    NativeSimd            values[max_cell_size(dim)];
+    NativeSimd            result[max_cell_size(dim)];
     for (std::size_t b = 0; b < weights->batches().size(); ++b)
       {
         const auto &batch = weights->batches()[b];
         rows->load_tables(squares, batch, tables);
         for (unsigned int q = 0; q < weights->n_points(); ++q)
-          values[q] = load((*weights)[b] + q * simd_width);
+          values[q] = load<NativeSimd>((*weights)[b] + q * native_simd_width);
         rows->kernels.integrate(values, tables.x, tables.y, tables.z, result);
         rows->scatter_add(b, batch, result, dst.begin());
       }
@@ -288,14 +288,14 @@ namespace greville
       dynamic_cast<const Functions::ConstantFunction<dim> *>(&f);
 
     typename Side::Tables tables;
-    Simd                  values[max_cell_size(dim)];
-    Simd                  result[max_cell_size(dim)];
+    NativeSimd            values[max_cell_size(dim)];
+    NativeSimd            result[max_cell_size(dim)];
     std::vector<double>   f_values(weights->n_points());
     const auto            add_batch = [&](const std::size_t b) {
       const auto &batch = weights->batches()[b];
       rows->load_tables(rows->tables, batch, tables);
       for (unsigned int q = 0; q < weights->n_points(); ++q)
-        values[q] = load((*weights)[b] + q * simd_width);
+        values[q] = load<NativeSimd>((*weights)[b] + q * native_simd_width);
       if (constant != nullptr)
         for (unsigned int q = 0; q < weights->n_points(); ++q)
           values[q] *= constant->value(Point<dim>());
@@ -333,8 +333,8 @@ namespace greville
 
     std::array<double, 2> sums{{0., 0.}};
     typename Side::Tables tables;
-    Simd                  local[max_cell_size(dim)];
-    Simd                  values[max_cell_size(dim)];
+    NativeSimd            local[max_cell_size(dim)];
+    NativeSimd            values[max_cell_size(dim)];
     std::vector<double>   f_values(weights->n_points());
     for (std::size_t b = 0; b < weights->batches().size(); ++b)
       {
@@ -350,7 +350,7 @@ namespace greville
             f.value_list(weights->points(rows->space, cell), f_values);
             for (unsigned int q = 0; q < weights->n_points(); ++q)
               {
-                const double w     = (*weights)[b][q * simd_width + lane];
+                const double w = (*weights)[b][q * native_simd_width + lane];
                 const double error = values[q][lane] - f_values[q];
                 sums[0] += w * error * error;
                 sums[1] += w * f_values[q] * f_values[q];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/simd.h>
 #include <greville/base/with_width.h>
 #include <greville/mass/stencil_matrix.h>
 
 #include <algorithm>
-#include <experimental/simd>
 #include <limits>
 
 namespace greville
@@ -332,18 +332,14 @@ namespace greville
   void
   StencilMatrix<dim>::multiply(double *y, const double *x) const
   {
-    namespace simd = std::experimental;
-    using Vector = simd::simd<double, simd::simd_abi::deduce_t<double, width>>;
-    const auto load = [](const double *address) {
-      return Vector(address, simd::element_aligned);
-    };
+    using Vector         = FixedSimd<double, width>;
     constexpr int p      = n - 1;
     constexpr int length = 2 * p + 1;
 
     const Vector zero = 0.;
     for (const Segment &segment : segments)
       for (unsigned int i = segment.begin; i < segment.end; ++i)
-        zero.copy_to(y + std::size_t(i) * width, simd::element_aligned);
+        store(zero, y + std::size_t(i) * width);
 
     const unsigned int n_lines = neighbor_lines.size();
     int                distances[length * length];
@@ -357,16 +353,16 @@ namespace greville
             const double *row       = values.data() + std::size_t(i) * half;
             const double *x_i       = x + std::size_t(i) * width;
             double       *y_i       = y + std::size_t(i) * width;
-            const Vector  own       = load(x_i);
-            Vector        sum       = load(y_i) + row[0] * own;
+            const Vector  own       = load<Vector>(x_i);
+            Vector        sum       = load<Vector>(y_i) + row[0] * own;
             Vector        sum_ahead = 0.;
 #pragma GCC unroll 5
             for (int k = 1; k < n; ++k)
               {
                 const Vector entry = row[k];
-                sum += entry * load(x_i + k * width);
-                (load(y_i + k * width) + entry * own)
-                  .copy_to(y_i + k * width, simd::element_aligned);
+                sum += entry * load<Vector>(x_i + k * width);
+                store(load<Vector>(y_i + k * width) + entry * own,
+                      y_i + k * width);
               }
             row += n;
             for (unsigned int line = 0; line < n_ahead; ++line)
@@ -377,13 +373,13 @@ namespace greville
                 for (int k = 0; k < length; ++k)
                   {
                     const Vector entry = row[k];
-                    sum_ahead += entry * load(x_j + k * width);
-                    (load(y_j + k * width) + entry * own)
-                      .copy_to(y_j + k * width, simd::element_aligned);
+                    sum_ahead += entry * load<Vector>(x_j + k * width);
+                    store(load<Vector>(y_j + k * width) + entry * own,
+                          y_j + k * width);
                   }
                 row += length;
               }
-            (sum + sum_ahead).copy_to(y_i, simd::element_aligned);
+            store(sum + sum_ahead, y_i);
           }
       }
   }

@@ -23,7 +23,7 @@ namespace greville
         const unsigned int n_cells = knots.n_elements();
         if (d == 0)
           {
-            x_stride = n_cells + simd_width;
+            x_stride = n_cells + native_simd_width;
             x.resize(table_size * x_stride, 0.);
           }
         else
@@ -78,16 +78,16 @@ namespace greville
               int  n_columns,
               typename Number>
     inline __attribute__((always_inline)) void
-    multiply_columns(const Number *matrix,
-                     const Simd   *in,
-                     const int     next_in,
-                     Simd         *out,
-                     const int     next_out)
+    multiply_columns(const Number     *matrix,
+                     const NativeSimd *in,
+                     const int         next_in,
+                     NativeSimd       *out,
+                     const int         next_out)
     {
       constexpr int n_in  = transpose ? n_points : n_functions;
       constexpr int n_out = transpose ? n_functions : n_points;
 
-      Simd values[n_columns][n_in];
+      NativeSimd values[n_columns][n_in];
 #pragma GCC unroll 8
       for (int c = 0; c < n_columns; ++c)
 #pragma GCC unroll 8
@@ -96,11 +96,11 @@ namespace greville
 #pragma GCC unroll 8
       for (int j = 0; j < n_out; ++j)
         {
-          Simd sums[n_columns];
+          NativeSimd sums[n_columns];
 #pragma GCC unroll 8
           for (int i = 0; i < n_in; ++i)
             {
-              const Simd entry =
+              const NativeSimd entry =
                 matrix[transpose ? i * n_functions + j : j * n_functions + i];
 #pragma GCC unroll 8
               for (int c = 0; c < n_columns; ++c)
@@ -126,7 +126,7 @@ namespace greville
               int  n_inner,
               typename Number>
     inline __attribute__((always_inline)) void
-    contract(const Number *matrix, const Simd *in, Simd *out)
+    contract(const Number *matrix, const NativeSimd *in, NativeSimd *out)
     {
       constexpr int n_in  = transpose ? n_points : n_functions;
       constexpr int n_out = transpose ? n_functions : n_points;
@@ -139,8 +139,8 @@ namespace greville
       constexpr int next_out = n_inner == 1 ? n_out : 1;
       for (int group = 0; group < n_groups; ++group)
         {
-          const Simd *from = in + group * n_in * n_inner;
-          Simd       *to   = out + group * n_out * n_inner;
+          const NativeSimd *from = in + group * n_in * n_inner;
+          NativeSimd       *to   = out + group * n_out * n_inner;
           for (int k = 0; k + 1 < n_pairs; k += 2)
             multiply_columns<n_functions, n_points, transpose, n_inner, 2>(
               matrix, from + k * next_in, next_in, to + k * next_out, next_out);
@@ -158,23 +158,23 @@ namespace greville
 
     template <int dim, int n, int q>
     void
-    interpolate(const Simd                    *in,
-                const Simd                    *table_x,
+    interpolate(const NativeSimd              *in,
+                const NativeSimd              *table_x,
                 [[maybe_unused]] const double *table_y,
                 [[maybe_unused]] const double *table_z,
-                Simd                          *out)
+                NativeSimd                    *out)
     {
       if constexpr (dim == 1)
         contract<n, q, false, 1, 1>(table_x, in, out);
       else if constexpr (dim == 2)
         {
-          Simd a[n * q];
+          NativeSimd a[n * q];
           contract<n, q, false, n, 1>(table_x, in, a);
           contract<n, q, false, 1, q>(table_y, a, out);
         }
       else
         {
-          Simd a[n * n * q], b[n * q * q];
+          NativeSimd a[n * n * q], b[n * q * q];
           contract<n, q, false, n * n, 1>(table_x, in, a);
           contract<n, q, false, n, q>(table_y, a, b);
           contract<n, q, false, 1, q * q>(table_z, b, out);
@@ -185,23 +185,23 @@ namespace greville
 
     template <int dim, int n, int q>
     void
-    integrate(const Simd                    *in,
-              const Simd                    *table_x,
+    integrate(const NativeSimd              *in,
+              const NativeSimd              *table_x,
               [[maybe_unused]] const double *table_y,
               [[maybe_unused]] const double *table_z,
-              Simd                          *out)
+              NativeSimd                    *out)
     {
       if constexpr (dim == 1)
         contract<n, q, true, 1, 1>(table_x, in, out);
       else if constexpr (dim == 2)
         {
-          Simd a[n * q];
+          NativeSimd a[n * q];
           contract<n, q, true, 1, q>(table_y, in, a);
           contract<n, q, true, n, 1>(table_x, a, out);
         }
       else
         {
-          Simd a[n * q * q], b[n * n * q];
+          NativeSimd a[n * q * q], b[n * n * q];
           contract<n, q, true, 1, q * q>(table_z, in, a);
           contract<n, q, true, n, q>(table_y, a, b);
           contract<n, q, true, n * n, 1>(table_x, b, out);
@@ -215,16 +215,16 @@ namespace greville
      */
     template <int dim, int n_in, int q, int n_out>
     void
-    multiply_column(const Simd *const *in,
-                    const double      *table_in,
-                    const double      *weights,
-                    const double      *table_out,
-                    Simd *const       *out)
+    multiply_column(const NativeSimd *const *in,
+                    const double            *table_in,
+                    const double            *weights,
+                    const double            *table_out,
+                    NativeSimd *const       *out)
     {
       constexpr int n_layer = dim == 2 ? q : q * q;
       for (int k = 0; k < n_layer; ++k)
         {
-          Simd coefficients[n_in], sums[n_out];
+          NativeSimd coefficients[n_in], sums[n_out];
 #pragma GCC unroll 8
           for (int i = 0; i < n_in; ++i)
             coefficients[i] = in[i][k];
@@ -234,11 +234,12 @@ namespace greville
 #pragma GCC unroll 8
           for (int j = 0; j < q; ++j)
             {
-              Simd value = table_in[j * n_in] * coefficients[0];
+              NativeSimd value = table_in[j * n_in] * coefficients[0];
 #pragma GCC unroll 8
               for (int i = 1; i < n_in; ++i)
                 value += table_in[j * n_in + i] * coefficients[i];
-              value *= load(weights + (j * n_layer + k) * simd_width);
+              value *= load<NativeSimd>(weights +
+                                        (j * n_layer + k) * native_simd_width);
 #pragma GCC unroll 8
               for (int i = 0; i < n_out; ++i)
                 sums[i] += table_out[j * n_out + i] * value;
@@ -255,24 +256,24 @@ namespace greville
     void
     gather_layer(const unsigned int *numbers,
                  const double       *source,
-                 Simd               *values)
+                 NativeSimd         *values)
     {
       constexpr int n_rows = dim == 2 ? 1 : n;
       for (int row = 0; row < n_rows; ++row)
 #pragma GCC unroll 8
         for (int a = 0; a < n; ++a)
-          values[row * n + a] = load(source + numbers[row * n] + a);
+          values[row * n + a] = load<NativeSimd>(source + numbers[row * n] + a);
     }
 
 
 
-    using Vector = double __attribute__((vector_size(8 * simd_width)));
+    using Vector = double __attribute__((vector_size(8 * native_simd_width)));
 
     template <int shift, std::size_t... lanes>
     inline __attribute__((always_inline)) Vector
     shift_lanes(const Vector in, const std::index_sequence<lanes...>)
     {
-      constexpr int  width  = simd_width;
+      constexpr int  width  = native_simd_width;
       constexpr auto source = [](const int lane) {
         return lane >= shift && lane - shift < width ? lane - shift : width;
       };
@@ -286,16 +287,16 @@ namespace greville
      * follow.
      */
     template <int shift>
-    inline __attribute__((always_inline)) Simd
-    shift_lanes(const Simd &value)
+    inline __attribute__((always_inline)) NativeSimd
+    shift_lanes(const NativeSimd &value)
     {
       Vector in;
       value.copy_to(reinterpret_cast<double *>(&in),
                     std::experimental::vector_aligned);
       const Vector out =
-        shift_lanes<shift>(in, std::make_index_sequence<simd_width>());
-      return Simd(reinterpret_cast<const double *>(&out),
-                  std::experimental::vector_aligned);
+        shift_lanes<shift>(in, std::make_index_sequence<native_simd_width>());
+      return NativeSimd(reinterpret_cast<const double *>(&out),
+                        std::experimental::vector_aligned);
     }
 
 
@@ -307,9 +308,9 @@ namespace greville
      */
     template <int n, int a, int n_vectors>
     inline __attribute__((always_inline)) void
-    add_shifted(const Simd *values, Simd (&sums)[n_vectors])
+    add_shifted(const NativeSimd *values, NativeSimd (&sums)[n_vectors])
     {
-      constexpr int width = simd_width;
+      constexpr int width = native_simd_width;
       constexpr int first = a / width, shift = a % width;
       sums[first] += shift_lanes<shift>(values[a]);
       if constexpr (shift != 0)
@@ -323,17 +324,17 @@ namespace greville
     template <int dim, int n>
     void
     scatter_add_layer(const unsigned int *numbers,
-                      const Simd         *values,
+                      const NativeSimd   *values,
                       double             *target)
     {
-      constexpr int width     = simd_width;
+      constexpr int width     = native_simd_width;
       constexpr int n_rows    = dim == 2 ? 1 : n;
       constexpr int n_entries = width + n - 1;
       constexpr int n_vectors = (n_entries + width - 1) / width;
       for (int row = 0; row < n_rows; ++row)
         {
-          double *begin = target + numbers[row * n];
-          Simd    sums[n_vectors];
+          double    *begin = target + numbers[row * n];
+          NativeSimd sums[n_vectors];
 #pragma GCC unroll 8
           for (int v = 0; v < n_vectors; ++v)
             sums[v] = 0.;
@@ -343,7 +344,8 @@ namespace greville
           constexpr int n_full = n_entries / width;
 #pragma GCC unroll 8
           for (int v = 0; v < n_full; ++v)
-            store(load(begin + v * width) + sums[v], begin + v * width);
+            store(load<NativeSimd>(begin + v * width) + sums[v],
+                  begin + v * width);
           if constexpr (n_full < n_vectors)
 #pragma GCC unroll 8
             for (int lane = 0; lane < n_entries - n_full * width; ++lane)
@@ -363,6 +365,34 @@ namespace greville
     {
       with_one_of<2, 3, 4, 5, 6, 7, 9, 11>(n_points_1d, action);
     }
+
+
+
+    /**
+     * Whether mass of two spaces with n functions each has q points: p + 1
+     * where it is that of a density and 2 p + 1 where it is that of material
+     * points, p being the higher of the two orders. Hierarchies go down by one
+     * or two orders, or to order 1.
+     */
+    constexpr bool
+    has_points(const int n_1, const int n_2, const int q)
+    {
+      const int lower = std::min(n_1, n_2), higher = std::max(n_1, n_2);
+      return (q == higher || q == 2 * higher - 1) &&
+             (lower + 2 >= higher || lower == 2);
+    }
+
+    /**
+     * Whether a space with n functions has a cross mass with q points.
+     */
+    constexpr bool
+    meets_points(const int n, const int q)
+    {
+      for (int other = 2; other <= 6; ++other)
+        if (has_points(n, other, q))
+          return true;
+      return false;
+    }
   } // namespace
 
 
@@ -376,7 +406,7 @@ namespace greville
       with_points(n_points_1d, [&](const auto points) {
         constexpr int n = decltype(functions)::value;
         constexpr int q = decltype(points)::value;
-        if constexpr (n <= q)
+        if constexpr (n <= q && meets_points(n, q))
           result = {&interpolate<dim, n, q>,
                     &integrate<dim, n, q>,
                     &interpolate<dim - 1, n, q>,
@@ -400,9 +430,6 @@ namespace greville
                 const unsigned int n_points_1d,
                 const unsigned int degree_out)
   {
-    // Mass has p + 1 points per direction where it is that of a density and
-    // 2 p + 1 where it is that of material points, p being the higher of the
-    // two orders: only these columns are compiled.
     ColumnKernel result = nullptr;
     with_order(degree_in, [&](const auto functions_in) {
       with_order(degree_out, [&](const auto functions_out) {
@@ -410,8 +437,7 @@ namespace greville
           constexpr int n_in  = decltype(functions_in)::value;
           constexpr int n_out = decltype(functions_out)::value;
           constexpr int q     = decltype(points)::value;
-          constexpr int n     = std::max(n_in, n_out);
-          if constexpr (q == n || q == 2 * n - 1)
+          if constexpr (has_points(n_in, n_out, q))
             result = &multiply_column<dim, n_in, q, n_out>;
         });
       });

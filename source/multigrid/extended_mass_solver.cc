@@ -46,7 +46,7 @@ namespace greville
     if (other_preconditioner)
       return;
     if (is_due || smoother_parameters.reuse == 0 ||
-        mass.alike() != factor_alike)
+        mass.unknowns().alike() != factor_alike)
       factorize();
     else if (unknowns_changed)
       {
@@ -62,14 +62,14 @@ namespace greville
   void
   ExtendedMassSolver<dim>::factorize()
   {
-    factor_places.assign(mass.unknown_places().begin(),
-                         mass.unknown_places().begin() +
-                           mass.n_owned_unknowns());
+    factor_places.assign(mass.unknowns().unknown_places().begin(),
+                         mass.unknowns().unknown_places().begin() +
+                           mass.unknowns().n_owned_unknowns());
     factor_rows.clear();
-    factor_alike = mass.alike();
+    factor_alike = mass.unknowns().alike();
     factors.clear();
-    const auto held      = mass.held_unknowns();
-    const auto positions = mass.unknown_positions();
+    const auto held      = mass.unknowns().held_unknowns();
+    const auto positions = mass.unknowns().unknown_positions();
     for (unsigned int c = 0; c < dim; ++c)
       {
         if (factor_alike[c] < c)
@@ -88,7 +88,7 @@ namespace greville
           is_held_in_some[u] =
             (held[u] & components) != 0 && (held[u] & components) != components;
         part.cholesky.factorize(mass.local_entries(components),
-                                mass.unknown_layout(),
+                                mass.unknowns().unknown_layout(),
                                 positions,
                                 is_held_in_some,
                                 mass.matrix().space().degree(),
@@ -106,8 +106,8 @@ namespace greville
   void
   ExtendedMassSolver<dim>::match_unknowns()
   {
-    const auto        &now = mass.unknown_places();
-    const unsigned int n   = mass.n_owned_unknowns();
+    const auto        &now = mass.unknowns().unknown_places();
+    const unsigned int n   = mass.unknowns().n_owned_unknowns();
     mass.approximate_diagonal(diagonal);
     factor_rows.assign(n, -1);
     unsigned int k = 0, n_matches = 0;
@@ -122,7 +122,7 @@ namespace greville
           }
       }
     const unsigned int n_changes = n + factor_places.size() - 2 * n_matches;
-    is_due = Utilities::MPI::sum(n_changes, mass.communicator()) >
+    is_due = Utilities::MPI::sum(n_changes, mass.unknowns().communicator()) >
              smoother_parameters.reuse;
     n_holds = 0;
   }
@@ -133,8 +133,8 @@ namespace greville
   void
   ExtendedMassSolver<dim>::hold()
   {
-    n_holds         = mass.n_holds();
-    const auto held = mass.held_unknowns();
+    n_holds         = mass.unknowns().n_holds();
+    const auto held = mass.unknowns().held_unknowns();
     for (const auto &shared : factors)
       {
         Factors                   &part = *shared;
@@ -214,7 +214,7 @@ namespace greville
     if (other_preconditioner)
       {
         other_preconditioner(z, r, width, n_columns);
-        mass.zero_held_unknowns(z, width);
+        mass.unknowns().zero_held_unknowns(z, width);
         return;
       }
     if (factors.size() == 1 && factor_rows.empty())
@@ -236,7 +236,7 @@ namespace greville
         for (unsigned int c = 0; c < width; ++c)
           z.local_element(u * width + c) =
             r.local_element(u * width + c) / diagonal.local_element(u);
-    mass.zero_held_unknowns(z, width);
+    mass.unknowns().zero_held_unknowns(z, width);
   }
 
 
@@ -252,7 +252,7 @@ namespace greville
   {
     const unsigned int n = columns.size(), part_width = width_for(n);
     work.assign(factor_places.size() * part_width, 0.);
-    const unsigned int n_unknowns = mass.n_owned_unknowns();
+    const unsigned int n_unknowns = mass.unknowns().n_owned_unknowns();
     const auto         for_each   = [&](const auto &visit) {
       for (unsigned int u = 0; u < n_unknowns; ++u)
         {
@@ -329,10 +329,10 @@ namespace greville
                   "At most 8 components are solved for together, not " +
                   std::to_string(columns) + "."));
     VectorType unknowns, rows;
-    mass.initialize_vector(unknowns, width);
-    mass.initialize_vector(rows, width);
+    mass.unknowns().initialize_vector(unknowns, width);
+    mass.unknowns().initialize_vector(rows, width);
     const auto run = [&](const unsigned int max_iterations) {
-      mass.restrict_fields(rows, b, width);
+      mass.unknowns().restrict_fields(rows, b, width);
       mass.subtract_held(rows, x, width);
       return width == 2
                ? iterate<2>(unknowns, rows, x.size(), shares, max_iterations)
@@ -340,10 +340,11 @@ namespace greville
                ? iterate<4>(unknowns, rows, x.size(), shares, max_iterations)
                : iterate<8>(unknowns, rows, x.size(), shares, max_iterations);
     };
-    mass.read_fields(unknowns,
-                     std::vector<const VectorField<dim> *>(x.begin(), x.end()),
-                     width);
-    if (n_holds != mass.n_holds() && !other_preconditioner)
+    mass.unknowns().read_fields(unknowns,
+                                std::vector<const VectorField<dim> *>(x.begin(),
+                                                                      x.end()),
+                                width);
+    if (n_holds != mass.unknowns().n_holds() && !other_preconditioner)
       hold();
     const bool  was_fresh = is_fresh || other_preconditioner;
     SolveResult result =
@@ -360,7 +361,7 @@ namespace greville
       }
     judge_factorization(*result.iterations);
     *result.iterations += n_wasted;
-    mass.write_fields(x, unknowns, width);
+    mass.unknowns().write_fields(x, unknowns, width);
     return result;
   }
 
@@ -375,10 +376,10 @@ namespace greville
                                    const std::vector<double> &shares,
                                    const unsigned int         max_iterations)
   {
-    const MPI_Comm comm = mass.communicator();
+    const MPI_Comm comm = mass.unknowns().communicator();
     VectorType     p, q, z;
     for (VectorType *vector : {&p, &q, &z})
-      mass.initialize_vector(*vector, width);
+      mass.unknowns().initialize_vector(*vector, width);
     Columns<width> ones, minus_ones;
     ones.fill(1.);
     minus_ones.fill(-1.);
@@ -479,7 +480,7 @@ namespace greville
       }
 
     // What is left of the residual pushes no column as a whole.
-    const auto    &is_held = mass.has_held();
+    const auto    &is_held = mass.unknowns().has_held();
     Columns<width> sums{};
     for (unsigned int i = 0; i < r.locally_owned_size(); i += width)
       for (int c = 0; c < width; ++c)

@@ -32,9 +32,14 @@ namespace greville
         group_of[c] = 0;
         while (group_of[c] < groups.size() && differs(groups[group_of[c]]))
           ++group_of[c];
-        if (group_of[c] == groups.size())
-          groups.push_back(
-            {c, std::make_unique<MassHierarchy<dim>>(orders), nullptr});
+        if (group_of[c] < groups.size())
+          continue;
+        // The points of quadratures that make the matrix of material points.
+        groups.push_back({c, {}, nullptr});
+        for (unsigned int l = 0; l < orders.n_levels(); ++l)
+          groups.back().levels.push_back(std::make_unique<MassLevel<dim>>(
+            orders[l],
+            DensityWeights<dim>(orders[l], 2 * orders[l].degree() + 1)));
       }
   }
 
@@ -47,26 +52,24 @@ namespace greville
     const bool                                        unknowns_changed,
     const std::function<void(DensityWeights<dim> &)> &fill)
   {
-    const bool with_matrix = smoother_needs_matrix(parameters.smoother);
     for (Group &group : groups)
       {
-        const auto &levels = group.levels->all_levels();
-        for (unsigned int l = 0; l < levels.size(); ++l)
+        typename PMultigrid<dim>::Levels operators;
+        for (unsigned int l = 0; l < group.levels.size(); ++l)
           {
+            MassLevel<dim> &level = *group.levels[l];
+            operators.push_back(&level);
             if (unknowns_changed)
-              levels[l]->extend(Extension<dim>(orders[l], filling),
-                                held(orders[l], group.component));
+              level.extend(Extension<dim>(orders[l], filling),
+                           held(orders[l], group.component));
             if (&group == &groups[0])
-              fill(levels[l]->weights());
+              fill(level.weights());
             else
-              levels[l]->weights() =
-                groups[0].levels->all_levels()[l]->weights();
-            levels[l]->assemble(with_matrix &&
-                                  (l > 0 || parameters.coarsening == "none"),
-                                false);
+              level.weights() = groups[0].levels[l]->weights();
+            level.assemble();
           }
         group.cycle =
-          std::make_unique<PMultigrid<dim>>(group.levels->operators(),
+          std::make_unique<PMultigrid<dim>>(operators,
                                             parameters,
                                             smoother_parameters,
                                             parameters.coarse_tolerance);
@@ -82,7 +85,7 @@ namespace greville
                                 const unsigned int width,
                                 const unsigned int n_columns) const
   {
-    const auto &functions = mass.unknown_functions();
+    const auto &functions = mass.unknowns().unknown_functions();
     z                     = 0.;
     for (unsigned int c = 0; c < n_columns; ++c)
       {

@@ -8,27 +8,19 @@ namespace greville
 
   template <int dim>
   void
-  MassLevel<dim>::assemble(const bool with_matrix, const bool apply)
+  MassLevel<dim>::assemble(const bool with_entries)
   {
-    apply_matrix = apply;
     mass_operator =
       std::make_unique<MassOperator<dim>>(*spline_space, density_weights);
-    mass_matrix.reset();
-    const bool needs_matrix = with_matrix || apply;
-    if (!is_extended() && !needs_matrix)
+    if (!is_extended() && !with_entries)
       {
         entries.reset();
         return;
       }
     fill_entries();
-    const LowerTriangle local_entries = entries->local_entries(1);
+    lower_entries = entries->local_entries(1);
     if (is_extended())
-      find_extended_diagonal(local_entries);
-    if (needs_matrix)
-      mass_matrix = std::make_unique<MassMatrix<dim>>(*entries,
-                                                      local_entries,
-                                                      inactive(),
-                                                      diagonal().linfty_norm());
+      find_extended_diagonal();
   }
 
 
@@ -59,26 +51,26 @@ namespace greville
     held_functions.resize(space.owned_functions().size() +
                             space.ghost_functions().size(),
                           0);
-    entries->hold(held_functions);
+    entries->unknowns().hold(held_functions);
     add_mass_matrix(entries->matrix(), density_weights);
     entries->finish();
     for (VectorType *vector : {&unknown_source, &unknown_result})
-      entries->initialize_vector(*vector, 1);
+      entries->unknowns().initialize_vector(*vector, 1);
   }
 
 
 
   template <int dim>
   void
-  MassLevel<dim>::find_extended_diagonal(const LowerTriangle &local_entries)
+  MassLevel<dim>::find_extended_diagonal()
   {
     unknown_result = 0.;
-    for (unsigned int u = 0; u < local_entries.size(); ++u)
+    for (unsigned int u = 0; u < lower_entries.size(); ++u)
       unknown_result.local_element(u) =
-        local_entries.values[local_entries.row_begin[u + 1] - 1];
+        lower_entries.values[lower_entries.row_begin[u + 1] - 1];
     unknown_result.compress(VectorOperation::add);
     spline_space->initialize_vector(extended_diagonal);
-    write(extended_diagonal, unknown_result);
+    entries->unknowns().write(extended_diagonal, unknown_result, 1);
     for (unsigned int f = 0; f < spline_space->owned_functions().size(); ++f)
       if (held_functions[f] != 0)
         extended_diagonal.local_element(f) = 0.;
@@ -89,46 +81,16 @@ namespace greville
 
   template <int dim>
   void
-  MassLevel<dim>::read(VectorType &unknowns, const VectorType &x) const
-  {
-    const auto &functions = entries->unknown_functions();
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      unknowns.local_element(u) = x.local_element(functions[u]);
-  }
-
-
-
-  template <int dim>
-  void
-  MassLevel<dim>::write(VectorType &x, const VectorType &unknowns) const
-  {
-    const auto &functions = entries->unknown_functions();
-    x                     = 0.;
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      x.local_element(functions[u]) = unknowns.local_element(u);
-  }
-
-
-
-  template <int dim>
-  void
   MassLevel<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
-    if (apply_matrix)
-      {
-        mass_matrix->vmult(dst, src);
-        return;
-      }
     if (!is_extended())
       {
         mass_operator->vmult(dst, src);
         return;
       }
-    dst = src;
-    LevelOperator<dim>::distribute(dst);
-    read(unknown_source, dst);
+    entries->unknowns().read(unknown_source, src, 1);
     entries->vmult(unknown_result, unknown_source, 1);
-    write(dst, unknown_result);
+    entries->unknowns().write(dst, unknown_result, 1);
     for (const unsigned int i : extended_inactive)
       dst.local_element(i) =
         extended_diagonal.local_element(i) * src.local_element(i);
@@ -157,11 +119,8 @@ namespace greville
   {
     // Coefficients without mass take part in transfers with unit weights, which
     // keep constants so.
-    if (!is_extended())
-      return;
-    LevelOperator<dim>::distribute(x);
-    read(unknown_source, x);
-    entries->write_columns({&x}, unknown_source, 1);
+    if (is_extended())
+      entries->unknowns().distribute(x, 0);
   }
 
 
@@ -170,11 +129,50 @@ namespace greville
   void
   MassLevel<dim>::condense(VectorType &x, const unsigned int) const
   {
-    if (!is_extended())
-      return;
-    entries->restrict_columns(unknown_result, {&x}, 1);
-    write(x, unknown_result);
-    LevelOperator<dim>::condense(x);
+    if (is_extended())
+      entries->unknowns().condense(x, 0);
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  MassLevel<dim>::factorization(const double shift, const bool) const
+  {
+    class Factorization : public Preconditioner
+    {
+    public:
+      Factorization(const MassLevel<dim> &level, const double shift)
+        : level(level)
+      {
+        const ExtendedMass<dim> &entries = *level.entries;
+        factors.factorize(
+          level.lower_entries,
+          entries.unknowns().unknown_layout(),
+          entries.unknowns().unknown_positions(),
+          std::vector<bool>(entries.unknowns().n_owned_unknowns(), false),
+          level.space().degree(),
+          shift);
+      }
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        level.entries->unknowns().read(level.unknown_source, src, 1);
+        factors.solve(level.unknown_source.begin(), 1);
+        level.entries->unknowns().write(dst, level.unknown_source, 1);
+        for (const unsigned int i : level.inactive())
+          dst.local_element(i) =
+            src.local_element(i) / level.diagonal().local_element(i);
+      }
+
+    private:
+      const MassLevel<dim> &level;
+      PartitionedCholesky   factors;
+    };
+    if (!entries)
+      return nullptr;
+    return std::make_unique<Factorization>(*this, shift);
   }
 
 

@@ -2,6 +2,8 @@
 
 #include <greville/multigrid/order_transfer.h>
 
+#include <map>
+
 namespace greville
 {
   using namespace dealii;
@@ -20,7 +22,59 @@ namespace greville
           entry         = entry != 0. ? 1. / entry : 0.;
         }
     }
+
+
+
+    template <int dim>
+    std::map<std::string, MakeInverseMass<dim>> &
+    inverse_masses()
+    {
+      static std::map<std::string, MakeInverseMass<dim>> list;
+      return list;
+    }
+
+
+
+    /**
+     * The names of the list, each behind a '|'.
+     */
+    template <int dim>
+    std::string
+    names_of_inverses()
+    {
+      std::string names;
+      for (const auto &entry : inverse_masses<dim>())
+        names += "|" + entry.first;
+      return names;
+    }
   } // namespace
+
+
+
+  template <int dim>
+  void
+  add_inverse_mass(const std::string &name, const MakeInverseMass<dim> &make)
+  {
+    inverse_masses<dim>()[name] = make;
+  }
+
+
+
+  template <int dim>
+  std::string
+  OrderTransfer<dim>::prolongations()
+  {
+    return "lumped-l2" + names_of_inverses<dim>() + "|ic0-l2";
+  }
+
+
+
+  template <int dim>
+  std::string
+  OrderTransfer<dim>::restrictions()
+  {
+    return "lumped-l2" + names_of_inverses<dim>() + "|transpose";
+  }
 
 
 
@@ -34,6 +88,8 @@ namespace greville
     , prolongation(p)
     , restriction(r)
     , inverses(levels.size())
+    , prolongates_by_inverse(inverse_masses<dim>().count(p) > 0)
+    , restricts_by_inverse(inverse_masses<dim>().count(r) > 0)
   {
     for (unsigned int l = 1; l < levels.size(); ++l)
       {
@@ -77,22 +133,17 @@ namespace greville
         invert(step.inverse_column_sums);
       }
 
+    const auto make_inverse = [&](const std::string &name,
+                                  const unsigned int l) {
+      return inverse_masses<dim>().at(name)(*levels[l],
+                                            weighting == "unit" ||
+                                              !levels[l]->transfer_weights());
+    };
     for (unsigned int l = 0; l < levels.size(); ++l)
-      if ((prolongation == "exact-l2" && l > 0) ||
-          (restriction == "exact-l2" && l + 1 < levels.size()))
-        {
-          const LevelOperator<dim>      &level = *levels[l];
-          const TensorProductSolver<dim> solver(level.space());
-          VectorType                     diagonal(level.diagonal());
-          if (weighting == "unit" || !level.transfer_weights())
-            {
-              level.space().initialize_vector(diagonal);
-              for (unsigned int i = 0; i < solver.n_unknowns(); ++i)
-                diagonal.local_element(i) = solver.diagonal(i);
-            }
-          inverses[l] = std::make_unique<TensorProductPreconditioner<dim>>(
-            solver, diagonal, level.inactive());
-        }
+      if (prolongates_by_inverse && l > 0)
+        inverses[l] = make_inverse(prolongation, l);
+      else if (restricts_by_inverse && l + 1 < levels.size())
+        inverses[l] = make_inverse(restriction, l);
   }
 
 
@@ -108,7 +159,7 @@ namespace greville
     step.coarse      = src;
     step.coarse_level->distribute(step.coarse, component);
     step.cross.vmult(dst, step.coarse);
-    if (prolongation == "exact-l2")
+    if (prolongates_by_inverse)
       inverses[to_level]->vmult(dst, dst);
     else if (prolongation == "lumped-l2")
       dst.scale(step.inverse_row_sums);
@@ -129,7 +180,7 @@ namespace greville
     step.fine        = src;
     if (restriction == "transpose")
       {
-        if (prolongation == "exact-l2")
+        if (prolongates_by_inverse)
           inverses[from_level]->vmult(step.fine, step.fine);
         else if (prolongation == "lumped-l2")
           step.fine.scale(step.inverse_row_sums);
@@ -141,7 +192,7 @@ namespace greville
       }
     step.fine_level->distribute(step.fine, component);
     step.cross.Tvmult(dst, step.fine);
-    if (restriction == "exact-l2")
+    if (restricts_by_inverse)
       inverses[from_level - 1]->vmult(dst, dst);
     else
       dst.scale(step.inverse_column_sums);
@@ -203,4 +254,8 @@ namespace greville
 
   template class OrderTransfer<2>;
   template class OrderTransfer<3>;
+  template void
+  add_inverse_mass<2>(const std::string &, const MakeInverseMass<2> &);
+  template void
+  add_inverse_mass<3>(const std::string &, const MakeInverseMass<3> &);
 } // namespace greville

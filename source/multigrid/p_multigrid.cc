@@ -39,48 +39,21 @@ namespace greville
 
 
   void
-  PMultigridParameters::declare(ParameterHandler &prm)
+  PMultigridParameters::declare(ParameterHandler  &prm,
+                                const std::string &smoothers,
+                                const std::string &coarse_preconditioners)
   {
-    const bool has_auto = smoother == "auto";
-    prm.add_parameter(
-      "Coarsening",
-      coarsening,
-      "The orders of the levels: p, p-1, ..., 1 (one by one), p, p-2, ..., 1 "
-      "(by two), p, 1 (direct), or p alone (none).",
-      Patterns::Selection(OrderHierarchy<2>::coarsenings()));
-    prm.add_parameter("Cycle",
-                      cycle,
-                      "The cycle.",
-                      Patterns::Selection("V|W|F"));
-    prm.add_parameter(
-      "Prolongation",
-      prolongation,
-      "From an order to the next higher one: L2 projection with the lumped "
-      "mass matrix, with the exact one (1D banded solves), or with one "
-      "solve by IC(0) of the mass matrix.",
-      Patterns::Selection(OrderTransfer<2>::prolongations()));
-    prm.add_parameter("Restriction",
-                      restriction,
-                      "From an order to the next lower one: L2 projection of "
-                      "the residual, lumped or exact, or the transpose of the "
-                      "prolongation, which makes the cycle symmetric.",
-                      Patterns::Selection(OrderTransfer<2>::restrictions()));
-    prm.add_parameter("Transfer weight",
-                      weighting,
-                      "The weight of the L2 products in the transfer.",
-                      Patterns::Selection(OrderTransfer<2>::weightings()));
     prm.add_parameter(
       "Smoother",
       smoother,
-      std::string("The smoother of all levels but the coarsest, or of "
-                  "the only level where Coarsening is none.") +
-        (has_auto ? " auto: chebyshev-ic0, and where "
-                    "Poisson's ratio is above 0.4 or "
-                    "0.475 chebyshev-component-ic0 with a "
-                    "degree raised by 1 or 3, and a range "
-                    "of 2 or 4 times the given one."
-                  : ""),
-      Patterns::Selection((has_auto ? "auto|" : "") + smoother_names()));
+      std::string("The smoother of all levels but the coarsest.") +
+        (smoother == "auto" ? " auto: chebyshev-ic0, and where "
+                              "Poisson's ratio is above 0.4 or "
+                              "0.475 chebyshev-component-ic0 with a "
+                              "degree raised by 1 or 3, and a range "
+                              "of 2 or 4 times the given one."
+                            : ""),
+      Patterns::Selection(smoothers));
     prm.add_parameter(
       "Pre-smoothing steps",
       pre_smoothing,
@@ -106,9 +79,7 @@ namespace greville
     prm.add_parameter("Coarse preconditioner",
                       coarse_preconditioner,
                       "Preconditioner of the conjugate gradients at p = 1.",
-                      Patterns::Selection(
-                        "none|jacobi|tensor-product|lattice|gamg|boomeramg|"
-                        "direct"));
+                      Patterns::Selection(coarse_preconditioners));
   }
 
 
@@ -157,8 +128,7 @@ namespace greville
                     ExcMessage("The parameter 'Coarse preconditioner' is <" +
                                algebraic->first +
                                ">, which is for operators of implicit "
-                               "steps; a mass matrix takes none, jacobi or "
-                               "tensor-product."));
+                               "steps; a mass matrix takes none or jacobi."));
       }
     else if (has_coarse && parameters.coarse_preconditioner != "none")
       coarse_preconditioner =

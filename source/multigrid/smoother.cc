@@ -4,9 +4,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
-#include <greville/multigrid/schwarz.h>
 #include <greville/multigrid/smoother.h>
-#include <greville/multigrid/tensor_product_solver.h>
 
 #include <algorithm>
 #include <cctype>
@@ -17,60 +15,25 @@ namespace greville
   using namespace dealii;
 
   void
-  SmootherParameters::declare(ParameterHandler &prm)
-  {
-    declare_for_operators(prm);
-    prm.add_parameter("Drop tolerance",
-                      drop_tolerance,
-                      "ilut: entries below this fraction of the norm of their "
-                      "row are dropped. Unit: none.",
-                      Patterns::Double(0., 1.));
-    prm.add_parameter("Fill factor",
-                      fill_factor,
-                      "ilut: entries kept in a row of L and of U, as a "
-                      "multiple of those of the matrix. Unit: none.",
-                      Patterns::Double(0.));
-    prm.add_parameter(
-      "Reuse",
-      reuse,
-      "cg-ic0 in simulations: a factorization serves following steps, too, "
-      "until the iterations that they need more than the first solve add up to "
-      "this number, or more unknowns than that have come and gone. 0: each "
-      "step factorizes. Unit: iterations.",
-      Patterns::Integer(0));
-    prm.add_parameter(
-      "Overlap",
-      overlap,
-      "ilut, ilu0, ic0: overlap of the domains of processes, in "
-      "layers of the matrix's graph (p coefficients each). In simulations with "
-      "'Solver/Method' = cg-ic0 it has no effect. Unit: "
-      "layers.",
-      Patterns::Integer(0, 10));
-    prm.add_parameter("Ordering",
-                      ordering,
-                      "ilut, ilu0, ic0: order of the unknowns of a process. "
-                      "All but lexicographic are orderings of PETSc.",
-                      Patterns::Selection("lexicographic|rcm|amd|nd|qmd|1wd"));
-    prm.add_parameter("Combination",
-                      combination,
-                      "ilut, ilu0, ic0: how overlapping corrections "
-                      "are put together; automatic is symmetric in a symmetric "
-                      "cycle (restriction = transpose), else restricted.",
-                      Patterns::Selection("automatic|restricted|symmetric"));
-  }
-
-
-
-  void
-  SmootherParameters::declare_for_operators(ParameterHandler &prm)
+  SmootherParameters::declare(ParameterHandler &prm, const bool with_reuse)
   {
     prm.add_parameter("Shift",
                       shift,
-                      "ilu0, ic0: added to the diagonal of the scaled matrix "
-                      "(which is 1) before the factorization. (ic0 raises "
+                      "Of incomplete factorizations: added to the diagonal "
+                      "of the scaled matrix (which is 1) before the "
+                      "factorization. (ic0 raises "
                       "pivots that fail all the same, and shifts by up to 4e-3 "
                       "where its factors are nearly singular.) Unit: none.",
                       Patterns::Double(0.));
+    if (with_reuse)
+      prm.add_parameter(
+        "Reuse",
+        reuse,
+        "cg-ic0: a factorization serves following steps, too, "
+        "until the iterations that they need more than the first solve add up "
+        "to this number, or more unknowns than that have come and gone. 0: "
+        "each step factorizes. Unit: iterations.",
+        Patterns::Integer(0));
     prm.add_parameter(
       "Damping",
       damping,
@@ -171,19 +134,6 @@ namespace greville
 
 
 
-    /**
-     * Factorizations of the components or one for all of them: those of the
-     * level, or IC(0) of its matrix, which stands for all.
-     */
-    template <int dim>
-    std::unique_ptr<Preconditioner>
-    make_factorization(const SmootherParameters &p,
-                       const LevelOperator<dim> &level,
-                       const bool                symmetric,
-                       const bool                by_components = false);
-
-
-
     template <int dim>
     class ChebyshevSmoother : public Preconditioner
     {
@@ -248,35 +198,6 @@ namespace greville
 
 
     /**
-     * Forward, and backward as its transpose; process by process.
-     */
-    class GaussSeidelSmoother : public Preconditioner
-    {
-    public:
-      GaussSeidelSmoother(const Mat matrix)
-        : forward(matrix, "-pc_type sor -pc_sor_local_forward")
-        , backward(matrix, "-pc_type sor -pc_sor_local_backward")
-      {}
-
-      void
-      vmult(VectorType &dst, const VectorType &src) const override
-      {
-        forward.vmult(dst, src);
-      }
-
-      void
-      Tvmult(VectorType &dst, const VectorType &src) const override
-      {
-        backward.vmult(dst, src);
-      }
-
-    private:
-      PetscPreconditioner forward, backward;
-    };
-
-
-
-    /**
      * A smoother of one component for each of several.
      */
     template <int dim>
@@ -330,49 +251,6 @@ namespace greville
 
 
 
-    /**
-     * Additive Schwarz with make(matrix, parameters).
-     */
-    template <int dim>
-    MakeSmoother<dim>
-    schwarz_with(
-      const std::function<LocalSolver(const Mat, const SmootherParameters &)>
-        &make)
-    {
-      return [make](const SmootherParameters &p,
-                    const LevelOperator<dim> &level,
-                    const bool                symmetric) {
-        const bool is_symmetric = p.combination == "symmetric" ||
-                                  (p.combination == "automatic" && symmetric);
-        return std::make_unique<AdditiveSchwarz<dim>>(
-          level, p.overlap, is_symmetric, p.ordering, [&](const Mat matrix) {
-            return make(matrix, p);
-          });
-      };
-    }
-
-
-
-    template <int dim>
-    std::unique_ptr<Preconditioner>
-    make_factorization(const SmootherParameters &p,
-                       const LevelOperator<dim> &level,
-                       const bool                symmetric,
-                       const bool                by_components)
-    {
-      if (auto factorization = level.factorization(p.shift, by_components))
-        return factorization;
-      auto one =
-        schwarz_with<dim>([](const Mat m, const SmootherParameters &q) {
-          return make_ic0(m, q.shift);
-        })(p, level, symmetric);
-      if (level.n_components() == 1)
-        return one;
-      return std::make_unique<SmootherByComponents<dim>>(std::move(one), level);
-    }
-
-
-
     template <int dim>
     struct Entry
     {
@@ -391,24 +269,18 @@ namespace greville
     std::vector<Entry<dim>> &
     smoothers()
     {
-      using P         = const SmootherParameters &;
-      using L         = const LevelOperator<dim> &;
-      const auto ilut = [](const Mat m, P p) {
-        return make_ilut(m, p.drop_tolerance, p.fill_factor);
-      };
-      const auto ilu0 = [](const Mat m, P p) { return make_ilu0(m, p.shift); };
-      const auto ic0  = [](P p, L level, const bool symmetric) {
-        return make_factorization<dim>(p, level, symmetric);
+      using P        = const SmootherParameters &;
+      using L        = const LevelOperator<dim> &;
+      const auto ic0 = [](P p, L level, const bool) {
+        auto factorization = level.factorization(p.shift, false);
+        AssertThrow(factorization,
+                    ExcMessage("The parameter 'Smoother' asks for a "
+                               "factorization, which this operator does not "
+                               "give: take chebyshev or jacobi."));
+        return factorization;
       };
       const auto jacobi = [](P p, L level, const bool) {
         return std::make_unique<JacobiSmoother<dim>>(level, p.damping);
-      };
-      const auto gauss_seidel = [](P, L level, const bool) {
-        return std::make_unique<GaussSeidelSmoother>(level.matrix());
-      };
-      const auto symmetric_gauss_seidel = [](P, L level, const bool) {
-        return std::make_unique<PetscPreconditioner>(
-          level.matrix(), "-pc_type sor -pc_sor_local_symmetric");
       };
       const auto chebyshev = [](P p, L level, const bool) {
         return std::make_unique<ChebyshevSmoother<dim>>(
@@ -416,17 +288,16 @@ namespace greville
       };
       const auto chebyshev_ic0 = [](P p, L level, const bool symmetric) {
         return std::make_unique<ChebyshevSmoother<dim>>(
-          level, p, make_factorization<dim>(p, level, symmetric));
+          level, p, make_smoother<dim>("ic0", p, level, symmetric));
       };
       const auto chebyshev_component_ic0 =
         [](P p, L level, const bool symmetric) {
+          auto factorization = level.factorization(p.shift, true);
+          if (!factorization)
+            factorization = make_smoother<dim>("ic0", p, level, symmetric);
           return std::make_unique<ChebyshevSmoother<dim>>(
-            level, p, make_factorization<dim>(p, level, symmetric, true));
+            level, p, std::move(factorization));
         };
-      const auto tensor_product = [](P, L level, const bool) {
-        return std::make_unique<TensorProductPreconditioner<dim>>(
-          level.space(), level.diagonal(), level.inactive());
-      };
       const auto petsc =
         [](P p, L level, const bool) -> std::unique_ptr<Preconditioner> {
         if (auto whole = level.petsc_preconditioner(p.petsc_options))
@@ -435,16 +306,11 @@ namespace greville
                                                      p.petsc_options);
       };
       static std::vector<Entry<dim>> list = {
-        {"ilut", true, true, schwarz_with<dim>(ilut)},
-        {"ilu0", true, true, schwarz_with<dim>(ilu0)},
         {"ic0", true, false, ic0},
         {"jacobi", false, false, jacobi},
-        {"gauss-seidel", true, true, gauss_seidel},
-        {"symmetric-gauss-seidel", true, true, symmetric_gauss_seidel},
         {"chebyshev", false, false, chebyshev},
         {"chebyshev-ic0", true, false, chebyshev_ic0},
         {"chebyshev-component-ic0", true, false, chebyshev_component_ic0},
-        {"tensor-product", false, true, tensor_product},
         {"petsc", true, false, petsc}};
       return list;
     }
@@ -476,7 +342,29 @@ namespace greville
                const bool               by_components,
                const MakeSmoother<dim> &make)
   {
-    smoothers<dim>().push_back({name, needs_matrix, by_components, make});
+    auto      &list = smoothers<dim>();
+    const auto same =
+      std::find_if(list.begin(), list.end(), [&](const Entry<dim> &entry) {
+        return entry.name == name;
+      });
+    const Entry<dim> entry{name, needs_matrix, by_components, make};
+    if (same == list.end())
+      list.push_back(entry);
+    else
+      *same = entry;
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  make_by_components(std::unique_ptr<Preconditioner> smoother,
+                     const LevelOperator<dim>       &level)
+  {
+    if (level.n_components() == 1)
+      return smoother;
+    return std::make_unique<SmootherByComponents<dim>>(std::move(smoother),
+                                                       level);
   }
 
 
@@ -509,10 +397,9 @@ namespace greville
   {
     const Entry<dim> &entry    = find_smoother<dim>(name);
     auto              smoother = entry.make(parameters, level, symmetric);
-    if (level.n_components() == 1 || !entry.by_components)
-      return smoother;
-    return std::make_unique<SmootherByComponents<dim>>(std::move(smoother),
-                                                       level);
+    return entry.by_components
+             ? make_by_components<dim>(std::move(smoother), level)
+             : std::move(smoother);
   }
 
 
@@ -522,6 +409,8 @@ namespace greville
                                                         const bool,                 \
                                                         const bool,                 \
                                                         const MakeSmoother<dim> &); \
+  template std::unique_ptr<Preconditioner> make_by_components(                      \
+    std::unique_ptr<Preconditioner>, const LevelOperator<dim> &);                   \
   template std::unique_ptr<Preconditioner> make_smoother<dim>(                      \
     const std::string &,                                                            \
     const SmootherParameters &,                                                     \

@@ -5,7 +5,6 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/mass/fmpm.h>
-#include <greville/multigrid/mass_solver.h>
 #include <greville/parameters/names.h>
 
 #include <algorithm>
@@ -44,7 +43,7 @@ namespace greville
       return;
     known.push_back("fmpm-2");
     const auto solvers =
-      Utilities::split_string_list(MassSolver<2>::names(), '|');
+      Utilities::split_string_list(mass_solver_methods(), '|');
     const std::string begin =
       "The parameter '" + parameter + "' is <" + name + ">";
     AssertThrow(std::count(solvers.begin(), solvers.end(), name) == 0,

@@ -107,12 +107,11 @@ namespace greville
       const std::string method = value_of(lines, "Solver", "Method");
       for (const ParameterLine &line : lines)
         AssertThrow(line.section != "p-multigrid" ||
-                      (!method.empty() && line.value != "auto"),
+                      !method.empty(),
                     ExcMessage(
                       line.place +
                       ": the section p-multigrid is for 'Solver/Method' = "
-                      "cg-p-multigrid, which has to be set beside it. What was "
-                      "'Coarsening' = auto is 'Solver/Method' = cg-ic0."));
+                      "cg-p-multigrid, which has to be set beside it."));
     }
 
 
@@ -165,8 +164,6 @@ namespace greville
   {
     // A symmetric cycle, for conjugate gradients.
     multigrid.restriction = "transpose";
-    multigrid.smoother    = "ic0";
-    smoother.overlap      = 2;
   }
 
 
@@ -389,10 +386,15 @@ namespace greville
     declare_section(prm, "Checkpoints", checkpoints);
     declare_section(prm, "Load balance", load_balance);
     declare_section(prm, "Solver", solver);
-    declare_section(prm, "p-multigrid", multigrid);
-    declare_section(prm, "Smoother", smoother);
+    declare_section(
+      prm, "p-multigrid", multigrid, smoother_names(), "none|jacobi");
+    declare_section(prm, "Smoother", smoother, true);
     declare_section(prm, "Implicit solver", implicit_solver);
-    declare_section(prm, "Implicit p-multigrid", implicit_solver.multigrid);
+    declare_section(prm,
+                    "Implicit p-multigrid",
+                    implicit_solver.multigrid,
+                    "auto|" + smoother_names(),
+                    PMultigridParameters::all_coarse_preconditioners());
     declare_section(prm, "Implicit smoother", implicit_solver.smoother);
     for (auto &body : bodies)
       {

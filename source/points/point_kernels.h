@@ -3,10 +3,9 @@
 #ifndef greville_particles_point_kernels_h
 #define greville_particles_point_kernels_h
 
+#include <greville/base/simd.h>
 #include <greville/base/with_width.h>
 #include <greville/points/point_transfer.h>
-
-#include <experimental/simd>
 
 /**
  * What the kernels of points share. To be included in sources, not in headers.
@@ -19,22 +18,14 @@ namespace greville
      * One number of all points of a group. (Cells have few points: the widest
      * vectors of a machine would have empty lanes.)
      */
-    using Simd = std::experimental::simd<
-      double,
-      std::experimental::simd_abi::deduce_t<double, MaterialPoints<2>::width>>;
+    using Simd = FixedSimd<double, MaterialPoints<2>::width>;
 
     constexpr unsigned int simd_width = Simd::size();
 
     inline Simd
     load(const double *address)
     {
-      return Simd(address, std::experimental::element_aligned);
-    }
-
-    inline void
-    store(const Simd &value, double *address)
-    {
-      value.copy_to(address, std::experimental::element_aligned);
+      return greville::load<Simd>(address);
     }
 
 

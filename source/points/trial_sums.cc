@@ -3,7 +3,6 @@
 #include <greville/points/trial_step.h>
 
 #include "gradients.h"
-#include <experimental/simd>
 
 namespace greville
 {
@@ -14,9 +13,7 @@ namespace greville
   void
   TrialSums<dim>::reinit(const SplineSpace<dim> &space)
   {
-    tables.space = &space;
-    for (unsigned int d = 0; d < dim; ++d)
-      tables.directions[d].reinit(space.knots(d));
+    tables.reinit(space);
     const std::size_t n = Utilities::fixed_power<dim>(space.degree() + 1) * dim;
     matrix.resize(n * n);
     clear();
@@ -116,8 +113,7 @@ namespace greville
       // As many sums stay in registers until they are added.
       static constexpr int n_together = 4;
 
-      using Vector = std::experimental::
-        simd<double, std::experimental::simd_abi::deduce_t<double, width>>;
+      using Vector = FixedSimd<double, width>;
 
       /**
        * The gradients at a point, mapped.

@@ -148,9 +148,7 @@ namespace greville
   void
   TrialSurfaces<dim>::reinit(const SplineSpace<dim> &space)
   {
-    tables.space = &space;
-    for (unsigned int d = 0; d < dim; ++d)
-      tables.directions[d].reinit(space.knots(d));
+    tables.reinit(space);
   }
 
 

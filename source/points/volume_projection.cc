@@ -86,9 +86,7 @@ namespace greville
                                 DistributedTriangulation<dim> &triangulation,
                                 const bool                     coarse)
   {
-    tables.space = &space;
-    for (unsigned int d = 0; d < dim; ++d)
-      tables.directions[d].reinit(space.knots(d));
+    tables.reinit(space);
     coarsening                 = coarse ? 2 : 1;
     q                          = space.degree() - (coarse ? 0 : 1);
     const unsigned int n_cells = space.owned_cells().size();

@@ -52,24 +52,11 @@ namespace greville
     values_of(const std::string &text)
     {
       std::map<std::string, std::string> values;
-      std::vector<std::string>           sections;
-      std::istringstream                 lines(text);
-      for (std::string line; std::getline(lines, line);)
-        {
-          line           = Utilities::trim(line.substr(0, line.find(" # ")));
-          const auto  is = line.find('=');
-          std::string where;
-          for (const std::string &section : sections)
-            where += section + "/";
-          if (line.rfind("subsection ", 0) == 0)
-            sections.push_back(Utilities::trim(line.substr(11)));
-          else if (line == "end" && !sections.empty())
-            sections.pop_back();
-          else if (line.rfind("set ", 0) == 0 && is != std::string::npos)
-            // A checkpoint may be older than a name of the reference.
-            values[where + main_name(Utilities::trim(line.substr(4, is - 4)))] =
-              Utilities::trim(line.substr(is + 1));
-        }
+      for (const ParameterLine &line : parameter_lines_of(text, "parameters"))
+        // A checkpoint may be older than a name of the reference.
+        if (!line.name.empty())
+          values[(line.section.empty() ? "" : line.section + "/") +
+                 main_name(line.name)] = line.value;
       return values;
     }
 

@@ -39,8 +39,7 @@ namespace greville
           return;
         }
       const auto &hierarchy = simulation.mass().hierarchy();
-      const bool  all =
-        MassSolver<dim>::uses_multigrid(simulation.mass().solver());
+      const bool  all       = simulation.mass().solver() == "cg-p-multigrid";
       out << "  level  order   coefficients   used\n";
       for (unsigned int l = hierarchy.n_levels(); l-- > 0;)
         if (all || l + 1 == hierarchy.n_levels())

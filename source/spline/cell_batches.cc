@@ -12,7 +12,7 @@ namespace greville
   unsigned int
   CellBatches<dim>::width()
   {
-    return simd_width;
+    return native_simd_width;
   }
 
 
@@ -35,16 +35,18 @@ namespace greville
                cells[end] % extents[0] != 0)
           ++end;
 
-        for (unsigned int first = begin; first < end; first += simd_width)
+        for (unsigned int first = begin; first < end;
+             first += native_simd_width)
           {
             Batch batch{
-              first, 0, std::min(simd_width, end - first), index, false};
+              first, 0, std::min(native_simd_width, end - first), index, false};
             // A full batch is faster than a part of one: begin earlier.
-            if (batch.end_lane < simd_width && end - begin >= simd_width)
+            if (batch.end_lane < native_simd_width &&
+                end - begin >= native_simd_width)
               {
-                batch.first_lane = simd_width - batch.end_lane;
-                batch.end_lane   = simd_width;
-                batch.first_cell = end - simd_width;
+                batch.first_lane = native_simd_width - batch.end_lane;
+                batch.end_lane   = native_simd_width;
+                batch.first_cell = end - native_simd_width;
               }
             batch.index[0] += batch.first_cell - begin;
             batches.push_back(batch);

@@ -98,6 +98,15 @@ namespace greville
 
 
   template <int dim>
+  unsigned int
+  SplineSpace<dim>::wrapped(const unsigned int i, const unsigned int d) const
+  {
+    return i < extents[d] ? i : i - extents[d];
+  }
+
+
+
+  template <int dim>
   void
   SplineSpace<dim>::find_owned_cells_and_functions()
   {

@@ -2,23 +2,17 @@
 
 #include <greville/base/errors.h>
 #include <greville/steps/consistent_mass.h>
+#include <greville/steps/implicit_scheme.h>
 
 namespace greville
 {
   using namespace dealii;
 
   template <int dim>
-  ConsistentMass<dim>::ConsistentMass(
-    const unsigned int             degree,
-    DistributedTriangulation<dim> &triangulation,
-    const SimulationParameters    &parameters,
-    const Walls<dim>              &walls)
-    : GridMass<dim>(degree,
-                    triangulation,
-                    parameters.solver.method == "cg-p-multigrid"
-                      ? parameters.multigrid.coarsening
-                      : "none",
-                    walls)
+  ConsistentMass<dim>::ConsistentMass(const OrderHierarchy<dim>  &orders,
+                                      const SimulationParameters &parameters,
+                                      const Walls<dim>           &walls)
+    : GridMass<dim>(orders, walls)
     , parameters(parameters)
     , walls(walls)
   {
@@ -83,34 +77,50 @@ namespace greville
   void
   ConsistentMass<dim>::update(
     const VectorType                               &lumped,
-    const std::vector<const MaterialPoints<dim> *> &bodies,
-    const PointTransfer<dim>                       &transfer)
+    const std::vector<const MaterialPoints<dim> *> &all_bodies,
+    const PointTransfer<dim>                       &point_transfer)
   {
     this->lumped_mass.copy_locally_owned_data_from(lumped);
-    transfer.filling(bodies, filled_part);
+    bodies   = &all_bodies;
+    transfer = &point_transfer;
+    transfer->filling(*bodies, filled_part);
     const bool unknowns_changed =
       filling.update(filled_part, parameters.scheme.filling_threshold());
     if (unknowns_changed)
       spline_extension.reinit(this->space(), filling);
-    extended_mass.begin(spline_extension, unknowns_changed);
-    if (unknowns_changed)
-      extended_mass.hold(this->held);
-    held_solver_is_behind = held_solver_is_behind || unknowns_changed;
-    transfer.add_mass_matrix(bodies, extended_mass.matrix());
+    has_new_unknowns = has_new_unknowns || unknowns_changed;
+    is_assembled     = false;
+    if (!is_implicit_scheme(parameters.scheme.stress_update))
+      assemble();
+  }
+
+
+
+  template <int dim>
+  void
+  ConsistentMass<dim>::assemble()
+  {
+    extended_mass.begin(spline_extension, has_new_unknowns);
+    if (has_new_unknowns)
+      extended_mass.unknowns().hold(this->held);
+    held_solver_is_behind = held_solver_is_behind || has_new_unknowns;
+    transfer->add_mass_matrix(*bodies, extended_mass.matrix());
     extended_mass.finish();
     total_mass = 0.;
-    for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-      total_mass += lumped.local_element(i);
+    for (unsigned int i = 0; i < this->lumped_mass.locally_owned_size(); ++i)
+      total_mass += this->lumped_mass.local_element(i);
     total_mass = Utilities::MPI::sum(total_mass, this->space().communicator());
     if (parameters.solver.method == "cg-jacobi")
       extended_mass.approximate_diagonal(diagonal);
     if (multigrid)
       multigrid->update(filling,
-                        unknowns_changed,
+                        has_new_unknowns,
                         [&](DensityWeights<dim> &weights) {
-                          transfer.mass_weights(bodies, weights);
+                          transfer->mass_weights(*bodies, weights);
                         });
-    mass_solver->update(unknowns_changed, total_mass);
+    mass_solver->update(has_new_unknowns, total_mass);
+    has_new_unknowns = false;
+    is_assembled     = true;
   }
 
 
@@ -164,6 +174,8 @@ namespace greville
                              const std::vector<double> &shares)
   {
     AssertDimension(x.size(), b.size());
+    if (!is_assembled)
+      assemble();
     keep_memory();
     check(mass_solver->solve(x, b, shares));
   }
@@ -197,11 +209,11 @@ namespace greville
     for (unsigned int f = 0; f < all_held.size(); ++f)
       all_held[f] |= this->held[f];
 
-    extended_mass.hold(all_held);
+    extended_mass.unknowns().hold(all_held);
     solver_of_held->update(held_solver_is_behind, total_mass);
     held_solver_is_behind    = false;
     const SolveResult result = solver_of_held->solve({&x}, {&b});
-    extended_mass.hold(this->held);
+    extended_mass.unknowns().hold(this->held);
     check(result);
   }
 

@@ -5,6 +5,7 @@
 #include <greville/base/step_errors.h>
 #include <greville/spline/coarse_cells.h>
 #include <greville/steps/discretization.h>
+#include <greville/steps/implicit_scheme.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 
@@ -145,12 +146,19 @@ namespace greville
     stamp_of_sums = 0;
     mass_is_known = false;
     grid_walls    = Walls<dim>(parameters.walls);
-    grid_mass     = make_grid_mass<dim>(parameters.scheme.mass,
-                                    parameters.grid.degree,
-                                    mesh,
+    orders.reinit(mesh,
+                  parameters.grid.degree,
+                  is_implicit_scheme(parameters.scheme.stress_update)
+                    ? parameters.implicit_solver.multigrid.coarsening
+                  : parameters.scheme.mass == "consistent" &&
+                      parameters.solver.method == "cg-p-multigrid"
+                    ? parameters.multigrid.coarsening
+                    : "none");
+    grid_mass  = make_grid_mass<dim>(parameters.scheme.mass,
+                                    orders,
                                     parameters,
                                     grid_walls);
-    consistent    = dynamic_cast<ConsistentMass<dim> *>(grid_mass.get());
+    consistent = dynamic_cast<ConsistentMass<dim> *>(grid_mass.get());
     grid_walls.reinit(space());
     // The grid of total Lagrangian steps is that of initial positions.
     grid_walls.check_paths(space(),

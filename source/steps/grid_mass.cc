@@ -12,63 +12,9 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  std::vector<unsigned char>
-  with_ghosts(const SplineSpace<dim>           &space,
-              const std::vector<unsigned char> &owned)
-  {
-    VectorType values;
-    space.initialize_vector(values);
-    for (unsigned int i = 0; i < owned.size(); ++i)
-      values.local_element(i) = owned[i];
-    values.update_ghost_values();
-    std::vector<unsigned char> result(space.owned_functions().size() +
-                                      space.ghost_functions().size());
-    for (unsigned int f = 0; f < result.size(); ++f)
-      result[f] = static_cast<unsigned char>(values.local_element(f));
-    return result;
-  }
-
-
-
-  template <int dim>
-  std::vector<unsigned char>
-  held_at_walls(const SplineSpace<dim> &space,
-                const Walls<dim>       &walls,
-                const unsigned int      component)
-  {
-    std::vector<unsigned char> held(space.owned_functions().size(), 0);
-    for (const unsigned int i : walls.held_functions(space, component))
-      held[i] = 1;
-    return with_ghosts(space, held);
-  }
-
-
-
-  template <int dim>
-  std::vector<unsigned char>
-  held_components_at_walls(const SplineSpace<dim> &space,
-                           const Walls<dim>       &walls)
-  {
-    std::vector<unsigned char> bits(space.owned_functions().size() +
-                                      space.ghost_functions().size(),
-                                    0);
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        const auto held = held_at_walls(space, walls, c);
-        for (unsigned int f = 0; f < bits.size(); ++f)
-          bits[f] |= held[f] << c;
-      }
-    return bits;
-  }
-
-
-
-  template <int dim>
-  GridMass<dim>::GridMass(const unsigned int             degree,
-                          DistributedTriangulation<dim> &triangulation,
-                          const std::string             &coarsening,
-                          const Walls<dim>              &walls)
-    : orders(triangulation, degree, coarsening)
+  GridMass<dim>::GridMass(const OrderHierarchy<dim> &orders,
+                          const Walls<dim>          &walls)
+    : orders(orders)
   {
     space().initialize_vector(lumped_mass);
     held      = held_components_at_walls(space(), walls);
@@ -171,32 +117,19 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<GridMass<dim>>
-  make_grid_mass(const std::string             &mass,
-                 const unsigned int             degree,
-                 DistributedTriangulation<dim> &triangulation,
-                 const SimulationParameters    &parameters,
-                 const Walls<dim>              &walls)
+  make_grid_mass(const std::string          &mass,
+                 const OrderHierarchy<dim>  &orders,
+                 const SimulationParameters &parameters,
+                 const Walls<dim>           &walls)
   {
     if (const unsigned int n_terms = n_fmpm_terms(mass))
-      return std::make_unique<LumpedMass<dim>>(n_terms,
-                                               degree,
-                                               triangulation,
-                                               walls);
+      return std::make_unique<LumpedMass<dim>>(n_terms, orders, walls);
     Assert(mass == "consistent", ExcMessage("Unknown mass <" + mass + ">."));
-    return std::make_unique<ConsistentMass<dim>>(degree,
-                                                 triangulation,
-                                                 parameters,
-                                                 walls);
+    return std::make_unique<ConsistentMass<dim>>(orders, parameters, walls);
   }
 
 
 
-  template decltype(with_ghosts<2>)              with_ghosts<2>;
-  template decltype(with_ghosts<3>)              with_ghosts<3>;
-  template decltype(held_at_walls<2>)            held_at_walls<2>;
-  template decltype(held_components_at_walls<2>) held_components_at_walls<2>;
-  template decltype(held_components_at_walls<3>) held_components_at_walls<3>;
-  template decltype(held_at_walls<3>)            held_at_walls<3>;
   template class GridMass<2>;
   template class GridMass<3>;
   template decltype(make_grid_mass<2>) make_grid_mass<2>;

@@ -144,9 +144,9 @@ namespace greville
     for (const Surface<dim> &surface : state.surfaces)
       if (surface.stiffness > 0.)
         return;
-    static const char *names   = "xyz";
-    const auto        &is_held = system.finest().extended().has_held();
-    std::string        free;
+    static const char *names = "xyz";
+    const auto &is_held      = system.finest().extended().unknowns().has_held();
+    std::string free;
     for (unsigned int d = 0; d < dim; ++d)
       if (!is_held[d])
         free += (free.empty() ? "" : ", ") + std::string(1, names[d]);

@@ -26,8 +26,7 @@ namespace greville
     , guard(parts.guard)
     , scheme(make_implicit_scheme(name, parameters.implicit))
     , system(
-        parameters.grid.degree,
-        discretization.triangulation(),
+        discretization.hierarchy(),
         [this](const SplineSpace<dim> &space) {
           return held_components_at_walls(space, discretization.walls());
         },

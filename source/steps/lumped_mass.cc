@@ -8,11 +8,10 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  LumpedMass<dim>::LumpedMass(const unsigned int             n_terms,
-                              const unsigned int             degree,
-                              DistributedTriangulation<dim> &triangulation,
-                              const Walls<dim>              &walls)
-    : GridMass<dim>(degree, triangulation, "none", walls)
+  LumpedMass<dim>::LumpedMass(const unsigned int         n_terms,
+                              const OrderHierarchy<dim> &orders,
+                              const Walls<dim>          &walls)
+    : GridMass<dim>(orders, walls)
     , n_terms(n_terms)
   {
     for (VectorType &component : inverse)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/mixed_bits.h>
 #include <greville/base/parameters.h>
 #include <greville/steps/partition.h>
 
@@ -10,25 +11,6 @@ namespace greville
 {
   using namespace dealii;
 
-  namespace
-  {
-    /**
-     * The last bits of a number spread over all of them (the finalizer of
-     * MurmurHash3), so that sums of such numbers tell rows apart.
-     */
-    std::uint64_t
-    mixed(std::uint64_t k)
-    {
-      k ^= k >> 33;
-      k *= 0xff51afd7ed558ccd;
-      k ^= k >> 33;
-      k *= 0xc4ceb9fe1a85ec53;
-      return k ^ (k >> 33);
-    }
-  } // namespace
-
-
-
   Partition::Partition(std::vector<double> rows_, const MPI_Comm comm)
     : rows(std::move(rows_))
   {
@@ -36,8 +18,8 @@ namespace greville
                 ExcMessage("a row of a partition has a cell and a weight"));
     std::array<std::uint64_t, 2> sums{{rows.size() / 2, 0}};
     for (std::size_t k = 0; k < rows.size(); k += 2)
-      sums[1] +=
-        mixed(mixed(std::uint64_t(rows[k])) + std::uint64_t(rows[k + 1]));
+      sums[1] += mixed_bits(mixed_bits(std::uint64_t(rows[k])) +
+                            std::uint64_t(rows[k + 1]));
     // Unsigned: what is too large begins at zero again.
     std::array<std::uint64_t, 2> all{};
     const int                    ierr =

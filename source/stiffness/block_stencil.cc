@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/simd.h>
 #include <greville/base/with_width.h>
 #include <greville/stiffness/block_stencil.h>
-
-#include <experimental/simd>
 
 namespace greville
 {
@@ -11,12 +10,9 @@ namespace greville
 
   namespace
   {
-    namespace simd = std::experimental;
-
     // Lines of entries are as long as a multiple of this.
     constexpr int vector_width = 4;
-    using Vector =
-      simd::simd<double, simd::simd_abi::deduce_t<double, vector_width>>;
+    using Vector               = FixedSimd<double, vector_width>;
 
     constexpr int
     padded(const int n)
@@ -208,16 +204,15 @@ namespace greville
               Vector        from[n_vectors];
 #pragma GCC unroll 8
               for (int v = 0; v < n_vectors; ++v)
-                from[v].copy_from(x_k + v * vector_width,
-                                  simd::element_aligned);
+                from[v] = load<Vector>(x_k + v * vector_width);
 #pragma GCC unroll 3
               for (int c = 0; c < dim; ++c)
 #pragma GCC unroll 8
                 for (int v = 0; v < n_vectors; ++v, entries += vector_width)
-                  sums[c] += Vector(entries, simd::element_aligned) * from[v];
+                  sums[c] += load<Vector>(entries) * from[v];
             }
           for (int c = 0; c < dim; ++c)
-            y[std::size_t(i) * dim + c] = simd::reduce(sums[c]);
+            y[std::size_t(i) * dim + c] = reduce(sums[c]);
         }
     });
   }

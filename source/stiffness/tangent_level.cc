@@ -33,7 +33,7 @@ namespace greville
     , mass_weights(space, 2 * space.degree() + 1)
   {
     extended_mass.reinit(space);
-    block.reinit(space);
+    block.reinit(extended_mass);
     blocks.reinit(extended_mass.matrix());
     single_blocks.reinit(extended_mass.matrix());
   }
@@ -46,21 +46,18 @@ namespace greville
   {
     if (changed)
       spline_extension.reinit(spline_space, filling);
-    for (ExtendedMass<dim> *matrix : {&extended_mass, &block})
-      {
-        matrix->begin(spline_extension, changed);
-        if (changed)
-          matrix->hold(held);
-      }
+    extended_mass.begin(spline_extension, changed);
+    if (changed)
+      extended_mass.unknowns().hold(held);
+    block.begin(changed);
     mass_weights.clear();
     mass_factors.reset();
     if (!changed)
       return;
     for (VectorType *vector : {&source, &result})
-      extended_mass.initialize_vector(*vector, dim);
-    extended_mass.initialize_vector(column, 1);
+      extended_mass.unknowns().initialize_vector(*vector, dim);
     std::vector<bool> is_unknown(spline_space.owned_functions().size(), false);
-    for (const unsigned int f : extended_mass.unknown_functions())
+    for (const unsigned int f : extended_mass.unknowns().unknown_functions())
       is_unknown[f] = true;
     inactive_functions.clear();
     for (unsigned int f = 0; f < is_unknown.size(); ++f)
@@ -100,12 +97,12 @@ namespace greville
 
     // Those of extended B-splines without what extended functions add.
     result             = 0.;
-    const auto &places = extended_mass.unknown_places();
+    const auto &places = extended_mass.unknowns().unknown_places();
     for (unsigned int u = 0; u < places.size(); ++u)
       if (places[u] != numbers::invalid_unsigned_int)
         for (unsigned int c = 0; c < dim; ++c)
           result.local_element(u * dim + c) = blocks.diagonal(places[u], c);
-    extended_mass.for_each_image_of_unknown(
+    extended_mass.unknowns().for_each_image_of_unknown(
       [&](const unsigned int u, const std::size_t place) {
         for (unsigned int c = 0; c < dim; ++c)
           result.local_element(u * dim + c) += blocks.diagonal(place, c);
@@ -118,41 +115,13 @@ namespace greville
     if (all_diagonal.size() == 0)
       initialize_vector<dim>(all_diagonal, *this);
     all_diagonal          = largest > 0. ? largest : 1.;
-    const auto &functions = extended_mass.unknown_functions();
+    const auto &functions = extended_mass.unknowns().unknown_functions();
     for (unsigned int u = 0; u < functions.size(); ++u)
       for (unsigned int c = 0; c < dim; ++c)
         if (!((held[functions[u]] >> c) & 1) &&
             result.local_element(u * dim + c) > 1e-12 * largest)
           all_diagonal.local_element(functions[u] * dim + c) =
             result.local_element(u * dim + c);
-  }
-
-
-
-  template <int dim>
-  void
-  TangentLevel<dim>::read(VectorType &unknowns, const VectorType &x) const
-  {
-    const auto &functions = extended_mass.unknown_functions();
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      for (unsigned int c = 0; c < dim; ++c)
-        unknowns.local_element(u * dim + c) =
-          x.local_element(functions[u] * dim + c);
-    extended_mass.zero_held_unknowns(unknowns, dim);
-  }
-
-
-
-  template <int dim>
-  void
-  TangentLevel<dim>::write(VectorType &x, const VectorType &unknowns) const
-  {
-    const auto &functions = extended_mass.unknown_functions();
-    x                     = 0.;
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      for (unsigned int c = 0; c < dim; ++c)
-        x.local_element(functions[u] * dim + c) =
-          unknowns.local_element(u * dim + c);
   }
 
 
@@ -177,20 +146,20 @@ namespace greville
                               const VectorType                &src,
                               const BlockStencil<dim, Number> &matrix) const
   {
-    read(source, src);
-    extended_mass.multiply(result,
-                           source,
-                           dim,
-                           [&](double *y, const double *x) {
-                             matrix.vmult(y, x);
-                           });
-    write(dst, result);
+    extended_mass.unknowns().read(source, src, dim);
+    extended_mass.unknowns().multiply(result,
+                                      source,
+                                      dim,
+                                      [&](double *y, const double *x) {
+                                        matrix.vmult(y, x);
+                                      });
+    extended_mass.unknowns().write(dst, result, dim);
     for (const unsigned int f : inactive_functions)
       for (unsigned int c = 0; c < dim; ++c)
         dst.local_element(f * dim + c) =
           all_diagonal.local_element(f * dim + c) *
           src.local_element(f * dim + c);
-    for (const unsigned int f : extended_mass.unknown_functions())
+    for (const unsigned int f : extended_mass.unknowns().unknown_functions())
       if (held[f] != 0)
         for (unsigned int c = 0; c < dim; ++c)
           if ((held[f] >> c) & 1)
@@ -205,39 +174,9 @@ namespace greville
   void
   TangentLevel<dim>::multiply_mass(VectorType &dst, const VectorType &src) const
   {
-    read(source, src);
+    extended_mass.unknowns().read(source, src, dim);
     extended_mass.vmult(result, source, dim);
-    write(dst, result);
-  }
-
-
-
-  template <int dim>
-  void
-  TangentLevel<dim>::distribute(VectorType        &x,
-                                const unsigned int component) const
-  {
-    const auto &functions = extended_mass.unknown_functions();
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      column.local_element(u) = (held[functions[u]] >> component) & 1
-                                  ? 0.
-                                  : x.local_element(functions[u]);
-    x = 0.;
-    extended_mass.write_columns({&x}, column, 1, component);
-  }
-
-
-
-  template <int dim>
-  void
-  TangentLevel<dim>::condense(VectorType &x, const unsigned int component) const
-  {
-    extended_mass.restrict_columns(column, {&x}, 1, component);
-    const auto &functions = extended_mass.unknown_functions();
-    x                     = 0.;
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      if (!((held[functions[u]] >> component) & 1))
-        x.local_element(functions[u]) = column.local_element(u);
+    extended_mass.unknowns().write(dst, result, dim);
   }
 
 
@@ -249,14 +188,14 @@ namespace greville
                                const unsigned int       components,
                                PartitionedCholesky     &factors) const
   {
-    const auto        of_unknowns = matrix.held_unknowns();
+    const auto        of_unknowns = matrix.unknowns().held_unknowns();
     std::vector<bool> is_held_in_some(of_unknowns.size());
     for (unsigned int u = 0; u < of_unknowns.size(); ++u)
       is_held_in_some[u] = (of_unknowns[u] & components) != 0 &&
                            (of_unknowns[u] & components) != components;
     factors.factorize(matrix.local_entries(components),
-                      matrix.unknown_layout(),
-                      matrix.unknown_positions(),
+                      matrix.unknowns().unknown_layout(),
+                      matrix.unknowns().unknown_positions(),
                       is_held_in_some,
                       spline_space.degree(),
                       shift);
@@ -275,7 +214,7 @@ namespace greville
                            const unsigned int         n_components) const
   {
     const unsigned int width     = n_components == 1 ? 1 : factor_width<dim>;
-    const auto        &functions = extended_mass.unknown_functions();
+    const auto        &functions = extended_mass.unknowns().unknown_functions();
     const auto         for_free  = [&](const auto &visit) {
       for (unsigned int u = 0; u < functions.size(); ++u)
         for (unsigned int c = 0; c < n_components; ++c)

@@ -130,17 +130,17 @@ namespace greville
         , matrix(std::move(given_matrix))
         , petsc(matrix.get(), options, prepare)
       {
-        level.extended().initialize_vector(to, dim);
-        level.extended().initialize_vector(from, dim);
+        level.extended().unknowns().initialize_vector(to, dim);
+        level.extended().unknowns().initialize_vector(from, dim);
       }
 
       void
       vmult(VectorType &dst, const VectorType &src) const override
       {
-        level.read(from, src);
+        level.extended().unknowns().read(from, src, dim);
         petsc.vmult(to, from);
-        level.extended().zero_held_unknowns(to, dim);
-        level.write(dst, to);
+        level.extended().unknowns().zero_held_unknowns(to, dim);
+        level.extended().unknowns().write(dst, to, dim);
       }
 
     private:
@@ -157,22 +157,23 @@ namespace greville
   PetscMatrix
   TangentLevel<dim>::petsc_matrix() const
   {
-    const InterleavedLayout &layout    = *extended_mass.unknown_layout();
-    const auto              &functions = extended_mass.unknown_functions();
-    const MPI_Comm           comm      = spline_space.communicator();
+    const InterleavedLayout &layout =
+      *extended_mass.unknowns().unknown_layout();
+    const auto    &functions = extended_mass.unknowns().unknown_functions();
+    const MPI_Comm comm      = spline_space.communicator();
     checked_index<PetscInt>(
       Utilities::MPI::sum<std::uint64_t>(layout.n_owned() * dim, comm),
       "rows of a matrix");
 
     // What is held of unknowns of other processes, too.
-    column = 0.;
+    VectorType column;
+    extended_mass.unknowns().initialize_vector(column, 1);
     for (unsigned int u = 0; u < functions.size(); ++u)
       column.local_element(u) = held[functions[u]];
     column.update_ghost_values();
     std::vector<unsigned char> held_local(layout.n_local());
     for (unsigned int u = 0; u < held_local.size(); ++u)
       held_local[u] = static_cast<unsigned char>(column.local_element(u));
-    column.zero_out_ghost_values();
 
     const auto rows =
       extended_blocks<dim>(blocks, extended_mass, held, held_local);
@@ -235,7 +236,7 @@ namespace greville
     PetscMatrix matrix = petsc_matrix();
     set_rigid_body_modes(matrix.get(),
                          spline_space,
-                         extended_mass.unknown_functions());
+                         extended_mass.unknowns().unknown_functions());
     return std::make_unique<UnknownsPreconditioner<dim>>(*this,
                                                          std::move(matrix),
                                                          options);
@@ -248,11 +249,12 @@ namespace greville
   TangentLevel<dim>::lattice_preconditioner(const std::string &options) const
   {
     PetscMatrix              matrix = petsc_matrix();
-    const LatticeLevels<dim> lattice(matrix.get(),
-                                     spline_space,
-                                     extended_mass.unknown_functions(),
-                                     dim,
-                                     extended_mass.held_unknowns());
+    const LatticeLevels<dim> lattice(
+      matrix.get(),
+      spline_space,
+      extended_mass.unknowns().unknown_functions(),
+      dim,
+      extended_mass.unknowns().held_unknowns());
     return std::make_unique<UnknownsPreconditioner<dim>>(
       *this, std::move(matrix), options, [&](PC pc) { lattice.apply_to(pc); });
   }

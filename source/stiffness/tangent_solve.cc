@@ -6,10 +6,10 @@
 #include <deal.II/lac/solver_gmres.h>
 
 #include <greville/base/errors.h>
+#include <greville/linear_algebra/krylov.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <cmath>
-#include <sstream>
 
 namespace greville
 {
@@ -62,49 +62,6 @@ namespace greville
 
 
 
-  namespace
-  {
-    /**
-     * Run a Krylov method, which stops by an exception where it does not
-     * converge.
-     */
-    template <typename Run>
-    SolveResult
-    run_solver(const unsigned int max_iterations,
-               const double       tolerance,
-               const VectorType  &b,
-               const Run         &run)
-    {
-      SolveResult  result;
-      const double start = b.l2_norm();
-      result.iterations  = 0;
-      result.converged   = start == 0.;
-      if (start == 0.)
-        return result;
-      SolverControl control(max_iterations, tolerance * start, false, false);
-      try
-        {
-          run(control);
-          result.converged = true;
-        }
-      catch (const SolverControl::NoConvergence &)
-        {}
-      result.iterations = control.last_step();
-      result.reduction  = control.last_value() / start;
-      if (!result.converged)
-        {
-          std::ostringstream text;
-          text << "did not converge in " << control.last_step()
-               << " iterations; the residual is " << result.reduction
-               << " times the right-hand side";
-          result.reason = text.str();
-        }
-      return result;
-    }
-  } // namespace
-
-
-
   template <int dim>
   SolveResult
   TangentSystem<dim>::solve(VectorType       &x,
@@ -125,8 +82,8 @@ namespace greville
       parameters.method == "cg" || (parameters.method == "auto" && symmetric);
     const auto run = [&](const unsigned int max_iterations) {
       x = 0.;
-      return run_solver(
-        max_iterations, tolerance, b, [&](SolverControl &control) {
+      return run_krylov(
+        {tolerance, max_iterations}, b, [&](SolverControl &control) {
           using Fgmres = SolverFGMRES<VectorType>;
           // With a projection, restarts cost more than their vectors.
           const Fgmres::AdditionalData n_vectors(
@@ -210,12 +167,13 @@ namespace greville
     for (unsigned int c = 0; c < dim; ++c)
       held[c] *= -1.;
     restrict(b, momentum, &held);
-    SolveResult result = run_solver(200, 1e-12, b, [&](SolverControl &control) {
-      SolverCG<VectorType>(control).solve(Mass{finest()},
-                                          x,
-                                          b,
-                                          Inverse{finest()});
-    });
+    SolveResult result =
+      run_krylov({1e-12, 200}, b, [&](SolverControl &control) {
+        SolverCG<VectorType>(control).solve(Mass{finest()},
+                                            x,
+                                            b,
+                                            Inverse{finest()});
+      });
     // Round-off may leave more where points spread thinly.
     constexpr double negligible = 1e-9;
     result.converged = result.converged || result.reduction < negligible;

@@ -11,18 +11,16 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  TangentSystem<dim>::TangentSystem(
-    const unsigned int             degree,
-    DistributedTriangulation<dim> &triangulation,
-    const HeldFunctions           &held,
-    const TangentParameters       &parameters,
-    const double                   filling_threshold,
-    const bool                     lump,
-    VolumeProjection<dim>         *projection)
+  TangentSystem<dim>::TangentSystem(const OrderHierarchy<dim> &orders,
+                                    const HeldFunctions       &held,
+                                    const TangentParameters   &parameters,
+                                    const double           filling_threshold,
+                                    const bool             lump,
+                                    VolumeProjection<dim> *projection)
     : parameters(parameters)
     , filling_threshold(filling_threshold)
     , lump(lump)
-    , orders(triangulation, degree, parameters.multigrid.coarsening)
+    , orders(orders)
     , transfers(orders.n_levels())
     , sums(orders.n_levels())
     , projection(projection)
@@ -71,7 +69,7 @@ namespace greville
         levels[l]->finish_mass(lump);
         transfers[l].mass_weights(points, levels[l]->weights());
       }
-    finest().extended().initialize_vector(unknowns, dim);
+    finest().extended().unknowns().initialize_vector(unknowns, dim);
   }
 
 
@@ -310,7 +308,8 @@ namespace greville
     constexpr double stiff   = 30.;
     double           sums[2] = {finest().largest_diagonal(), 0.};
     double           mass    = 0.;
-    for (const unsigned int place : finest().extended().unknown_places())
+    for (const unsigned int place :
+         finest().extended().unknowns().unknown_places())
       if (place != numbers::invalid_unsigned_int)
         mass = std::max(mass, finest().extended().matrix().diagonal(place));
     sums[1] = mass_factor * mass;
@@ -449,21 +448,21 @@ namespace greville
                                     const VectorField<dim> *field) const
   {
     const ExtendedMass<dim> &mass = finest().extended();
-    mass.restrict_fields(unknowns, {&force}, dim);
+    mass.unknowns().restrict_fields(unknowns, {&force}, dim);
     if (field)
       {
         VectorField<dim> products;
         for (unsigned int c = 0; c < dim; ++c)
           products[c].reinit(force[c], true);
         mass.multiply_field(products, *field, true);
-        const auto &functions = mass.unknown_functions();
+        const auto &functions = mass.unknowns().unknown_functions();
         for (unsigned int u = 0; u < functions.size(); ++u)
           for (unsigned int c = 0; c < dim; ++c)
             unknowns.local_element(u * dim + c) +=
               products[c].local_element(functions[u]);
-        mass.zero_held_unknowns(unknowns, dim);
+        mass.unknowns().zero_held_unknowns(unknowns, dim);
       }
-    finest().write(rows, unknowns);
+    finest().extended().unknowns().write(rows, unknowns, dim);
   }
 
 
@@ -472,8 +471,8 @@ namespace greville
   void
   TangentSystem<dim>::extend(VectorField<dim> &field, const VectorType &x) const
   {
-    finest().read(unknowns, x);
-    finest().extended().write_fields({&field}, unknowns, dim);
+    finest().extended().unknowns().read(unknowns, x, dim);
+    finest().extended().unknowns().write_fields({&field}, unknowns, dim);
   }
 
 
@@ -482,8 +481,37 @@ namespace greville
   void
   TangentSystem<dim>::read(VectorType &x, const VectorField<dim> &field) const
   {
-    finest().extended().read_fields(unknowns, {&field}, dim);
-    finest().write(x, unknowns);
+    finest().extended().unknowns().read_fields(unknowns, {&field}, dim);
+    finest().extended().unknowns().write(x, unknowns, dim);
+  }
+
+
+
+  template <int dim>
+  double
+  TangentSystem<dim>::force_scale() const
+  {
+    return std::sqrt(Utilities::MPI::sum(sums.back().square_of_forces(),
+                                         space().communicator()));
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::forget()
+  {
+    multigrid.reset();
+    levels_fail = false;
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::initialize(VectorType &vector) const
+  {
+    initialize_vector<dim>(vector, finest());
   }
 
 

@@ -9,7 +9,7 @@
 #include <greville/multigrid/mass_level.h>
 #include <greville/multigrid/p_multigrid.h>
 
-#include "density.h"
+#include <density.h>
 
 namespace
 {
@@ -36,7 +36,7 @@ namespace
       {
         masses.push_back(
           std::make_unique<MassLevel<2>>(orders[l], *density<2>("smooth")));
-        masses.back()->assemble(false, false);
+        masses.back()->assemble(false);
         levels.push_back(masses.back().get());
       }
     PMultigridParameters parameters;

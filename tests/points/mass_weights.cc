@@ -3,7 +3,7 @@
 // With weights of material points at 2 p + 1 Gauss points per direction, the
 // mass operator is the sum over the points.
 
-#include <greville/multigrid/mass_level.h>
+#include <greville/paper/assembled_mass_level.h>
 #include <greville/points/point_transfer.h>
 
 #include "points.h"
@@ -87,8 +87,8 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
   for (std::size_t f = 0; f < space.n_dofs(); ++f)
     largest_diagonal = std::max(largest_diagonal, sums(f, 1));
 
-  const VectorType x = pseudo_random_vector(space);
-  MassLevel<dim>   level(space, weights);
+  const VectorType        x = pseudo_random_vector(space);
+  AssembledMassLevel<dim> level(space, weights);
   level.assemble(true, true);
   const MassOperator<dim> &mass = level.mass();
 

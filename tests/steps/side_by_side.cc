@@ -58,7 +58,6 @@ test_main()
       .add("Grid", {"Cells = 8, 8", "Order = 3"})
       .add("Scheme", {"Mass = consistent", "Filter = 0.2"})
       .add("Solver", {"Tolerance = 1e-10"})
-      .add("Smoother", {"Overlap = 1"})
       .add("Walls", {"Left = fixed"})
       .add("Body block", {"Material = rubber", "Shape = box(0, 0, 0.6, 0.5)"})
       .add("Material rubber",

@@ -20,9 +20,11 @@ namespace
       : parameters(tangent)
       , simulated(text)
       , walls(simulated.parameters.walls)
+      , orders(simulated->grid().triangulation(),
+               simulated.parameters.grid.degree,
+               parameters.multigrid.coarsening)
       , system(
-          simulated.parameters.grid.degree,
-          simulated->grid().triangulation(),
+          orders,
           [this](const SplineSpace<dim> &space) {
             return held_components_at_walls(space, walls);
           },
@@ -132,6 +134,7 @@ namespace
     const TangentParameters     parameters;
     Simulated<dim>              simulated;
     const Walls<dim>            walls;
+    const OrderHierarchy<dim>   orders;
     TangentSystem<dim>          system;
     std::vector<TrialBody<dim>> bodies;
     VectorField<dim>            u, force;

@@ -88,18 +88,20 @@ namespace greville
   }
 
   /**
-   * Let @p parameters declare themselves in a section of @p prm. Their members
+   * Let @p parameters declare themselves in a section of @p prm, by
+   * declare(prm, arguments...). Their members
    * are the defaults, and take what is read into @p prm from then on: they have
    * to stay where they are until @p prm is gone.
    */
-  template <typename Parameters>
+  template <typename Parameters, typename... Arguments>
   void
   declare_section(dealii::ParameterHandler &prm,
                   const std::string        &section,
-                  Parameters               &parameters)
+                  Parameters               &parameters,
+                  const Arguments &...arguments)
   {
     prm.enter_subsection(section);
-    parameters.declare(prm);
+    parameters.declare(prm, arguments...);
     prm.leave_subsection();
   }
 

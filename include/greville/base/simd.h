@@ -8,22 +8,32 @@
 namespace greville
 {
   /**
-   * A native vector of doubles. (The VectorizedArray of a deal.II that was
-   * compiled for any machine, as distributions do, holds one double only.) To
-   * be included in sources, not in headers.
+   * A vector of @p n numbers, in one register where the machine has such wide
+   * ones. (The VectorizedArray of a deal.II that was compiled for any machine,
+   * as distributions do, holds one double only.)
    */
-  using Simd = std::experimental::native_simd<double>;
+  template <typename Number, int n>
+  using FixedSimd =
+    std::experimental::simd<Number,
+                            std::experimental::simd_abi::deduce_t<Number, n>>;
 
-  constexpr unsigned int simd_width = Simd::size();
+  /**
+   * A vector of as many doubles as a register of the machine holds.
+   */
+  using NativeSimd = std::experimental::native_simd<double>;
 
-  inline Simd
-  load(const double *address)
+  constexpr unsigned int native_simd_width = NativeSimd::size();
+
+  template <typename Vector, typename Number>
+  Vector
+  load(const Number *address)
   {
-    return Simd(address, std::experimental::element_aligned);
+    return Vector(address, std::experimental::element_aligned);
   }
 
-  inline void
-  store(const Simd &value, double *address)
+  template <typename Number, typename Abi>
+  void
+  store(const std::experimental::simd<Number, Abi> &value, Number *address)
   {
     value.copy_to(address, std::experimental::element_aligned);
   }

@@ -7,6 +7,7 @@
 
 #include <greville/benchmark/benchmark_problem.h>
 #include <greville/benchmark/report.h>
+#include <greville/paper/paper_parts.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <string>
@@ -65,7 +66,7 @@ namespace greville
   {
   public:
     /**
-     * @p program is how the program calls itself.
+     * @p program is how the program calls itself. Calls add_paper_parts().
      */
     Benchmark(const std::string &program = "greville_benchmark");
 
@@ -152,8 +153,8 @@ namespace greville
     BenchmarkParameters        parameters;
     ProblemParameters          problem_parameters;
     MassSolverParameters       solver_parameters;
-    PMultigridParameters       multigrid_parameters;
-    SmootherParameters         smoother_parameters;
+    PaperMultigridParameters   multigrid_parameters;
+    PaperSmootherParameters    smoother_parameters;
     TangentParameters          implicit; // those of elasticity
     const std::string          program;
     dealii::ConditionalOStream out;

@@ -5,8 +5,8 @@
 
 #include <greville/benchmark/operators.h>
 #include <greville/benchmark/problem_parameters.h>
-#include <greville/multigrid/level_solver.h>
-#include <greville/multigrid/mass_solver.h>
+#include <greville/paper/level_solver.h>
+#include <greville/paper/mass_solver.h>
 
 #include <memory>
 #include <optional>

@@ -3,8 +3,8 @@
 #ifndef greville_benchmark_laplace_level_h
 #define greville_benchmark_laplace_level_h
 
-#include <greville/mass/mass_matrix.h>
 #include <greville/multigrid/level_operator.h>
+#include <greville/paper/mass_matrix.h>
 
 namespace greville
 {

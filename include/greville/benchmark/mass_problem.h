@@ -4,7 +4,7 @@
 #define greville_benchmark_mass_problem_h
 
 #include <greville/benchmark/problem_parameters.h>
-#include <greville/multigrid/mass_solver.h>
+#include <greville/paper/mass_solver.h>
 
 #include <memory>
 #include <string>
@@ -31,14 +31,14 @@ namespace greville
      * Collective. For a @p level of make_mass() whose operators are made.
      */
     virtual void
-    right_hand_side(VectorType &b, const MassLevel<dim> &level) = 0;
+    right_hand_side(VectorType &b, const AssembledMassLevel<dim> &level) = 0;
 
     /**
      * Collective. The distance of the solution @p x from f in the norm of the
      * mass, relative to f (absolute where f is zero).
      */
     virtual double
-    error(const VectorType &x, const MassLevel<dim> &level) = 0;
+    error(const VectorType &x, const AssembledMassLevel<dim> &level) = 0;
 
     /**
      * Collective. The functions of an order by their class, where B-splines are

@@ -3,7 +3,7 @@
 #ifndef greville_benchmark_operators_h
 #define greville_benchmark_operators_h
 
-#include <greville/multigrid/mass_level.h>
+#include <greville/paper/assembled_mass_level.h>
 
 namespace greville
 {
@@ -26,7 +26,7 @@ namespace greville
    */
   template <int dim>
   OperatorRecord
-  measure_operators(MassLevel<dim> &level);
+  measure_operators(AssembledMassLevel<dim> &level);
 
   /**
    * The memory bandwidth of all processes together in bytes per second: the

@@ -6,7 +6,7 @@
 #include <deal.II/base/timer.h>
 
 #include <greville/benchmark/operators.h>
-#include <greville/multigrid/mass_solver.h>
+#include <greville/paper/mass_solver.h>
 
 #include <map>
 #include <optional>

@@ -6,6 +6,8 @@
 #include <greville/linear_algebra/lower_triangle.h>
 #include <greville/mass/extended_unknowns.h>
 
+#include <memory>
+
 namespace greville
 {
   /**
@@ -25,7 +27,7 @@ namespace greville
    * entries of A are computed where a factorization needs them.
    */
   template <int dim>
-  class ExtendedMass : public ExtendedUnknowns<dim>
+  class ExtendedMass
   {
   public:
     ExtendedMass()                     = default;
@@ -38,6 +40,28 @@ namespace greville
      */
     void
     reinit(const SplineSpace<dim> &space);
+
+    /**
+     * Another matrix with the unknowns of @p other, which has to live as long:
+     * what is said to these holds for both.
+     */
+    void
+    reinit(const ExtendedMass &other);
+
+    /**
+     * The unknowns and E.
+     */
+    ExtendedUnknowns<dim> &
+    unknowns()
+    {
+      return *E;
+    }
+
+    const ExtendedUnknowns<dim> &
+    unknowns() const
+    {
+      return *E;
+    }
 
     /**
      * The matrix M, to be filled between begin() and finish().
@@ -61,6 +85,13 @@ namespace greville
      */
     void
     begin(const Extension<dim> &extension, const bool changed);
+
+    /**
+     * The same for a matrix with the unknowns of another one, whose begin() has
+     * come before.
+     */
+    void
+    begin(const bool changed);
 
     /**
      * M is complete.
@@ -135,7 +166,8 @@ namespace greville
     double
     row(const std::size_t place) const;
 
-    StencilMatrix<dim> points_mass;
+    StencilMatrix<dim>                     points_mass;
+    std::shared_ptr<ExtendedUnknowns<dim>> E;
   };
 } // namespace greville
 

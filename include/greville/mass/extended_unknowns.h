@@ -13,6 +13,11 @@
 
 namespace greville
 {
+  template <int dim>
+  class ExtendedMass;
+
+
+
   /**
    * The *unknowns* of extended B-splines, which are the stable and the lumped
    * functions only, and the matrix E that gives all functions from them (see
@@ -29,16 +34,13 @@ namespace greville
   class ExtendedUnknowns
   {
   public:
-    /**
-     * The matrix is kept by reference. It is asked for places only.
-     */
+    /// The matrix is kept by reference. It is asked for places only.
     void
     reinit(const StencilMatrix<dim> &matrix);
 
     /**
-     * Collective. Number the unknowns of an extension, which is kept by
-     * reference, where it has @p changed or is the first one. Returns whether
-     * it did.
+     * Collective. Number the unknowns of an extension, kept by reference, where
+     * it has @p changed or is the first one. Returns whether it did.
      */
     bool
     update(const Extension<dim> &extension, const bool changed);
@@ -58,29 +60,19 @@ namespace greville
     const std::array<unsigned int, dim> &
     alike() const;
 
-    /**
-     * Number of calls of hold() so far.
-     */
+    /// Number of calls of hold() so far.
     unsigned int
     n_holds() const;
 
-    /**
-     * Whether any function that meets mass is held in a component, on any
-     * process.
-     */
+    /// Whether any function with mass is held in a component, anywhere.
     const std::array<bool, dim> &
     has_held() const;
 
-    /**
-     * The components (bits) in which the owned unknowns are held.
-     */
+    /// The components (bits) in which the owned unknowns are held.
     std::vector<unsigned char>
     held_unknowns() const;
 
-    /**
-     * The positions of the owned unknowns in the lattice of functions, with
-     * zeros for directions beyond @p dim.
-     */
+    /// Positions of owned unknowns in the lattice, zeros beyond @p dim.
     std::vector<std::array<int, 3>>
     unknown_positions() const;
 
@@ -97,16 +89,11 @@ namespace greville
     const std::vector<unsigned int> &
     unknown_places() const;
 
-    /**
-     * Local numbers of the functions of the owned unknowns.
-     */
+    /// Local numbers of the functions of the owned unknowns.
     const std::vector<unsigned int> &
     unknown_functions() const;
 
-    /**
-     * The layout of vectors of @p width columns. Ghost entries are those that
-     * vmult() needs.
-     */
+    /// Layout of @p width columns; ghosts are those that multiply() needs.
     void
     initialize_vector(VectorType &vector, const unsigned int width) const;
 
@@ -125,54 +112,38 @@ namespace greville
       const unsigned int                                   width,
       const std::function<void(double *, const double *)> &product) const;
 
-    /**
-     * Call visit(u, E_iu) for the unknowns u of the function at place @p i.
-     */
+    /// Call visit(u, E_iu) for the unknowns u of the function at place @p i.
     template <typename Visit>
     void
-    for_each_unknown(const unsigned int i, const Visit &visit) const
-    {
-      const int role = roles[i];
-      if (role > 0)
-        visit(unsigned(role - 1), 1.);
-      else if (role < 0)
-        for (std::size_t e = extended_begin[-role - 1];
-             e < extended_begin[-role];
-             ++e)
-          visit(extended_entries[e].unknown, extended_entries[e].weight);
-    }
+    for_each_unknown(const unsigned int i, const Visit &visit) const;
 
-    /**
-     * Call visit(u, place) for the images of unknowns.
-     */
+    /// Call visit(u, place) for the images of unknowns.
     template <typename Visit>
     void
-    for_each_image_of_unknown(const Visit &visit) const
-    {
-      for (const auto &[f, place] : places->images())
-        if (roles[places->place(f)] > 0)
-          visit(unsigned(roles[places->place(f)] - 1), std::size_t(place));
-    }
+    for_each_image_of_unknown(const Visit &visit) const;
 
     /**
-     * Collective. rows = E^T b for @p columns b of the space, of the
-     * @p component and those that follow it: ..., dim - 1, 0, ...
+     * Vectors of levels have @p width components of all owned functions,
+     * interleaved. Copy the entries at unknowns, where they are not held, to a
+     * vector of unknowns, and all of these back; others become zero.
      */
     void
-    restrict_columns(VectorType                            &rows,
-                     const std::vector<const VectorType *> &columns,
-                     const unsigned int                     width,
-                     const unsigned int component = 0) const;
+    read(VectorType        &unknowns,
+         const VectorType  &x,
+         const unsigned int width) const;
 
-    /**
-     * Collective. @p columns = E x for the owned functions of the space, where
-     * they are not held; zero where they are inactive.
-     */
     void
-    write_columns(const std::vector<VectorType *> &columns,
-                  VectorType                      &x,
-                  const unsigned int               width,
-                  const unsigned int               component = 0) const;
+    write(VectorType        &x,
+          const VectorType  &unknowns,
+          const unsigned int width) const;
+
+    /// Collective. See LevelOperator: x = E x for a @p component of the space.
+    void
+    distribute(VectorType &x, const unsigned int component) const;
+
+    /// Collective. The same with the transpose of E.
+    void
+    condense(VectorType &x, const unsigned int component) const;
 
     /**
      * rows = E^T b for fields b of the space, one behind the other: component c
@@ -183,9 +154,7 @@ namespace greville
                     const std::vector<const VectorField<dim> *> &fields,
                     const unsigned int                           width) const;
 
-    /**
-     * x = the coefficients of the unknowns in the fields.
-     */
+    /// x = the coefficients of the unknowns in the fields.
     void
     read_fields(VectorType                                  &x,
                 const std::vector<const VectorField<dim> *> &fields,
@@ -209,13 +178,13 @@ namespace greville
     void
     extend(VectorField<dim> &field, const VectorType &weights) const;
 
-    /**
-     * Set the held entries of @p x to zero.
-     */
+    /// Set the held entries of @p x to zero.
     void
     zero_held_unknowns(VectorType &x, const unsigned int width) const;
 
-  protected:
+  private:
+    friend class ExtendedMass<dim>;
+
     struct Entry
     {
       unsigned int unknown;
@@ -223,37 +192,40 @@ namespace greville
     };
 
     /**
-     * place_x = E x, at all places.
+     * Collective. rows = E^T b for @p columns b, of the @p component and those
+     * that follow it: ..., dim - 1, 0, ...; columns = E x where not held.
      */
+    void
+    restrict_columns(VectorType                            &rows,
+                     const std::vector<const VectorType *> &columns,
+                     const unsigned int                     width,
+                     const unsigned int component = 0) const;
+
+    void
+    write_columns(const std::vector<VectorType *> &columns,
+                  VectorType                      &x,
+                  const unsigned int               width,
+                  const unsigned int               component = 0) const;
+
+    /// place_x = E x, at all places.
     void
     expand(const double *x, const unsigned int width) const;
 
-    /**
-     * y = E^T place_y.
-     */
+    /// y = E^T place_y.
     void
     collect(double *y, const unsigned int width) const;
 
-    /**
-     * Copy a component of a field to the places, with the ghosts of others.
-     */
+    /// Copy a component of a field to the places, with the ghosts of others.
     void
     to_places(const VectorType &component) const;
 
     void
     zero_held(double *values, const unsigned int width) const;
 
-    /**
-     * Call visit(f, place) for the first local functions that are active.
-     */
+    /// Call visit(f, place) for the first local functions that are active.
     template <typename Visit>
     void
-    for_each_active(const unsigned int n_functions, const Visit &visit) const
-    {
-      for (unsigned int f = 0; f < n_functions; ++f)
-        if ((*extension)[f] != Extension<dim>::inactive)
-          visit(f, std::size_t(places->place(f)));
-    }
+    for_each_active(const unsigned int n_functions, const Visit &visit) const;
 
     /**
      * Call visit(f, place) for all places of all local functions that are
@@ -261,52 +233,24 @@ namespace greville
      */
     template <typename Visit>
     void
-    for_each_active_place(const Visit &visit) const
-    {
-      for_each_active(held_functions.size(), visit);
-      for_each_active_image(visit);
-    }
+    for_each_active_place(const Visit &visit) const;
 
     template <typename Visit>
     void
-    for_each_active_image(const Visit &visit) const
-    {
-      for (const auto &[f, place] : places->images())
-        if ((*extension)[f] != Extension<dim>::inactive)
-          visit(f, std::size_t(place));
-    }
+    for_each_active_image(const Visit &visit) const;
 
     bool
-    is_held(const unsigned int function, const unsigned int column) const
-    {
-      return (held_functions[function] >> (column % dim)) & 1;
-    }
+    is_held(const unsigned int function, const unsigned int column) const;
 
     /**
      * Whether a function at a place is an extended one that depends on unknowns
      * that are held in a column, or on some that this process does not know.
      */
     bool
-    may_extend_held(const unsigned int place, const unsigned int column) const
-    {
-      const int role = roles[place];
-      if (role >= 0)
-        return false;
-      for (std::size_t e = extended_begin[-role - 1]; e < extended_begin[-role];
-           ++e)
-        {
-          const unsigned int u = extended_entries[e].unknown;
-          if (u >= n_owned || is_held(owned_unknown_functions[u], column))
-            return true;
-        }
-      return false;
-    }
+    may_extend_held(const unsigned int place, const unsigned int column) const;
 
     unsigned int
-    n_owned_functions() const
-    {
-      return places->space().owned_functions().size();
-    }
+    n_owned_functions() const;
 
     unsigned int              n_owned = 0;
     std::vector<unsigned int> unknowns; // places
@@ -324,8 +268,8 @@ namespace greville
     std::array<bool, dim>                               component_has_held{};
 
     mutable ZeroedArray<double> place_x, place_y;
+    mutable VectorType          column; // of unknowns
 
-  private:
     void
     number_unknowns();
 
@@ -350,5 +294,7 @@ namespace greville
     std::shared_ptr<const InterleavedLayout> layout;
   };
 } // namespace greville
+
+#include <greville/mass/extended_unknowns.templates.h>
 
 #endif

@@ -6,8 +6,6 @@
 #include <greville/base/zeroed_array.h>
 #include <greville/mass/density_weights.h>
 
-#include <algorithm>
-
 namespace greville
 {
   /**
@@ -264,71 +262,8 @@ namespace greville
   void
   add_mass_matrix(StencilMatrix<dim>        &matrix,
                   const DensityWeights<dim> &weights);
-
-
-
-  template <int dim>
-  template <typename Visit>
-  void
-  StencilMatrix<dim>::for_each_place(const unsigned int i,
-                                     const Visit       &visit) const
-  {
-    const int          p      = spline_space->degree();
-    const int          length = 2 * p + 1;
-    const int          center = half - 1;
-    const unsigned int line   = line_of[i];
-    int                full   = 0;
-    for (unsigned int k = 0; k < neighbor_lines.size(); ++k)
-      {
-        const int first = int(i) + distance(line, k) - p;
-        for (int dx = 0; dx < length; ++dx, ++full)
-          {
-            const unsigned int j = first + dx;
-            visit(j,
-                  full >= center ? std::size_t(i) * half + (full - center)
-                                 : std::size_t(j) * half + (center - full));
-          }
-      }
-  }
-
-
-
-  template <int dim>
-  template <typename Visit>
-  void
-  StencilMatrix<dim>::for_each_entry(const unsigned int i,
-                                     const Visit       &visit) const
-  {
-    for_each_place(i, [&](const unsigned int j, const std::size_t e) {
-      const double value = values[e];
-      if (value != 0.)
-        visit(j, value);
-    });
-  }
-
-
-
-  template <int dim>
-  template <typename Visit>
-  void
-  StencilMatrix<dim>::for_each_lower_entry(const unsigned int i,
-                                           const Visit       &visit) const
-  {
-    const int          p      = spline_space->degree();
-    const unsigned int line   = line_of[i];
-    std::size_t        mirror = half - 1;
-    for (unsigned int k = 0; k <= neighbor_lines.size() / 2; ++k)
-      {
-        const unsigned int first = int(i) + distance(line, k) - p;
-        const unsigned int end   = std::min(first + 2 * p + 1, i + 1);
-        for (unsigned int j = first; j < end; ++j, --mirror)
-          {
-            const double value = values[std::size_t(j) * half + mirror];
-            if (value != 0.)
-              visit(j, value);
-          }
-      }
-  }
 } // namespace greville
+
+#include <greville/mass/stencil_matrix.templates.h>
 
 #endif

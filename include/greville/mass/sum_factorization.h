@@ -40,10 +40,10 @@ namespace greville
      * cell @p first, written to @p table.
      */
     void
-    load_x(const unsigned int first, Simd *table) const
+    load_x(const unsigned int first, NativeSimd *table) const
     {
       for (unsigned int k = 0; k < table_size; ++k)
-        table[k] = load(x.data() + k * x_stride + first);
+        table[k] = load<NativeSimd>(x.data() + k * x_stride + first);
     }
 
     /**
@@ -81,11 +81,11 @@ namespace greville
      * interpolate: n^dim coefficients -> n_q^dim values at the points,
      * integrate, its transpose: n_q^dim values -> n^dim test functions.
      */
-    using Function = void (*)(const Simd   *in,
-                              const Simd   *table_x,
-                              const double *table_y,
-                              const double *table_z,
-                              Simd         *out);
+    using Function = void (*)(const NativeSimd *in,
+                              const NativeSimd *table_x,
+                              const double     *table_y,
+                              const double     *table_z,
+                              NativeSimd       *out);
     Function interpolate;
     Function integrate;
 
@@ -104,9 +104,9 @@ namespace greville
      */
     void (*gather_layer)(const unsigned int *numbers,
                          const double       *source,
-                         Simd               *values);
+                         NativeSimd         *values);
     void (*scatter_add_layer)(const unsigned int *numbers,
-                              const Simd         *values,
+                              const NativeSimd   *values,
                               double             *target);
   };
 
@@ -116,16 +116,15 @@ namespace greville
    * to the n_out layers. Layers have n_q^(dim - 1) entries; @p in and @p out
    * are pointers to them.
    */
-  using ColumnKernel = void (*)(const Simd *const *in,
-                                const double      *table_in,
-                                const double      *weights,
-                                const double      *table_out,
-                                Simd *const       *out);
+  using ColumnKernel = void (*)(const NativeSimd *const *in,
+                                const double            *table_in,
+                                const double            *weights,
+                                const double            *table_out,
+                                NativeSimd *const       *out);
 
   /**
-   * Kernels are compiled for 1 <= p < n_q <= 6 and for n_q = 7, 9, 11.
-   * Those of columns are compiled for n_q = p + 1 and n_q = 2 p + 1 only, p
-   * being the higher of the two orders.
+   * Kernels are compiled for pairs of orders that follow each other in an
+   * OrderHierarchy, with n_q = p + 1 and n_q = 2 p + 1, p being the higher one.
    */
   template <int dim>
   CellKernels

@@ -3,9 +3,10 @@
 #ifndef greville_materials_lanes_h
 #define greville_materials_lanes_h
 
+#include <greville/base/simd.h>
+
 #include <algorithm>
 #include <cmath>
-#include <experimental/simd>
 
 namespace greville
 {
@@ -13,9 +14,7 @@ namespace greville
    * One number of each of several points, in one SIMD register where the
    * machine has such wide ones.
    */
-  using Lanes =
-    std::experimental::simd<double,
-                            std::experimental::simd_abi::deduce_t<double, 4>>;
+  using Lanes = FixedSimd<double, 4>;
 
   constexpr unsigned int n_lanes = Lanes::size();
 

@@ -3,8 +3,8 @@
 #ifndef greville_multigrid_extended_multigrid_h
 #define greville_multigrid_extended_multigrid_h
 
-#include <greville/mass/extended_mass.h>
-#include <greville/multigrid/mass_solver.h>
+#include <greville/multigrid/mass_level.h>
+#include <greville/multigrid/p_multigrid.h>
 
 namespace greville
 {
@@ -60,9 +60,9 @@ namespace greville
      */
     struct Group
     {
-      unsigned int                        component; // the first
-      std::unique_ptr<MassHierarchy<dim>> levels;
-      std::unique_ptr<PMultigrid<dim>>    cycle;
+      unsigned int                                 component; // the first
+      std::vector<std::unique_ptr<MassLevel<dim>>> levels;
+      std::unique_ptr<PMultigrid<dim>>             cycle;
     };
 
     const OrderHierarchy<dim>  &orders;

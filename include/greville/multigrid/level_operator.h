@@ -85,11 +85,10 @@ namespace greville
     {
       AssertThrow(false,
                   dealii::ExcMessage("The parameter 'Smoother' asks for the "
-                                     "entries of one component, which the "
-                                     "operator of implicit steps does not "
-                                     "give: take "
-                                     "chebyshev-ic0, chebyshev, ic0, jacobi or "
-                                     "petsc."));
+                                     "entries of one component, which this "
+                                     "operator does not give: take "
+                                     "chebyshev-ic0, chebyshev, ic0 or "
+                                     "jacobi."));
       return nullptr;
     }
 
@@ -138,8 +137,7 @@ namespace greville
       AssertThrow(false,
                   dealii::ExcMessage(
                     "The parameter 'Prolongation' is <ic0-l2>, which is for "
-                    "implicit steps: mass matrices take lumped-l2 or "
-                    "exact-l2."));
+                    "implicit steps: mass matrices take lumped-l2."));
     }
 
     /**

@@ -3,7 +3,8 @@
 #ifndef greville_multigrid_mass_level_h
 #define greville_multigrid_mass_level_h
 
-#include <greville/mass/mass_matrix.h>
+#include <greville/linear_algebra/partitioned_cholesky.h>
+#include <greville/mass/extended_mass.h>
 #include <greville/mass/mass_operator.h>
 #include <greville/multigrid/level_operator.h>
 
@@ -13,8 +14,7 @@ namespace greville
 {
   /**
    * The mass matrix of one order of the hierarchy, discretized anew from the
-   * weights: a MassOperator, with extended B-splines an ExtendedMass, and
-   * assembled where somebody needs the entries.
+   * weights: a MassOperator, with extended B-splines an ExtendedMass.
    */
   template <int dim>
   class MassLevel : public LevelOperator<dim>
@@ -62,11 +62,11 @@ namespace greville
     }
 
     /**
-     * Collective. Make the operators. vmult() works on the assembled matrix if
-     * @p apply_matrix, which implies @p with_matrix.
+     * Collective. Make the operators. Without extended B-splines,
+     * factorization() is there if @p with_entries.
      */
     void
-    assemble(const bool with_matrix, const bool apply_matrix);
+    assemble(const bool with_entries = true);
 
     /**
      * Free the operators.
@@ -75,9 +75,8 @@ namespace greville
     clear()
     {
       mass_operator.reset();
-      mass_matrix.reset();
       entries.reset();
-      apply_matrix = false;
+      lower_entries = LowerTriangle();
     }
 
     const SplineSpace<dim> &
@@ -94,22 +93,6 @@ namespace greville
     {
       Assert(mass_operator, dealii::ExcNotInitialized());
       return *mass_operator;
-    }
-
-    /**
-     * Null without a matrix.
-     */
-    const MassMatrix<dim> *
-    assembled() const
-    {
-      return mass_matrix.get();
-    }
-
-    Mat
-    matrix() const override
-    {
-      Assert(mass_matrix, dealii::ExcNotInitialized());
-      return mass_matrix->petsc();
     }
 
     void
@@ -146,11 +129,23 @@ namespace greville
     void
     condense(VectorType &x, const unsigned int component = 0) const override;
 
+    /**
+     * IC(0), one for both kinds.
+     */
+    std::unique_ptr<Preconditioner>
+    factorization(const double shift, const bool) const override;
+
     const DensityWeights<dim> *
     transfer_weights() const override
     {
       return &density_weights;
     }
+
+  protected:
+    // With extended B-splines, and where entries are needed: then all functions
+    // that meet mass are unknowns unless an extension is given.
+    std::unique_ptr<ExtendedMass<dim>> entries;
+    LowerTriangle                      lower_entries;
 
   private:
     /**
@@ -160,33 +155,19 @@ namespace greville
     fill_entries();
 
     void
-    find_extended_diagonal(const LowerTriangle &local_entries);
-
-    /**
-     * The value of @p x at owned unknowns as a vector of these, and back.
-     */
-    void
-    read(VectorType &unknowns, const VectorType &x) const;
-
-    void
-    write(VectorType &x, const VectorType &unknowns) const;
+    find_extended_diagonal();
 
     const SplineSpace<dim>            *spline_space;
     DensityWeights<dim>                density_weights;
     std::optional<Extension<dim>>      given_extension;
     std::vector<unsigned char>         held_functions;
     std::unique_ptr<MassOperator<dim>> mass_operator;
-    std::unique_ptr<MassMatrix<dim>>   mass_matrix;
-    bool                               apply_matrix = false;
 
-    // For extended B-splines, and for entries: then all functions that meet
-    // mass are unknowns unless an extension is given.
-    std::unique_ptr<ExtendedMass<dim>> entries;
-    CellFilling<dim>                   filling;
-    Extension<dim>                     all_stable;
-    VectorType                         extended_diagonal;
-    std::vector<unsigned int>          extended_inactive;
-    mutable VectorType                 unknown_source, unknown_result;
+    CellFilling<dim>          filling;
+    Extension<dim>            all_stable;
+    VectorType                extended_diagonal;
+    std::vector<unsigned int> extended_inactive;
+    mutable VectorType        unknown_source, unknown_result;
   };
 } // namespace greville
 

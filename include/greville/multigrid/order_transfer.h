@@ -7,12 +7,31 @@
 
 #include <greville/mass/mass_operator.h>
 #include <greville/multigrid/level_operator.h>
-#include <greville/multigrid/tensor_product_solver.h>
 
+#include <functional>
 #include <string>
 
 namespace greville
 {
+  /**
+   * Makes an approximation of the inverse of the mass matrix of a level with
+   * the weight of the transfer: that of the level, or 1 where @p unit_weight.
+   * It is applied in place.
+   */
+  template <int dim>
+  using MakeInverseMass = std::function<std::unique_ptr<Preconditioner>(
+    const LevelOperator<dim> &level, const bool unit_weight)>;
+
+  /**
+   * Add a name to the lists of OrderTransfer, before parameters are read. Both
+   * dimensions have to have it.
+   */
+  template <int dim>
+  void
+  add_inverse_mass(const std::string &name, const MakeInverseMass<dim> &make);
+
+
+
   /**
    * Transfer between consecutive orders k > l on one mesh, in the form of
    * deal.II's transfer classes (level 0 is the coarsest). With the cross matrix
@@ -21,15 +40,15 @@ namespace greville
    * - "lumped-l2": @f$ D_k^{-1} P @f$, with the row sums
    *   @f$ D_k = \text{diag}(P 1) @f$
    *   (@ref Tielen2019 "Tielen, Moeller and Vuik, 2019"),
-   * - "exact-l2": @f$ M_k^{-1} P @f$ with the tensor-product inverse, exact for
-   *   a constant weight (see TensorProductPreconditioner for others),
    * - "ic0-l2": @f$ M_k^{-1} E_k^T P @f$ with IC(0) in place of the inverse
-   *   (LevelOperator::apply_inverse_mass()).
+   *   (LevelOperator::apply_inverse_mass()),
+   * - @f$ M_k^{-1} P @f$ with another approximation of the inverse, a name of
+   *   add_inverse_mass().
    *
    * The restriction is
    * - "lumped-l2": @f$ D_l^{-1} P^T @f$ with
    *   @f$ D_l = \text{diag}(P^T 1) @f$, that of the paper,
-   * - "exact-l2": @f$ M_l^{-1} P^T @f$,
+   * - @f$ M_l^{-1} P^T @f$ with a name of add_inverse_mass(),
    * - "transpose": the transpose of the prolongation, which makes a cycle with
    *   a symmetric smoother symmetric.
    *
@@ -49,16 +68,10 @@ namespace greville
   {
   public:
     static std::string
-    prolongations()
-    {
-      return "lumped-l2|exact-l2|ic0-l2";
-    }
+    prolongations();
 
     static std::string
-    restrictions()
-    {
-      return "lumped-l2|exact-l2|transpose";
-    }
+    restrictions();
 
     static std::string
     weightings()
@@ -126,8 +139,9 @@ namespace greville
     std::vector<Step> steps; // [level - 1]
     std::string       prolongation, restriction;
 
-    // On the levels where it is used.
-    std::vector<std::unique_ptr<TensorProductPreconditioner<dim>>> inverses;
+    // Those of add_inverse_mass(), on the levels where they are used.
+    std::vector<std::unique_ptr<Preconditioner>> inverses;
+    bool prolongates_by_inverse, restricts_by_inverse;
   };
 } // namespace greville
 

@@ -11,8 +11,24 @@ namespace greville
 {
   struct PMultigridParameters
   {
+    /**
+     * The choice of @p smoothers and @p coarse_preconditioners is that of names
+     * separated by '|'. Declares neither the orders of the levels nor the type
+     * of the cycle nor the transfers, which come from the code.
+     */
     void
-    declare(dealii::ParameterHandler &prm);
+    declare(dealii::ParameterHandler &prm,
+            const std::string        &smoothers,
+            const std::string        &coarse_preconditioners);
+
+    /**
+     * What operators of implicit steps take.
+     */
+    static std::string
+    all_coarse_preconditioners()
+    {
+      return "none|jacobi|lattice|gamg|boomeramg|direct";
+    }
 
     std::string  coarsening            = "one by one";
     std::string  cycle                 = "V";
@@ -24,7 +40,7 @@ namespace greville
     double       coarse_tolerance      = 1e-4;
     unsigned int coarse_max_iterations = 1000;
     std::string  coarse_preconditioner = "none";
-    std::string  smoother              = "ilut";
+    std::string  smoother              = "ic0";
   };
 
 

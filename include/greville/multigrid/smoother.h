@@ -19,15 +19,11 @@ namespace greville
    */
   struct SmootherParameters
   {
-    void
-    declare(dealii::ParameterHandler &prm);
-
     /**
-     * Those of smoothers that need no matrix of one component, see
-     * LevelOperator::matrix().
+     * Those of the smoothers below, and of ExtendedMassSolver if @p with_reuse.
      */
     void
-    declare_for_operators(dealii::ParameterHandler &prm);
+    declare(dealii::ParameterHandler &prm, const bool with_reuse = false);
 
     /**
      * Throw dealii::ExcMessage where patterns cannot tell that a parameter is
@@ -36,11 +32,13 @@ namespace greville
     void
     check() const;
 
-    // Incomplete factorizations and Schwarz methods
+    // Incomplete factorizations
+    double       shift = 0.;
+    unsigned int reuse = 10;
+
+    // Schwarz methods, which add_paper_parts() adds to the list
     double       drop_tolerance = 1e-12;
     double       fill_factor    = 1.;
-    double       shift          = 0.;
-    unsigned int reuse          = 10;
     unsigned int overlap        = 1;
     std::string  ordering       = "lexicographic";
     std::string  combination    = "automatic";
@@ -55,23 +53,16 @@ namespace greville
 
   /**
    * The names of smoothers, separated by '|':
-   * - "ilut": ILUT on overlapping domains, one per process,
-   * - "ilu0", "ic0": ILU(0) and IC(0) of the diagonally scaled matrix,
-   * likewise,
+   * - "ic0": LevelOperator::factorization(), one for all components,
    * - "jacobi": @f$ \omega D^{-1} @f$ with @f$ \omega @f$ = damping /
    *   @f$ \lambda_\text{max}(D^{-1} A) @f$,
-   * - "gauss-seidel": forward before and backward after the coarse correction
-   *   of a symmetric cycle, "symmetric-gauss-seidel": forward and backward;
-   *   both process by process (PETSc's SOR),
    * - "chebyshev": deal.II's polynomial smoother on @f$ D^{-1} A @f$,
-   * - "chebyshev-ic0": the same on @f$ B^{-1} A @f$ with one IC(0)
-   * factorization B for all components (LevelOperator::factorization(), or
-   * "ic0"),
-   * - "chebyshev-component-ic0": with one for each of them,
-   * - "tensor-product": TensorProductPreconditioner,
-   * - "petsc": the PETSc preconditioner that the options describe.
-   * Those that work on LevelOperator::matrix() or on the space do so component
-   * by component.
+   * - "chebyshev-ic0": the same on @f$ B^{-1} A @f$ with B of "ic0",
+   * - "chebyshev-component-ic0": with one factorization for each component,
+   * - "petsc": the PETSc preconditioner that the options describe, of the
+   *   entries of all components.
+   *
+   * add_paper_parts() adds more.
    */
   std::string
   smoother_names();
@@ -86,7 +77,8 @@ namespace greville
                                                   const bool symmetric)>;
 
   /**
-   * Add a smoother to the list, before parameters are read: it @p needs_matrix
+   * Add a smoother to the list, in place of one of the same name, before
+   * parameters are read: it @p needs_matrix
    * if it works on LevelOperator::matrix(), and is applied @p by_components if
    * it knows vectors of one component only. Both dimensions have to have it.
    */
@@ -97,13 +89,21 @@ namespace greville
                const bool               by_components,
                const MakeSmoother<dim> &make);
 
+  /**
+   * Let a @p smoother of one component work on all of them, one by one.
+   */
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  make_by_components(std::unique_ptr<Preconditioner> smoother,
+                     const LevelOperator<dim>       &level);
+
   bool
   smoother_needs_matrix(const std::string &name);
 
   /**
    * Make a smoother for @p level, which is kept by reference. Collective.
-   * @p symmetric asks for a symmetric one where the combination of Schwarz
-   * domains is "automatic". Throws dealii::ExcMessage for an unknown name or
+   * @p symmetric asks for a symmetric one where there is a choice.
+   * Throws dealii::ExcMessage for an unknown name or
    * a factorization that fails.
    */
   template <int dim>

@@ -7,7 +7,6 @@
 
 #include <greville/base/parameters.h>
 #include <greville/materials/material.h>
-#include <greville/multigrid/mass_solver.h>
 #include <greville/parameters/run_parameters.h>
 #include <greville/parameters/stage_parameters.h>
 #include <greville/points/body.h>

@@ -8,6 +8,7 @@
 #include <greville/mass/stencil_matrix.h>
 #include <greville/materials/material.h>
 #include <greville/points/material_points.h>
+#include <greville/points/spline_polynomials.h>
 
 #include <algorithm>
 #include <array>
@@ -16,51 +17,6 @@
 
 namespace greville
 {
-  /**
-   * The univariate B-splines of all cells of a direction as polynomials, for
-   * kernels that evaluate them at any point.
-   */
-  class SplinePolynomials
-  {
-  public:
-    void
-    reinit(const KnotVector &knots);
-
-    /**
-     * With t = (x - centre of the cell) / h: N_a = sum_k c[a (p+1) + k] t^k.
-     */
-    const double *
-    coefficients(const unsigned int cell) const
-    {
-      return polynomials.data() + std::size_t(cell) * n * n;
-    }
-
-    /**
-     * Greville abscissae of the functions of a cell minus its centre.
-     */
-    const double *
-    greville_offsets(const unsigned int cell) const
-    {
-      return offsets.data() + std::size_t(cell) * n;
-    }
-
-  private:
-    unsigned int        n = 0;
-    std::vector<double> polynomials, offsets;
-  };
-
-  /**
-   * Those of all directions of a space.
-   */
-  template <int dim>
-  struct SpacePolynomials
-  {
-    const SplineSpace<dim>            *space = nullptr;
-    std::array<SplinePolynomials, dim> directions;
-  };
-
-
-
   template <int dim>
   class VolumeProjection;
 

@@ -39,8 +39,6 @@ namespace greville
    *
    * The triangulation has to be made with the settings ::mesh_settings and to
    * live as long as the space. After a repartitioning call reinit() again.
-   *
-   * All functions that say so are collective.
    */
   template <int dim>
   class SplineSpace
@@ -68,12 +66,8 @@ namespace greville
            const unsigned int             degree,
            const unsigned int             n_components = 1);
 
-    /**
-     * The largest order that kernels are compiled for.
-     */
+    /// The largest order that kernels are compiled for.
     static constexpr unsigned int max_degree = 5;
-
-    // What the space is.
 
     unsigned int
     degree() const
@@ -284,14 +278,10 @@ namespace greville
      * The number of a function of the knots in a direction.
      */
     unsigned int
-    wrapped(const unsigned int i, const unsigned int d) const
-    {
-      return i < extents[d] ? i : i - extents[d];
-    }
+    wrapped(const unsigned int i, const unsigned int d) const;
 
-    // Per direction: the cell of the Greville point of each function. It does
-    // not decrease with the function, but for the first p / 2 functions of a
-    // periodic direction.
+    // Per direction: the cell of the Greville point of each function. It grows
+    // with the function, but for the first p / 2 of a periodic direction.
     std::array<std::vector<unsigned int>, dim> anchor_cells;
 
     std::vector<std::uint64_t>                   cells;

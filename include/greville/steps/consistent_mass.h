@@ -19,12 +19,11 @@ namespace greville
   {
   public:
     /**
-     * Collective. Parameters, triangulation and walls are kept by reference.
+     * Collective. Orders, parameters and walls are kept by reference.
      */
-    ConsistentMass(const unsigned int             degree,
-                   DistributedTriangulation<dim> &triangulation,
-                   const SimulationParameters    &parameters,
-                   const Walls<dim>              &walls);
+    ConsistentMass(const OrderHierarchy<dim>  &orders,
+                   const SimulationParameters &parameters,
+                   const Walls<dim>           &walls);
 
     std::string
     solver() const override
@@ -89,7 +88,7 @@ namespace greville
     void
     extend(VectorField<dim> &field) const
     {
-      extended_mass.extend(field, this->lumped_mass);
+      extended_mass.unknowns().extend(field, this->lumped_mass);
     }
 
     const Extension<dim> &
@@ -140,7 +139,7 @@ namespace greville
     void
     change_held() override
     {
-      extended_mass.hold(this->held);
+      extended_mass.unknowns().hold(this->held);
     }
 
     void
@@ -150,6 +149,13 @@ namespace greville
     {
       extended_mass.multiply_at_held(rows, x);
     }
+
+    /**
+     * Collective. The matrix of the points of the last update(), and what its
+     * solver needs.
+     */
+    void
+    assemble();
 
     /**
      * Before the first solve of a trial: what it is not to change.
@@ -174,7 +180,14 @@ namespace greville
     std::unique_ptr<ExtendedMassSolver<dim>> mass_solver;
     std::unique_ptr<ExtendedMassSolver<dim>> solver_of_held; // solve_held()
     bool                                     held_solver_is_behind = true;
-    double                                   total_mass            = 0.;
+    // Implicit steps have a mass of their own: this one is assembled where a
+    // solve asks for it, from the bodies of the last update(), a list that
+    // follows its state.
+    bool                                            is_assembled     = false;
+    bool                                            has_new_unknowns = false;
+    const std::vector<const MaterialPoints<dim> *> *bodies           = nullptr;
+    const PointTransfer<dim>                       *transfer         = nullptr;
+    double                                          total_mass       = 0.;
 
     // What solvers had before the first solve of a trial.
     using SolverMemory =

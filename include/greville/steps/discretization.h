@@ -75,7 +75,16 @@ namespace greville
     const SplineSpace<dim> &
     space() const
     {
-      return grid_mass->space();
+      return orders.finest();
+    }
+
+    /**
+     * The orders that solvers make use of, down from space().
+     */
+    const OrderHierarchy<dim> &
+    hierarchy() const
+    {
+      return orders;
     }
 
     /**
@@ -236,6 +245,7 @@ namespace greville
     DistributedTriangulation<dim>          mesh;
     std::shared_ptr<const Partition>       cell_partition;
     Walls<dim>                             grid_walls;
+    OrderHierarchy<dim>                    orders;
     std::unique_ptr<GridMass<dim>>         grid_mass;
     ConsistentMass<dim>                   *consistent = nullptr; // if it is one
     PointTransfer<dim>                     point_transfer;

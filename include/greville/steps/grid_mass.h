@@ -3,7 +3,7 @@
 #ifndef greville_steps_grid_mass_h
 #define greville_steps_grid_mass_h
 
-#include <greville/boundary/walls.h>
+#include <greville/boundary/held_functions.h>
 #include <greville/mass/extended_mass.h>
 #include <greville/points/point_transfer.h>
 #include <greville/spline/order_hierarchy.h>
@@ -57,7 +57,8 @@ namespace greville
 
     /**
      * Collective. New masses: @p lumped as PointTransfer::points_to_grid()
-     * gives it, for these @p bodies.
+     * gives it, for these @p bodies. The list and the transfer are kept by
+     * reference.
      */
     virtual void
     update(const VectorType                               &lumped,
@@ -181,12 +182,10 @@ namespace greville
 
   protected:
     /**
-     * Collective. The walls are not needed afterwards.
+     * Collective. The orders are kept by reference; the walls are not needed
+     * afterwards.
      */
-    GridMass(const unsigned int             degree,
-             DistributedTriangulation<dim> &triangulation,
-             const std::string             &coarsening,
-             const Walls<dim>              &walls);
+    GridMass(const OrderHierarchy<dim> &orders, const Walls<dim> &walls);
 
     /**
      * What held_components() are has changed. Collective.
@@ -203,7 +202,7 @@ namespace greville
                      const VectorField<dim>      &x,
                      const std::array<bool, dim> &components) const = 0;
 
-    OrderHierarchy<dim> orders;
+    const OrderHierarchy<dim> &orders;
     // Bits of components, by local function: all that are held, and by walls.
     std::vector<unsigned char> held, wall_held;
     std::vector<unsigned char> held_before_trial;
@@ -221,48 +220,15 @@ namespace greville
 
 
   /**
-   * Collective. Values of owned functions, for all local ones.
-   */
-  template <int dim>
-  std::vector<unsigned char>
-  with_ghosts(const SplineSpace<dim>           &space,
-              const std::vector<unsigned char> &owned);
-
-  /**
-   * Collective. The local functions of a space that walls hold in a component:
-   * 1, others 0.
-   */
-  template <int dim>
-  std::vector<unsigned char>
-  held_at_walls(const SplineSpace<dim> &space,
-                const Walls<dim>       &walls,
-                const unsigned int      component);
-
-
-
-  /**
-   * Collective. The components (bits) in which walls hold the local functions
-   * of a space.
-   */
-  template <int dim>
-  std::vector<unsigned char>
-  held_components_at_walls(const SplineSpace<dim> &space,
-                           const Walls<dim>       &walls);
-
-
-
-  /**
    * Collective. Make the mass of the name @p mass, one of
-   * SchemeParameters::mass. Parameters, triangulation and walls are kept by
-   * reference.
+   * SchemeParameters::mass. Orders, parameters and walls are kept by reference.
    */
   template <int dim>
   std::unique_ptr<GridMass<dim>>
-  make_grid_mass(const std::string             &mass,
-                 const unsigned int             degree,
-                 DistributedTriangulation<dim> &triangulation,
-                 const SimulationParameters    &parameters,
-                 const Walls<dim>              &walls);
+  make_grid_mass(const std::string          &mass,
+                 const OrderHierarchy<dim>  &orders,
+                 const SimulationParameters &parameters,
+                 const Walls<dim>           &walls);
 } // namespace greville
 
 #endif

@@ -22,10 +22,9 @@ namespace greville
      * Collective. K = @p n_terms; 1 is M_L^-1. The triangulation is kept by
      * reference.
      */
-    LumpedMass(const unsigned int             n_terms,
-               const unsigned int             degree,
-               DistributedTriangulation<dim> &triangulation,
-               const Walls<dim>              &walls);
+    LumpedMass(const unsigned int         n_terms,
+               const OrderHierarchy<dim> &orders,
+               const Walls<dim>          &walls);
 
     std::string
     solver() const override;

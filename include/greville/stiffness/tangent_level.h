@@ -146,10 +146,16 @@ namespace greville
     }
 
     void
-    distribute(VectorType &x, const unsigned int component = 0) const override;
+    distribute(VectorType &x, const unsigned int component = 0) const override
+    {
+      extended_mass.unknowns().distribute(x, component);
+    }
 
     void
-    condense(VectorType &x, const unsigned int component = 0) const override;
+    condense(VectorType &x, const unsigned int component = 0) const override
+    {
+      extended_mass.unknowns().condense(x, component);
+    }
 
     std::unique_ptr<Preconditioner>
     factorization(const double shift, const bool by_components) const override;
@@ -168,15 +174,6 @@ namespace greville
     {
       return &mass_weights;
     }
-
-    /**
-     * The entries of @p x at owned unknowns as a vector of these, and back.
-     */
-    void
-    read(VectorType &unknowns, const VectorType &x) const;
-
-    void
-    write(VectorType &x, const VectorType &unknowns) const;
 
   private:
     /**
@@ -219,7 +216,7 @@ namespace greville
     mutable BlockStencil<dim, float> single_blocks;
     mutable bool                     has_single_blocks = false;
 
-    // A diagonal block of A or their mean, with the same extension.
+    // A diagonal block of A or their mean, with the unknowns of the mass.
     mutable ExtendedMass<dim> block;
     // Made by the first call of apply_inverse_mass() for a mass.
     mutable std::unique_ptr<PartitionedCholesky> mass_factors;
@@ -227,7 +224,7 @@ namespace greville
     double                      largest = 0.;
     VectorType                  all_diagonal;
     std::vector<unsigned int>   inactive_functions;
-    mutable VectorType          source, result, column;
+    mutable VectorType          source, result;
     mutable std::vector<double> work;
   };
 } // namespace greville

@@ -10,20 +10,6 @@
 namespace greville
 {
   /**
-   * Parameters of the smoothers that a TangentLevel has a use for.
-   */
-  struct TangentSmootherParameters : SmootherParameters
-  {
-    void
-    declare(dealii::ParameterHandler &prm)
-    {
-      declare_for_operators(prm);
-    }
-  };
-
-
-
-  /**
    * How linear systems of implicit steps are solved.
    */
   struct TangentParameters
@@ -38,8 +24,7 @@ namespace greville
     unsigned int         max_iterations = 200;
     unsigned int         reuse          = 10;
     PMultigridParameters multigrid;
-
-    TangentSmootherParameters smoother;
+    SmootherParameters   smoother;
   };
 } // namespace greville
 

@@ -59,17 +59,16 @@ namespace greville
       std::function<std::vector<unsigned char>(const SplineSpace<dim> &space)>;
 
     /**
-     * Collective. Parameters are kept by reference, and so is the @p
+     * Collective. Orders and parameters are kept by reference, and so is the @p
      * projection, which may be null. Cells are well-filled from the fraction
      * @p filling on, see CellFilling. @p lump takes the row sums of the mass.
      */
-    TangentSystem(const unsigned int             degree,
-                  DistributedTriangulation<dim> &triangulation,
-                  const HeldFunctions           &held,
-                  const TangentParameters       &parameters,
-                  const double                   filling,
-                  const bool                     lump,
-                  VolumeProjection<dim>         *projection = nullptr);
+    TangentSystem(const OrderHierarchy<dim> &orders,
+                  const HeldFunctions       &held,
+                  const TangentParameters   &parameters,
+                  const double               filling,
+                  const bool                 lump,
+                  VolumeProjection<dim>     *projection = nullptr);
 
     const SplineSpace<dim> &
     space() const
@@ -83,9 +82,7 @@ namespace greville
       return orders;
     }
 
-    /**
-     * The level of the finest order.
-     */
+    /// The level of the finest order.
     const TangentLevel<dim> &
     finest() const
     {
@@ -133,12 +130,7 @@ namespace greville
      * last internal force, which balance each other for the most part.
      */
     double
-    force_scale() const
-    {
-      return std::sqrt(
-        dealii::Utilities::MPI::sum(sums.back().square_of_forces(),
-                                    space().communicator()));
-    }
+    force_scale() const;
 
     /**
      * The like for a gradient of displacement of one, by the moduli of the last
@@ -150,9 +142,7 @@ namespace greville
       return force_of_strain;
     }
 
-    /**
-     * The like for loads on surfaces that a displacement changes, N / m.
-     */
+    /// The like for loads on surfaces that a displacement changes, N / m.
     double
     surface_stiffness_scale() const
     {
@@ -176,19 +166,11 @@ namespace greville
     typename PMultigrid<dim>::Levels
     make_levels(const double mass_factor);
 
-    /**
-     * Let the next operator have a set-up of its own.
-     */
+    /// Let the next operator have a set-up of its own.
     void
-    forget()
-    {
-      multigrid.reset();
-      levels_fail = false;
-    }
+    forget();
 
-    /**
-     * Set-ups so far.
-     */
+    /// Set-ups so far.
     unsigned int
     n_set_ups() const
     {
@@ -203,21 +185,15 @@ namespace greville
                   const VectorField<dim> &force,
                   const VectorField<dim> *field) const;
 
-    /**
-     * Collective. field = E x with the held coefficients that it has.
-     */
+    /// Collective. field = E x with the held coefficients that it has.
     void
     extend(VectorField<dim> &field, const VectorType &x) const;
 
-    /**
-     * The coefficients of the unknowns in a field, zero where they are held.
-     */
+    /// The coefficients of the unknowns in a field, zero where they are held.
     void
     read(VectorType &x, const VectorField<dim> &field) const;
 
-    /**
-     * Collective. dst = A src for the A of the last set_operator().
-     */
+    /// Collective. dst = A src for the A of the last set_operator().
     void
     multiply(VectorType &dst, const VectorType &src);
 
@@ -236,10 +212,7 @@ namespace greville
     solve_mass(VectorField<dim> &velocity, const VectorField<dim> &momentum);
 
     void
-    initialize(VectorType &vector) const
-    {
-      initialize_vector<dim>(vector, finest());
-    }
+    initialize(VectorType &vector) const;
 
   private:
     /**
@@ -254,9 +227,7 @@ namespace greville
       std::vector<dealii::Tensor<2, dim>> derivatives;
     };
 
-    /**
-     * Whether coarse levels pay for an operator with this mass factor.
-     */
+    /// Whether coarse levels pay for an operator with this mass factor.
     bool
     needs_levels(const double mass_factor) const;
 
@@ -274,15 +245,11 @@ namespace greville
     void
     set_up(const bool with_levels);
 
-    /**
-     * Collective. Likewise, without the second try.
-     */
+    /// Collective. Likewise, without the second try.
     void
     make_multigrid(const bool with_levels);
 
-    /**
-     * Collective. The smoother, where it is 'auto', and its parameters.
-     */
+    /// Collective. The smoother, where it is 'auto', and its parameters.
     void
     choose_smoother(PMultigridParameters &cycle,
                     SmootherParameters   &smoother) const;
@@ -290,7 +257,7 @@ namespace greville
     const TangentParameters                        &parameters;
     const double                                    filling_threshold;
     const bool                                      lump;
-    OrderHierarchy<dim>                             orders;
+    const OrderHierarchy<dim>                      &orders;
     CellFilling<dim>                                filling;
     std::vector<PointTransfer<dim>>                 transfers;
     std::vector<std::unique_ptr<TangentLevel<dim>>> levels;

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_paper_assembled_mass_level_h
+#define greville_paper_assembled_mass_level_h
+
+#include <greville/multigrid/mass_level.h>
+#include <greville/paper/mass_matrix.h>
+
+namespace greville
+{
+  /**
+   * A MassLevel that is assembled where a smoother or a solver needs a matrix
+   * of PETSc. Its smoothers with factorizations are those of the Schwarz
+   * methods of add_paper_parts().
+   */
+  template <int dim>
+  class AssembledMassLevel : public MassLevel<dim>
+  {
+  public:
+    using MassLevel<dim>::MassLevel;
+
+    /**
+     * Collective. Make the operators. vmult() works on the assembled matrix if
+     * @p apply_matrix, which implies @p with_matrix.
+     */
+    void
+    assemble(const bool with_matrix, const bool apply_matrix);
+
+    /**
+     * Free the operators.
+     */
+    void
+    clear()
+    {
+      MassLevel<dim>::clear();
+      mass_matrix.reset();
+      apply_matrix = false;
+    }
+
+    /**
+     * Null without a matrix.
+     */
+    const MassMatrix<dim> *
+    assembled() const
+    {
+      return mass_matrix.get();
+    }
+
+    Mat
+    matrix() const override
+    {
+      Assert(mass_matrix, dealii::ExcNotInitialized());
+      return mass_matrix->petsc();
+    }
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const override;
+
+    std::unique_ptr<Preconditioner>
+    factorization(const double, const bool) const override
+    {
+      return nullptr;
+    }
+
+  private:
+    std::unique_ptr<MassMatrix<dim>> mass_matrix;
+    bool                             apply_matrix = false;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_paper_ilut_h
+#define greville_paper_ilut_h
+
+#include <greville/base/petsc.h>
+
+namespace greville
+{
+  /**
+   * Incomplete LU factorization with dual threshold, ILUT(tau, fill)
+   * (@ref Saad1994 "Saad, 1994"), of a sequential
+   * PETSc matrix. In row i, entries below tau times the norm of the row are
+   * dropped, and the largest f n_i are kept in L and in U, where f is the fill
+   * factor and n_i the number of entries of the row in that triangle, but at
+   * least half of the row.
+   *
+   * PETSc 3.18 has no such factorization of its own.
+   * doc/results/mass_solvers.md compares SuperLU's and hypre's, which PETSc
+   * offers: with the paper's fill factor the one diverges on small meshes, with
+   * its defaults the other for p >= 4.
+   */
+  class ILUT
+  {
+  public:
+    /**
+     * Factorize. Throws dealii::ExcMessage with the row where a pivot vanishes.
+     */
+    ILUT(const Mat    matrix,
+         const double drop_tolerance,
+         const double fill_factor);
+
+    /**
+     * x = (L U)^-1 x.
+     */
+    void
+    solve(double *x) const;
+
+    /**
+     * x = (L U)^-T x.
+     */
+    void
+    solve_transpose(double *x) const;
+
+  private:
+    struct Triangle
+    {
+      std::vector<std::size_t>  begin{0};
+      std::vector<unsigned int> columns;
+      std::vector<double>       values;
+    };
+
+    Triangle            lower; // unit diagonal not stored
+    Triangle            upper; // diagonal not stored
+    std::vector<double> inverse_diagonal;
+  };
+} // namespace greville
+
+#endif

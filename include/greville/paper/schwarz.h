@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_paper_schwarz_h
+#define greville_paper_schwarz_h
+
+#include <greville/linear_algebra/incomplete_cholesky.h>
+#include <greville/linear_algebra/preconditioner.h>
+#include <greville/multigrid/level_operator.h>
+
+#include <functional>
+#include <string>
+
+namespace greville
+{
+  /**
+   * An approximate inverse of a sequential matrix, or its transpose, applied to
+   * x in place.
+   */
+  using LocalSolver = std::function<void(double *x, const bool transpose)>;
+
+  /**
+   * ILUT, see the class of that name.
+   */
+  LocalSolver
+  make_ilut(const Mat    matrix,
+            const double drop_tolerance,
+            const double fill_factor);
+
+  /**
+   * PETSc's ILU(0) of the matrix scaled to a unit diagonal, with @p shift added
+   * to that diagonal.
+   */
+  LocalSolver
+  make_ilu0(const Mat matrix, const double shift);
+
+  /**
+   * IncompleteCholesky with at least this @p shift.
+   */
+  LocalSolver
+  make_ic0(const Mat matrix, const double shift);
+
+  /**
+   * The lower triangle of a sequential matrix (SeqAIJ).
+   */
+  LowerTriangle
+  lower_triangle(const Mat matrix);
+
+
+
+  /**
+   * Additive Schwarz with one domain per process, the unknowns that it owns and
+   * some layers of overlap in the graph of the matrix, and an approximate local
+   * solver. With the prolongation @f$ R_s^T @f$ of domain s, its matrix
+   * @f$ A_s = R_s A R_s^T @f$ and partitions of unity
+   * @f$ \sum_s R_s^T W_s R_s = 1 @f$:
+   * - restricted: @f$ \sum_s R_s^T E_s A_s^{-1} R_s @f$, with @f$ E_s = 1 @f$
+   *   for the entries that s owns (@ref Cai1999 "Cai and Sarkis, 1999"). Not
+   *   symmetric.
+   * - symmetric: @f$ \sum_s R_s^T W_s^{1/2} A_s^{-1} W_s^{1/2} R_s @f$, with
+   *   @f$ W_s @f$ one over the number of domains that hold an entry.
+   */
+  template <int dim>
+  class AdditiveSchwarz : public Preconditioner
+  {
+  public:
+    /**
+     * Collective. For the matrix() of a level. @p ordering is "lexicographic"
+     * or the name of an ordering of PETSc ("rcm", "amd", "nd", ...). Throws on
+     * all processes if the local solver cannot be made on one.
+     */
+    AdditiveSchwarz(const LevelOperator<dim>                    &level,
+                    const unsigned int                           overlap,
+                    const bool                                   is_symmetric,
+                    const std::string                           &ordering,
+                    const std::function<LocalSolver(const Mat)> &make);
+
+    void
+    vmult(VectorType &dst, const VectorType &src) const override
+    {
+      apply(dst, src, false);
+    }
+
+    void
+    Tvmult(VectorType &dst, const VectorType &src) const override
+    {
+      apply(dst, src, true);
+    }
+
+  private:
+    /**
+     * local = @f$ R_s @f$ @p src, weighted for the symmetric combination.
+     */
+    void
+    restrict_to_domain(const VectorType &src, const bool transpose) const;
+
+    /**
+     * @p dst = @f$ \sum_s R_s^T @f$ local, weighted or restricted.
+     */
+    void
+    prolongate(VectorType &dst, const bool transpose) const;
+
+    void
+    apply(VectorType &dst, const VectorType &src, const bool transpose) const;
+
+    const bool                is_symmetric;
+    const unsigned int        n_owned;
+    std::vector<unsigned int> order;   // local number in values
+    std::vector<double>       weights; // W_s^(1/2)
+    LocalSolver               solver;
+
+    mutable VectorType          values; // owned and overlapping entries
+    mutable std::vector<double> local;  // in the ordering
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/paper/assembled_mass_level.h>
+
+namespace greville
+{
+  template <int dim>
+  void
+  AssembledMassLevel<dim>::assemble(const bool with_matrix, const bool apply)
+  {
+    apply_matrix = apply;
+    mass_matrix.reset();
+    MassLevel<dim>::assemble(with_matrix || apply);
+    if (with_matrix || apply)
+      mass_matrix =
+        std::make_unique<MassMatrix<dim>>(*this->entries,
+                                          this->lower_entries,
+                                          this->inactive(),
+                                          this->diagonal().linfty_norm());
+    this->lower_entries = LowerTriangle();
+  }
+
+
+
+  template <int dim>
+  void
+  AssembledMassLevel<dim>::vmult(VectorType &dst, const VectorType &src) const
+  {
+    if (apply_matrix)
+      mass_matrix->vmult(dst, src);
+    else
+      MassLevel<dim>::vmult(dst, src);
+  }
+
+
+
+  template class AssembledMassLevel<2>;
+  template class AssembledMassLevel<3>;
+} // namespace greville

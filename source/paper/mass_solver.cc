@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/mass/fmpm.h>
+#include <greville/paper/level_solver.h>
+#include <greville/paper/mass_solver.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  void
+  MassSolverParameters::declare(ParameterHandler &prm)
+  {
+    SolverParameters::declare(prm);
+    prm.add_parameter(
+      "Operator",
+      operator_kind,
+      "How M is applied: by the assembled matrix, matrix-free, or (automatic) "
+      "by the matrix in cg and cg-jacobi, as other codes do, and matrix-free "
+      "in all others. Smoothers that need the matrix have it assembled in any "
+      "case.",
+      Patterns::Selection("automatic|assembled|matrix-free"));
+  }
+
+
+
+  namespace
+  {
+    const std::vector<std::string> solver_names = {"p-multigrid",
+                                                   "cg-p-multigrid",
+                                                   "fgmres-p-multigrid",
+                                                   "cg",
+                                                   "cg-jacobi",
+                                                   "cg-tensor-product",
+                                                   "tensor-product",
+                                                   "lumped"};
+  } // namespace
+
+
+
+  template <int dim>
+  std::string
+  MassSolver<dim>::names()
+  {
+    std::string result;
+    for (const std::string &name : solver_names)
+      result += name + "|";
+    return result + fmpm_in_lists;
+  }
+
+
+
+  template <int dim>
+  MassSolver<dim>::MassSolver(const std::string          &name,
+                              MassHierarchy<dim>         &hierarchy,
+                              const MassSolverParameters &parameters,
+                              const PMultigridParameters &multigrid_parameters,
+                              const SmootherParameters   &smoother_parameters)
+    : name(name)
+    , hierarchy(hierarchy)
+    , parameters(parameters)
+    , multigrid_parameters(multigrid_parameters)
+    , smoother_parameters(smoother_parameters)
+    , n_terms(n_fmpm_terms(name))
+  {
+    Assert(n_terms > 0 ||
+             std::count(solver_names.begin(), solver_names.end(), name) == 1,
+           ExcMessage("Unknown solver <" + name + ">."));
+  }
+
+
+
+  template <int dim>
+  void
+  MassSolver<dim>::check_name(const std::string &name,
+                              const std::string &parameter)
+  {
+    auto       known    = solver_names;
+    const bool is_known = n_fmpm_terms(name) > 0 ||
+                          std::count(known.begin(), known.end(), name) == 1;
+    known.push_back("fmpm-2");
+    AssertThrow(is_known,
+                ExcMessage("The parameter '" + parameter + "' is <" + name +
+                           ">; it has to be one of " + names() + "." +
+                           did_you_mean(name, known)));
+  }
+
+
+
+  template <int dim>
+  void
+  MassSolver<dim>::assemble()
+  {
+    preconditioner.reset();
+    const bool apply_matrix = parameters.operator_kind == "assembled" ||
+                              (parameters.operator_kind == "automatic" &&
+                               (name == "cg" || name == "cg-jacobi"));
+    const bool smoother_wants_matrix =
+      uses_multigrid(name) &&
+      smoother_needs_matrix(multigrid_parameters.smoother);
+
+    const auto &levels = hierarchy.all_levels();
+    for (unsigned int l = 0; l < levels.size(); ++l)
+      if (l + 1 == levels.size() || uses_multigrid(name))
+        levels[l]->assemble(smoother_wants_matrix &&
+                              (l > 0 ||
+                               multigrid_parameters.coarsening == "none"),
+                            apply_matrix);
+  }
+
+
+
+  template <int dim>
+  void
+  MassSolver<dim>::setup()
+  {
+    AssembledMassLevel<dim> &finest = hierarchy.finest();
+    if (uses_multigrid(name))
+      {
+        // p = 1 alone is solved by the coarse solver: to the end.
+        preconditioner = std::make_unique<PMultigrid<dim>>(
+          hierarchy.operators(),
+          multigrid_parameters,
+          smoother_parameters,
+          hierarchy.all_levels().size() == 1
+            ? 0.5 * parameters.tolerance
+            : multigrid_parameters.coarse_tolerance);
+      }
+    else if (name == "cg-jacobi")
+      preconditioner =
+        std::make_unique<DiagonalPreconditioner>(finest.diagonal());
+    else if (name == "tensor-product" || name == "cg-tensor-product")
+      preconditioner =
+        make_smoother<dim>("tensor-product", smoother_parameters, finest, true);
+    else if (n_terms > 0)
+      {
+        inverse_lumped = finest.lumped();
+        for (double &entry : inverse_lumped)
+          entry = 1. / entry;
+      }
+  }
+
+
+
+  template <int dim>
+  SolveResult
+  MassSolver<dim>::solve(VectorType &x, const VectorType &b) const
+  {
+    const AssembledMassLevel<dim> &finest = hierarchy.finest();
+    return solve_and_check<dim>(
+      finest, x, b, parameters.tolerance, [&](SolveResult &result) {
+        if (n_terms > 0)
+          {
+            x = b;
+            x.scale(inverse_lumped);
+            add_fmpm_terms(x, b, finest, inverse_lumped, n_terms);
+          }
+        else if (name == "tensor-product")
+          preconditioner->vmult(x, b);
+        else
+          // The coarse solve is not linear: a flexible method.
+          iterate<dim>(name == "p-multigrid"          ? LevelMethod::stationary
+                       : name == "fgmres-p-multigrid" ? LevelMethod::fgmres
+                       : uses_multigrid(name)         ? LevelMethod::flexible_cg
+                                                      : LevelMethod::cg,
+                       finest,
+                       preconditioner.get(),
+                       parameters,
+                       x,
+                       b,
+                       result);
+      });
+  }
+
+
+
+  template class MassHierarchy<2>;
+  template class MassHierarchy<3>;
+  template class MassSolver<2>;
+  template class MassSolver<3>;
+} // namespace greville

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/linear_algebra/petsc_preconditioner.h>
+#include <greville/paper/paper_parts.h>
+#include <greville/paper/petsc_ilut.h>
+#include <greville/paper/schwarz.h>
+#include <greville/paper/tensor_product_solver.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * Forward, and backward as its transpose; process by process.
+     */
+    class GaussSeidelSmoother : public Preconditioner
+    {
+    public:
+      GaussSeidelSmoother(const Mat matrix)
+        : forward(matrix, "-pc_type sor -pc_sor_local_forward")
+        , backward(matrix, "-pc_type sor -pc_sor_local_backward")
+      {}
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        forward.vmult(dst, src);
+      }
+
+      void
+      Tvmult(VectorType &dst, const VectorType &src) const override
+      {
+        backward.vmult(dst, src);
+      }
+
+    private:
+      PetscPreconditioner forward, backward;
+    };
+
+
+
+    /**
+     * Additive Schwarz with make(matrix, parameters).
+     */
+    template <int dim>
+    MakeSmoother<dim>
+    schwarz_with(
+      const std::function<LocalSolver(const Mat, const SmootherParameters &)>
+        &make)
+    {
+      return [make](const SmootherParameters &p,
+                    const LevelOperator<dim> &level,
+                    const bool                symmetric) {
+        const bool is_symmetric = p.combination == "symmetric" ||
+                                  (p.combination == "automatic" && symmetric);
+        return std::make_unique<AdditiveSchwarz<dim>>(
+          level, p.overlap, is_symmetric, p.ordering, [&](const Mat matrix) {
+            return make(matrix, p);
+          });
+      };
+    }
+
+
+
+    template <int dim>
+    void
+    add_parts()
+    {
+      using P         = const SmootherParameters &;
+      using L         = const LevelOperator<dim> &;
+      const auto ilut = [](const Mat m, P p) {
+        return make_ilut(m, p.drop_tolerance, p.fill_factor);
+      };
+      const auto ilu0 = [](const Mat m, P p) { return make_ilu0(m, p.shift); };
+      const auto ic0  = [](P p, L level, const bool symmetric) {
+        if (auto factorization = level.factorization(p.shift, false))
+          return factorization;
+        return make_by_components<dim>(schwarz_with<dim>([](const Mat m, P q) {
+                                         return make_ic0(m, q.shift);
+                                       })(p, level, symmetric),
+                                       level);
+      };
+      const auto gauss_seidel = [](P, L level, const bool) {
+        return std::make_unique<GaussSeidelSmoother>(level.matrix());
+      };
+      const auto symmetric_gauss_seidel = [](P, L level, const bool) {
+        return std::make_unique<PetscPreconditioner>(
+          level.matrix(), "-pc_type sor -pc_sor_local_symmetric");
+      };
+      const auto tensor_product = [](P, L level, const bool) {
+        return std::make_unique<TensorProductPreconditioner<dim>>(
+          level.space(), level.diagonal(), level.inactive());
+      };
+      add_smoother<dim>("ilut", true, true, schwarz_with<dim>(ilut));
+      add_smoother<dim>("ilu0", true, true, schwarz_with<dim>(ilu0));
+      add_smoother<dim>("ic0", true, false, ic0);
+      add_smoother<dim>("gauss-seidel", true, true, gauss_seidel);
+      add_smoother<dim>("symmetric-gauss-seidel",
+                        true,
+                        true,
+                        symmetric_gauss_seidel);
+      add_smoother<dim>("tensor-product", false, true, tensor_product);
+      add_inverse_mass<dim>("exact-l2", [](L level, const bool unit_weight) {
+        const TensorProductSolver<dim> solver(level.space());
+        VectorType                     diagonal(level.diagonal());
+        if (unit_weight)
+          {
+            level.space().initialize_vector(diagonal);
+            for (unsigned int i = 0; i < solver.n_unknowns(); ++i)
+              diagonal.local_element(i) = solver.diagonal(i);
+          }
+        return std::make_unique<TensorProductPreconditioner<dim>>(
+          solver, diagonal, level.inactive());
+      });
+    }
+  } // namespace
+
+
+
+  void
+  add_paper_parts()
+  {
+    static bool are_added = false;
+    if (are_added)
+      return;
+    are_added = true;
+    register_petsc_ilut();
+    add_parts<2>();
+    add_parts<3>();
+  }
+
+
+
+  void
+  PaperMultigridParameters::declare(ParameterHandler &prm)
+  {
+    declare_levels(prm, *this);
+    PMultigridParameters::declare(
+      prm, smoother_names(), all_coarse_preconditioners() + "|tensor-product");
+  }
+
+
+
+  void
+  declare_levels(ParameterHandler &prm, PMultigridParameters &parameters)
+  {
+    prm.add_parameter(
+      "Coarsening",
+      parameters.coarsening,
+      "The orders of the levels: p, p-1, ..., 1 (one by one), p, p-2, ..., 1 "
+      "(by two), p, 1 (direct), or p alone (none).",
+      Patterns::Selection(OrderHierarchy<2>::coarsenings()));
+    prm.add_parameter("Cycle",
+                      parameters.cycle,
+                      "The cycle.",
+                      Patterns::Selection("V|W|F"));
+    prm.add_parameter(
+      "Prolongation",
+      parameters.prolongation,
+      "From an order to the next higher one: L2 projection with the lumped "
+      "mass matrix, with the exact one (1D banded solves), or with one "
+      "solve by IC(0) of the mass matrix.",
+      Patterns::Selection(OrderTransfer<2>::prolongations()));
+    prm.add_parameter("Restriction",
+                      parameters.restriction,
+                      "From an order to the next lower one: L2 projection of "
+                      "the residual, lumped or exact, or the transpose of the "
+                      "prolongation, which makes the cycle symmetric.",
+                      Patterns::Selection(OrderTransfer<2>::restrictions()));
+    prm.add_parameter("Transfer weight",
+                      parameters.weighting,
+                      "The weight of the L2 products in the transfer.",
+                      Patterns::Selection(OrderTransfer<2>::weightings()));
+  }
+
+
+
+  void
+  PaperSmootherParameters::declare(ParameterHandler &prm)
+  {
+    SmootherParameters::declare(prm);
+    prm.add_parameter("Drop tolerance",
+                      drop_tolerance,
+                      "ilut: entries below this fraction of the norm of their "
+                      "row are dropped. Unit: none.",
+                      Patterns::Double(0., 1.));
+    prm.add_parameter("Fill factor",
+                      fill_factor,
+                      "ilut: entries kept in a row of L and of U, as a "
+                      "multiple of those of the matrix. Unit: none.",
+                      Patterns::Double(0.));
+    prm.add_parameter(
+      "Overlap",
+      overlap,
+      "ilut, ilu0, ic0: overlap of the domains of processes, in "
+      "layers of the matrix's graph (p coefficients each). Unit: layers.",
+      Patterns::Integer(0, 10));
+    prm.add_parameter("Ordering",
+                      ordering,
+                      "ilut, ilu0, ic0: order of the unknowns of a process. "
+                      "All but lexicographic are orderings of PETSc.",
+                      Patterns::Selection("lexicographic|rcm|amd|nd|qmd|1wd"));
+    prm.add_parameter("Combination",
+                      combination,
+                      "ilut, ilu0, ic0: how overlapping corrections "
+                      "are put together; automatic is symmetric in a symmetric "
+                      "cycle (restriction = transpose), else restricted.",
+                      Patterns::Selection("automatic|restricted|symmetric"));
+  }
+} // namespace greville

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/paper/ilut.h>
+#include <greville/paper/schwarz.h>
+
+#include <petscpc.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    IS
+    make_indices(const std::vector<PetscInt> &numbers)
+    {
+      IS is;
+      check_petsc(ISCreateGeneral(PETSC_COMM_SELF,
+                                  numbers.size(),
+                                  numbers.data(),
+                                  PETSC_COPY_VALUES,
+                                  &is));
+      return is;
+    }
+
+
+
+    std::vector<PetscInt>
+    take_indices(IS is)
+    {
+      PetscInt        n;
+      const PetscInt *indices;
+      check_petsc(ISGetLocalSize(is, &n));
+      check_petsc(ISGetIndices(is, &indices));
+      const std::vector<PetscInt> result(indices, indices + n);
+      check_petsc(ISRestoreIndices(is, &indices));
+      check_petsc(ISDestroy(&is));
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  AdditiveSchwarz<dim>::AdditiveSchwarz(
+    const LevelOperator<dim>                    &level,
+    const unsigned int                           overlap,
+    const bool                                   symmetric,
+    const std::string                           &ordering,
+    const std::function<LocalSolver(const Mat)> &make)
+    : is_symmetric(symmetric)
+    , n_owned(level.space().owned_functions().size())
+  {
+    const MPI_Comm                comm      = level.space().communicator();
+    const Mat                     matrix    = level.matrix();
+    const auto                   &positions = level.space().owned_functions();
+    PetscInt                      n_all;
+    std::pair<PetscInt, PetscInt> range;
+    check_petsc(MatGetOwnershipRange(matrix, &range.first, &range.second));
+    check_petsc(MatGetSize(matrix, &n_all, nullptr));
+    AssertDimension(n_owned, range.second - range.first);
+
+    // The numbers in the domain, ascending.
+    Mat                   local_matrix;
+    PetscMatrix           local_copy;
+    std::vector<PetscInt> domain_numbers(n_owned);
+    std::iota(domain_numbers.begin(), domain_numbers.end(), range.first);
+    if (Utilities::MPI::n_mpi_processes(comm) == 1)
+      check_petsc(MatMPIAIJGetSeqAIJ(matrix, &local_matrix, nullptr, nullptr));
+    else
+      {
+        IS is = make_indices(domain_numbers);
+        check_petsc(MatIncreaseOverlap(matrix, 1, &is, overlap));
+        check_petsc(ISSort(is));
+        Mat *matrices;
+        check_petsc(MatCreateSubMatrices(
+          matrix, 1, &is, &is, MAT_INITIAL_MATRIX, &matrices));
+        check_petsc(
+          PetscObjectReference(reinterpret_cast<PetscObject>(matrices[0])));
+        local_copy.reset(matrices[0]);
+        local_matrix = local_copy.get();
+        check_petsc(MatDestroySubMatrices(1, &matrices));
+        domain_numbers = take_indices(is);
+      }
+
+    IndexSet ghosts(n_all);
+    for (const PetscInt number : domain_numbers)
+      if (number < range.first || number >= range.second)
+        ghosts.add_index(number);
+    IndexSet owned(n_all);
+    owned.add_range(range.first, range.second);
+    values.reinit(owned, ghosts, comm);
+    for (const PetscInt number : domain_numbers)
+      order.push_back(values.get_partitioner()->global_to_local(number));
+
+    // Positions travel as doubles, exactly.
+    for (unsigned int i = 0; i < n_owned; ++i)
+      values.local_element(i) = positions[i];
+    values.update_ghost_values();
+    std::vector<std::uint64_t> function_positions;
+    for (const unsigned int i : order)
+      function_positions.push_back(values.local_element(i));
+    values.zero_out_ghost_values();
+
+    // The ordering.
+    std::vector<PetscInt> permutation(order.size());
+    std::iota(permutation.begin(), permutation.end(), 0);
+    if (ordering == "lexicographic")
+      std::sort(permutation.begin(),
+                permutation.end(),
+                [&](const PetscInt a, const PetscInt b) {
+                  return function_positions[a] < function_positions[b];
+                });
+    else if (!permutation.empty())
+      {
+        IS rows, columns;
+        check_petsc(
+          MatGetOrdering(local_matrix, ordering.c_str(), &rows, &columns));
+        permutation = take_indices(rows);
+        check_petsc(ISDestroy(&columns));
+      }
+    if (!std::is_sorted(permutation.begin(), permutation.end()))
+      {
+        IS is = make_indices(permutation);
+        check_petsc(ISSetPermutation(is));
+        Mat permuted;
+        check_petsc(MatPermute(local_matrix, is, is, &permuted));
+        check_petsc(ISDestroy(&is));
+        local_copy.reset(permuted);
+        local_matrix = permuted;
+
+        const auto old_order = order;
+        for (unsigned int i = 0; i < order.size(); ++i)
+          order[i] = old_order[permutation[i]];
+      }
+
+    if (is_symmetric)
+      {
+        // Count the domains that hold an entry.
+        values = 0.;
+        for (const unsigned int i : order)
+          values.local_element(i) = 1.;
+        values.compress(VectorOperation::add);
+        values.update_ghost_values();
+        for (const unsigned int i : order)
+          weights.push_back(1. / std::sqrt(values.local_element(i)));
+        values.zero_out_ghost_values();
+      }
+
+    run_on_all(
+      [&]() {
+        if (!order.empty())
+          solver = make(local_matrix);
+      },
+      comm);
+  }
+
+
+
+  template <int dim>
+  void
+  AdditiveSchwarz<dim>::restrict_to_domain(const VectorType &src,
+                                           const bool        transpose) const
+  {
+    std::copy_n(src.begin(), n_owned, values.begin());
+    values.update_ghost_values();
+    local.resize(order.size());
+    for (unsigned int i = 0; i < order.size(); ++i)
+      local[i] = values.local_element(order[i]) *
+                 (is_symmetric                       ? weights[i]
+                  : transpose && order[i] >= n_owned ? 0.
+                                                     : 1.);
+    values.zero_out_ghost_values();
+  }
+
+
+
+  template <int dim>
+  void
+  AdditiveSchwarz<dim>::prolongate(VectorType &dst, const bool transpose) const
+  {
+    if (!is_symmetric && !transpose)
+      {
+        for (unsigned int i = 0; i < order.size(); ++i)
+          if (order[i] < n_owned)
+            dst.local_element(order[i]) = local[i];
+        return;
+      }
+    values = 0.;
+    for (unsigned int i = 0; i < order.size(); ++i)
+      values.local_element(order[i]) =
+        is_symmetric ? weights[i] * local[i] : local[i];
+    values.compress(VectorOperation::add);
+    std::copy_n(values.begin(), n_owned, dst.begin());
+  }
+
+
+
+  LocalSolver
+  make_ilut(const Mat    matrix,
+            const double drop_tolerance,
+            const double fill_factor)
+  {
+    const auto ilut =
+      std::make_shared<const ILUT>(matrix, drop_tolerance, fill_factor);
+    return [ilut](double *x, const bool transpose) {
+      transpose ? ilut->solve_transpose(x) : ilut->solve(x);
+    };
+  }
+
+
+
+  LocalSolver
+  make_ic0(const Mat matrix, const double shift)
+  {
+    const auto factors = std::make_shared<IncompleteCholesky>();
+    factors->factorize(lower_triangle(matrix), shift);
+    return [factors](double *x, const bool) { factors->solve(x, 1); };
+  }
+
+
+
+  LocalSolver
+  make_ilu0(const Mat matrix, const double shift)
+  {
+    Mat scaled;
+    check_petsc(MatDuplicate(matrix, MAT_COPY_VALUES, &scaled));
+    PetscMatrix owner(scaled);
+    Vec         diagonal;
+    check_petsc(MatCreateVecs(scaled, &diagonal, nullptr));
+    PetscVector vector_owner(diagonal);
+    check_petsc(MatGetDiagonal(scaled, diagonal));
+    check_petsc(VecSqrtAbs(diagonal));
+    check_petsc(VecReciprocal(diagonal));
+    check_petsc(MatDiagonalScale(scaled, diagonal, diagonal));
+    if (shift != 0.)
+      check_petsc(MatShift(scaled, shift));
+
+    PetscInt           n;
+    const PetscScalar *values;
+    check_petsc(VecGetLocalSize(diagonal, &n));
+    check_petsc(VecGetArrayRead(diagonal, &values));
+    const std::vector<double> scaling(values, values + n);
+    check_petsc(VecRestoreArrayRead(diagonal, &values));
+
+    PC handle;
+    check_petsc(PCCreate(PETSC_COMM_SELF, &handle));
+    const std::shared_ptr<std::remove_pointer_t<PC>> pc(handle, [](PC owned) {
+      PCDestroy(&owned);
+    });
+    check_petsc(PCSetOperators(handle, scaled, scaled));
+    check_petsc(PCSetType(handle, PCILU));
+    check_petsc(PCFactorSetMatOrderingType(handle, MATORDERINGNATURAL));
+    check_petsc(PCFactorSetLevels(handle, 0));
+    check_petsc(PCFactorSetShiftType(handle, MAT_SHIFT_NONE));
+    check_petsc(PCFactorSetZeroPivot(handle, 1e-14));
+    check_petsc(PCSetErrorIfFailure(handle, PETSC_FALSE));
+    check_petsc(PCSetUp(handle));
+    PCFailedReason reason;
+    check_petsc(PCGetFailedReason(handle, &reason));
+    AssertThrow(reason == PC_NOERROR,
+                ExcMessage("ILU(0) found a pivot that is zero: the matrix "
+                           "needs a shift (parameter 'Shift', try "
+                           "1e-3)."));
+
+    const auto in = std::make_shared<const PetscVectorView>(PETSC_COMM_SELF, n);
+    const auto out =
+      std::make_shared<const PetscVectorView>(PETSC_COMM_SELF, n);
+    return [scaling, pc, in, out](double *x, const bool transpose) {
+      std::vector<double> y(scaling.size());
+      for (std::size_t i = 0; i < y.size(); ++i)
+        x[i] *= scaling[i];
+      in->with(x, [&](Vec from) {
+        out->with(y.data(), [&](Vec to) {
+          check_petsc(transpose ? PCApplyTranspose(pc.get(), from, to)
+                                : PCApply(pc.get(), from, to));
+        });
+      });
+      for (std::size_t i = 0; i < y.size(); ++i)
+        x[i] = scaling[i] * y[i];
+    };
+  }
+
+
+
+  LowerTriangle
+  lower_triangle(const Mat matrix)
+  {
+    PetscInt           n;
+    const PetscInt    *begin, *columns;
+    const PetscScalar *values;
+    PetscBool          is_done;
+    check_petsc(MatGetRowIJ(
+      matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &begin, &columns, &is_done));
+    AssertThrow(is_done, ExcInternalError());
+    check_petsc(MatSeqAIJGetArrayRead(matrix, &values));
+    LowerTriangle result;
+    result.row_begin.reserve(n + 1);
+    for (PetscInt i = 0; i < n; ++i)
+      {
+        for (PetscInt e = begin[i]; e < begin[i + 1] && columns[e] <= i; ++e)
+          {
+            result.columns.push_back(columns[e]);
+            result.values.push_back(values[e]);
+          }
+        result.row_begin.push_back(result.columns.size());
+      }
+    check_petsc(MatSeqAIJRestoreArrayRead(matrix, &values));
+    check_petsc(MatRestoreRowIJ(
+      matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &begin, &columns, &is_done));
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  AdditiveSchwarz<dim>::apply(VectorType       &dst,
+                              const VectorType &src,
+                              const bool        transpose) const
+  {
+    restrict_to_domain(src, transpose);
+    if (solver)
+      solver(local.data(), transpose);
+    prolongate(dst, transpose);
+  }
+
+
+
+  template class AdditiveSchwarz<2>;
+  template class AdditiveSchwarz<3>;
+} // namespace greville

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_tests_half_full_cells_h
+#define greville_tests_half_full_cells_h
+
+#include <greville/points/material_points.h>
+
+#include <filling.h>
+
+// Points at random in the filled cells, the same on any number of processes:
+// so many that all functions of full cells are determined, and a single one in
+// cells that are filled by less than half.
+template <int dim>
+MaterialPoints<dim>
+random_points(const SplineSpace<dim> &space,
+              const unsigned int      p,
+              const Filling<dim>     &filling)
+{
+  MaterialPoints<dim> points;
+  points.reinit(space, PointLayout<dim>());
+  std::vector<double> numbers(points.layout().size, 0.);
+  const PointRef<dim> point(numbers.data());
+  point.J()         = 1.;
+  const auto  parts = fillings<dim>(space, filling);
+  const auto &n     = space.lattice().n_cells();
+  for (unsigned int c = 0; c < parts.size(); ++c)
+    {
+      const std::uint64_t cell  = space.owned_cells()[c];
+      const auto          index = multi_index<dim>(cell, n);
+      const unsigned int  count = parts[c] <= 0.   ? 0
+                                  : parts[c] < 0.5 ? 1
+                                                   : Utilities::pow(p + 2, dim);
+      for (unsigned int k = 0; k < count; ++k)
+        {
+          // A jittered lattice.
+          unsigned int place = k;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              const double t =
+                count == 1
+                  ? 0.5
+                  : (place % (p + 2) + 0.5 +
+                     0.4 * pseudo_random(dim * (1000 * cell + k) + d)) /
+                      (p + 2);
+              place /= p + 2;
+              point.position(d) = space.lattice().lower(d) +
+                                  space.lattice().cell_size(d) * (index[d] + t);
+            }
+          point.volume0() = 1.;
+          point.mass() =
+            parts[c] * (1. + 0.5 * pseudo_random(1000 * cell + k)) / count;
+          point.id() = 1000. * cell + k;
+          points.insert(c, make_array_view(numbers));
+        }
+    }
+  return points;
+}
+
+#endif

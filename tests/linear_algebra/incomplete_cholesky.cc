@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
+
+// IC(0): exact for a Kronecker product in lexicographic order, raised pivots,
+// shifts, errors, and all widths give the same.
+
+#include <greville/linear_algebra/incomplete_cholesky.h>
+#include <greville/paper/assembled_mass_level.h>
+#include <greville/paper/schwarz.h>
+
+#include <tests.h>
+
+LowerTriangle
+lower_part(const std::vector<std::vector<double>> &rows)
+{
+  LowerTriangle result;
+  for (unsigned int i = 0; i < rows.size(); ++i)
+    {
+      for (unsigned int j = 0; j <= i; ++j)
+        if (rows[i][j] != 0. || i == j)
+          {
+            result.columns.push_back(j);
+            result.values.push_back(rows[i][j]);
+          }
+      result.row_begin.push_back(result.columns.size());
+    }
+  return result;
+}
+
+
+
+std::vector<double>
+multiply(const LowerTriangle &matrix, const std::vector<double> &x)
+{
+  std::vector<double> y(x.size(), 0.);
+  for (unsigned int i = 0; i < matrix.size(); ++i)
+    for (std::size_t e = matrix.row_begin[i]; e < matrix.row_begin[i + 1]; ++e)
+      {
+        const unsigned int j = matrix.columns[e];
+        y[i] += matrix.values[e] * x[j];
+        if (j != i)
+          y[j] += matrix.values[e] * x[i];
+      }
+  return y;
+}
+
+
+
+// The residual |b - M x| / |b| of one solve.
+double
+residual(const LowerTriangle &matrix, const IncompleteCholesky &factors)
+{
+  std::vector<double> x(matrix.size());
+  for (unsigned int i = 0; i < x.size(); ++i)
+    x[i] = pseudo_random(i);
+  const auto b = multiply(matrix, x);
+  x            = b;
+  factors.solve(x.data(), 1);
+  const auto y    = multiply(matrix, x);
+  double     left = 0., all = 0.;
+  for (unsigned int i = 0; i < x.size(); ++i)
+    {
+      left += std::pow(b[i] - y[i], 2);
+      all += b[i] * b[i];
+    }
+  return std::sqrt(left / all);
+}
+
+
+
+template <int dim>
+void
+test_kronecker(const unsigned int n_cells, const unsigned int p)
+{
+  print() << dim << "D, p = " << p << std::endl;
+  Box<dim>                               box(cube<dim>(n_cells));
+  const SplineSpace<dim>                 space(box.mesh, p);
+  const Functions::ConstantFunction<dim> one(1.);
+  const DensityWeights<dim>              weights(space, p + 1, one);
+  AssembledMassLevel<dim>                mass(space, weights);
+  mass.assemble(true, true);
+  Mat matrix;
+  check_petsc(MatGetDiagonalBlock(mass.matrix(), &matrix));
+  const LowerTriangle lower = lower_triangle(matrix);
+  IncompleteCholesky  factors;
+  factors.factorize(lower);
+  // L is kept in single precision.
+  check("  exact", residual(lower, factors), 1e-6);
+  check("  no shift, no raised pivot",
+        factors.shift() == 0. && factors.n_raised() == 0);
+
+  const unsigned int               n = lower.size();
+  std::vector<std::vector<double>> alone;
+  double                           error = 0.;
+  for (const unsigned int width : {1, 2, 4, 8})
+    {
+      std::vector<double> x(n * width);
+      for (unsigned int i = 0; i < n; ++i)
+        for (unsigned int c = 0; c < width; ++c)
+          x[i * width + c] = pseudo_random(8 * i + c);
+      factors.solve(x.data(), width);
+      for (unsigned int c = 0; c < width; ++c)
+        {
+          std::vector<double> y(n);
+          for (unsigned int i = 0; i < n; ++i)
+            y[i] = pseudo_random(8 * i + c);
+          factors.solve(y.data(), 1);
+          double largest = 0.;
+          for (const double value : y)
+            largest = std::max(largest, std::abs(value));
+          for (unsigned int i = 0; i < n; ++i)
+            error =
+              std::max(error, std::abs(y[i] - x[i * width + c]) / largest);
+        }
+    }
+  check("  widths", error, 1e-5);
+}
+
+
+
+void
+test_fails(const std::string &name, const LowerTriangle &matrix)
+{
+  IncompleteCholesky factors;
+  try
+    {
+      factors.factorize(matrix);
+      print() << name << ": FAILED, no error" << std::endl;
+    }
+  catch (const std::exception &error)
+    {
+      print() << name << ": " << message_of(error) << std::endl;
+    }
+}
+
+
+
+// A full matrix, whose IC(0) is exact: positive definite, of this size.
+std::vector<std::vector<double>>
+full_matrix(const unsigned int n)
+{
+  std::vector<std::vector<double>> rows(n, std::vector<double>(n));
+  for (unsigned int i = 0; i < n; ++i)
+    for (unsigned int j = 0; j < n; ++j)
+      rows[i][j] = std::pow(0.6, std::abs(int(i) - int(j))) + (i == j);
+  return rows;
+}
+
+
+
+// Solve by elimination of the first rows, then of their Schur complement.
+void
+test_schur_complement()
+{
+  constexpr unsigned int n = 7, n_first = 4, width = 2;
+  const LowerTriangle    matrix = lower_part(full_matrix(n));
+  IncompleteCholesky     whole, first, second;
+  LowerTriangle          schur;
+  whole.factorize(matrix);
+  first.factorize(matrix, 0., n_first, schur);
+  second.factorize(schur);
+  check("size of the Schur complement", schur.size() == n - n_first);
+
+  std::vector<double> x(n * width), rest((n - n_first) * width);
+  std::vector<float>  y(n * width);
+  for (unsigned int i = 0; i < n * width; ++i)
+    y[i] = x[i] = pseudo_random(i);
+  whole.solve(x.data(), width);
+  first.forward(y.data(), width);
+  std::copy(y.begin() + n_first * width, y.end(), rest.begin());
+  second.solve(rest.data(), width);
+  for (unsigned int i = 0; i < rest.size(); ++i)
+    y[n_first * width + i] = first.unit() * rest[i];
+  first.backward(y.data(), width);
+  double error = 0.;
+  for (unsigned int i = 0; i < n * width; ++i)
+    error = std::max(error, std::abs(y[i] / first.unit() - x[i]));
+  check("solve with the Schur complement", error, 1e-5);
+}
+
+
+
+// The last rows held in one of two components: the factors without them.
+void
+test_held_rows()
+{
+  constexpr unsigned int n = 6, n_free = 4, width = 4;
+  auto                   rows = full_matrix(n);
+  IncompleteCholesky     whole, part;
+  whole.factorize(lower_part(rows));
+  rows.resize(n_free);
+  for (auto &row : rows)
+    row.resize(n_free);
+  part.factorize(lower_part(rows));
+  HeldRows held;
+  held.n_components = 2;
+  for (unsigned int i = n_free; i < n; ++i)
+    held.rows.emplace_back(i, 2);
+
+  std::vector<double> x(n * width), with_all(n * width),
+    with_some(n_free * width);
+  for (unsigned int i = 0; i < x.size(); ++i)
+    x[i] = pseudo_random(i);
+  with_all = x;
+  std::copy_n(x.begin(), with_some.size(), with_some.begin());
+  whole.solve(x.data(), width, held);
+  whole.solve(with_all.data(), width);
+  part.solve(with_some.data(), width);
+  double error = 0.;
+  for (unsigned int i = 0; i < n; ++i)
+    for (unsigned int c = 0; c < width; ++c)
+      {
+        const double wanted = c % 2 == 0   ? with_all[i * width + c]
+                              : i < n_free ? with_some[i * width + c]
+                                           : 0.;
+        error = std::max(error, std::abs(x[i * width + c] - wanted));
+      }
+  check("held rows", error, 1e-5);
+}
+
+
+
+void
+test_main()
+{
+  for (unsigned int p = 1; p <= 5; ++p)
+    test_kronecker<2>(9, p);
+  for (unsigned int p = 1; p <= 3; ++p)
+    test_kronecker<3>(4, p);
+
+  {
+    // Scaled, the second pivot is 1e-7, the others are 1.
+    const LowerTriangle matrix =
+      lower_part({{4., 2., 0.}, {2., 1. + 1e-7, 0.}, {0., 0., 9.}});
+    IncompleteCholesky factors;
+    factors.factorize(matrix);
+    print() << "Raised pivots: " << factors.n_raised() << ", shift "
+            << factors.shift() << std::endl;
+    std::vector<double> x{0., 1., 9.};
+    factors.solve(x.data(), 1);
+    print() << "  1 / raised pivot " << std::setprecision(6) << x[1]
+            << ", other row " << x[2] << std::endl;
+  }
+  {
+    // D. Kershaw's matrix (1978): positive definite, but the last pivot of
+    // IC(0) is -5 / 3 of its diagonal entry.
+    const LowerTriangle matrix = lower_part({{3., -2., 0., 2.},
+                                             {-2., 3., -2., 0.},
+                                             {0., -2., 3., -2.},
+                                             {2., 0., -2., 3.}});
+    IncompleteCholesky  factors;
+    factors.factorize(matrix);
+    print() << "Shift: " << factors.shift() << ", raised pivots "
+            << factors.n_raised() << std::endl;
+    // Positive definite: x^T P^-1 x > 0.
+    double least = 1e300;
+    for (unsigned int k = 0; k < 100; ++k)
+      {
+        std::vector<double> x(4), y;
+        for (unsigned int i = 0; i < 4; ++i)
+          x[i] = pseudo_random(4 * k + i);
+        y = x;
+        factors.solve(y.data(), 1);
+        double product = 0.;
+        for (unsigned int i = 0; i < 4; ++i)
+          product += x[i] * y[i];
+        least = std::min(least, product);
+      }
+    check("  positive", least > 0.);
+    const double found = factors.shift();
+    factors.factorize(matrix, 2. * found);
+    check("  a shift that is asked for", factors.shift() == 2. * found);
+  }
+  {
+    // The unit of mass does not matter, as small as it may be.
+    const std::vector<std::vector<double>> rows  = {{4., 2., 0.},
+                                                    {2., 3., 1e-5},
+                                                    {0., 1e-5, 1e-8}};
+    double                                 error = 0.;
+    std::vector<double>                    first;
+    for (const double unit : {1., 1e-42, 1e-90, 1e60})
+      {
+        auto scaled = rows;
+        for (auto &row : scaled)
+          for (double &entry : row)
+            entry *= unit;
+        IncompleteCholesky factors;
+        factors.factorize(lower_part(scaled));
+        std::vector<double> x{unit, -unit, 1e-4 * unit};
+        factors.solve(x.data(), 1);
+        if (first.empty())
+          first = x;
+        for (unsigned int i = 0; i < 3; ++i)
+          {
+            const double difference = std::abs(x[i] / first[i] - 1.);
+            error = difference <= error ? error : // also not a number
+                      std::isfinite(difference) ? difference
+                                                : 1e300;
+          }
+      }
+    check("the unit of mass does not matter", error, 1e-5);
+  }
+  test_schur_complement();
+  test_held_rows();
+  test_fails("Not definite", lower_part({{1., 100.}, {100., 1.}}));
+  test_fails("Negative diagonal", lower_part({{1., 0.}, {0., -1.}}));
+  test_fails("Zero diagonal", lower_part({{0.}}));
+}

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3 4
+
+// PartitionedCholesky with the mass matrices of full and of jagged bodies: the
+// preconditioner is symmetric, leaves out what is held, and conjugate gradients
+// need about as many iterations on several processes as on one.
+
+#include <greville/linear_algebra/partitioned_cholesky.h>
+#include <greville/mass/extended_mass.h>
+#include <greville/points/point_transfer.h>
+
+#include <half_full_cells.h>
+
+template <int dim>
+Filling<dim>
+full()
+{
+  return [](const MultiIndex<dim> &) { return 1.; };
+}
+
+
+
+template <int dim>
+void
+test(const MultiIndex<dim> &cells,
+     const unsigned int     p,
+     const Filling<dim>    &is_filled,
+     const bool             is_held,
+     const unsigned int     most_iterations,
+     const std::string     &name)
+{
+  print() << dim << "D, p = " << p << ", " << name << (is_held ? ", held" : "")
+          << std::endl;
+  constexpr unsigned int width = dim == 2 ? 2 : 4;
+  Box<dim>               box(cells);
+  const SplineSpace<dim> space(box.mesh, p);
+  CellFilling<dim>       filling(space);
+  filling.update(fillings<dim>(space, is_filled), 0.7);
+  Extension<dim> extension;
+  extension.reinit(space, filling);
+  const auto         points = random_points<dim>(space, p, is_filled);
+  PointTransfer<dim> transfer;
+  transfer.reinit(space);
+  ExtendedMass<dim> mass;
+  mass.reinit(space);
+  mass.begin(extension, true);
+  transfer.add_mass_matrix({&points}, mass.matrix());
+  mass.finish();
+
+  // Component 1 is held at the lower wall in direction 1.
+  std::vector<unsigned char> held(space.owned_functions().size() +
+                                  space.ghost_functions().size());
+  for (unsigned int f = 0; f < held.size() && is_held; ++f)
+    if (multi_index<dim>(space.function_position(f), space.n_functions())[1] ==
+        0)
+      held[f] = 2;
+  mass.unknowns().hold(held);
+  std::vector<bool> may_leave_out;
+  const auto        bits = mass.unknowns().held_unknowns();
+  for (const unsigned char b : bits)
+    may_leave_out.push_back(b != 0);
+
+  PartitionedCholesky cholesky;
+  cholesky.factorize(mass.local_entries((1 << dim) - 1),
+                     mass.unknowns().unknown_layout(),
+                     mass.unknowns().unknown_positions(),
+                     may_leave_out,
+                     p,
+                     0.);
+  cholesky.hold(bits, dim);
+
+  const auto positions  = mass.unknowns().unknown_positions();
+  const auto new_vector = [&](const double frequency) {
+    VectorType result;
+    mass.unknowns().initialize_vector(result, width);
+    for (unsigned int u = 0; u < positions.size(); ++u)
+      for (unsigned int c = 0; c < dim; ++c)
+        result.local_element(u * width + c) =
+          std::sin(frequency * (positions[u][0] + 17. * positions[u][1] +
+                                71. * positions[u][2] + 5. * c));
+    mass.unknowns().zero_held_unknowns(result, width);
+    return result;
+  };
+  const auto solve = [&](const VectorType &r) {
+    VectorType z(r);
+    cholesky.solve(z.begin(), width);
+    return z;
+  };
+  const VectorType a = new_vector(1.3), b = new_vector(2.7);
+  const VectorType Pa = solve(a), Pb = solve(b);
+  check("  symmetric",
+        std::abs(a * Pb - b * Pa) / (Pa.l2_norm() * b.l2_norm()),
+        1e-5);
+  double left_out = 0.;
+  for (unsigned int u = 0; u < bits.size(); ++u)
+    if (bits[u] != 0)
+      left_out = std::max(left_out, std::abs(Pa.local_element(u * width + 1)));
+  check("  left out", max_all(left_out), 0.);
+
+  // Conjugate gradients for all columns as one vector.
+  VectorType   x(a), r(a), z(solve(a)), d(z), q(a);
+  unsigned int n_iterations = 0;
+  x                         = 0.;
+  double rho                = r * z;
+  while (r.l2_norm() > 1e-8 * a.l2_norm() && n_iterations < 100)
+    {
+      mass.vmult(q, d, width);
+      const double alpha = rho / (d * q);
+      x.add(alpha, d);
+      r.add(-alpha, q);
+      z                    = solve(r);
+      const double new_rho = r * z;
+      d.sadd(new_rho / rho, 1., z);
+      rho = new_rho;
+      ++n_iterations;
+    }
+  check_range("  iterations", n_iterations, 1, most_iterations);
+}
+
+
+
+void
+test_main()
+{
+  for (const bool is_held : {false, true})
+    {
+      test<2>({{32, 24}}, 1, full<2>(), is_held, is_held ? 22 : 12, "full");
+      test<2>({{32, 24}}, 2, full<2>(), is_held, is_held ? 25 : 14, "full");
+      test<2>({{32, 24}}, 3, full<2>(), is_held, is_held ? 29 : 18, "full");
+      test<3>(cube<3>(10), 1, full<3>(), is_held, is_held ? 22 : 12, "full");
+      test<3>(cube<3>(10), 2, full<3>(), is_held, is_held ? 25 : 14, "full");
+    }
+  test<3>(cube<3>(12), 2, ball<3>(12, 4., 5.3), false, 25, "ball");
+}
