@@ -43,12 +43,12 @@ namespace greville
 
       std::vector<std::vector<Block<dim>>> rows(n);
       extended.matrix().for_each_row([&](const unsigned int i) {
-        extended.for_each_unknown(
+        extended.unknowns().for_each_unknown(
           i, [&](const unsigned int u, const double weight_u) {
             const unsigned int held_i = held_at[i] | held_unknowns[u];
             blocks.for_each_block(
               i, [&](const unsigned int j, const double *block) {
-                extended.for_each_unknown(
+                extended.unknowns().for_each_unknown(
                   j, [&](const unsigned int v, const double weight_v) {
                     const unsigned int held_j = held_at[j] | held_unknowns[v];
                     Block<dim>         entry;
