@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/materials/material_lanes.h>
+#include <greville/points/point_transfer.h>
 #include <greville/points/row_sums.h>
 
-#include "point_kernels.h"
 #include <algorithm>
 #include <cmath>
 
 namespace greville
 {
   using namespace dealii;
-  using namespace internal;
 
   void
   OuterPoints::drop()
@@ -30,19 +29,40 @@ namespace greville
 
   namespace
   {
-    inline void
-    add_to(std::array<double, simd_width> &sum, const Simd &value)
+    static_assert(n_lanes == MaterialPoints<2>::width, "Groups fill lanes.");
+
+    inline Lanes
+    lanes_at(const double *address)
     {
-      store(load(sum.data()) + value, sum.data());
+      return Lanes(address, std::experimental::element_aligned);
     }
 
 
 
-    inline Simd
+    template <int n>
+    inline void
+    lanes_at(const double *group, const unsigned int first, Lanes (&values)[n])
+    {
+      for (int k = 0; k < n; ++k)
+        values[k] = lanes_at(group + (first + k) * n_lanes);
+    }
+
+
+
+    inline void
+    add_to(std::array<double, n_lanes> &sum, const Lanes &value)
+    {
+      (lanes_at(sum.data()) + value)
+        .copy_to(sum.data(), std::experimental::element_aligned);
+    }
+
+
+
+    inline Lanes
     used_lanes(const unsigned int count)
     {
-      Simd result;
-      for (unsigned int lane = 0; lane < simd_width; ++lane)
+      Lanes result;
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
         result[lane] = lane < count ? 1. : 0.;
       return result;
     }
@@ -61,7 +81,7 @@ namespace greville
     {
       using Layout      = PointLayout<dim>;
       const auto number = [&](const unsigned int k) {
-        return load(group + k * simd_width);
+        return lanes_at(group + k * n_lanes);
       };
       points.count   = count;
       points.n_state = layout.n_state;
@@ -73,10 +93,10 @@ namespace greville
       points.J    = number(Layout::J);
       if (layout.projected_J != 0)
         {
-          const Simd J     = number(layout.projected_J);
-          const Simd ratio = J / points.J;
-          Simd       factor;
-          for (unsigned int lane = 0; lane < simd_width; ++lane)
+          const Lanes J     = number(layout.projected_J);
+          const Lanes ratio = J / points.J;
+          Lanes       factor;
+          for (unsigned int lane = 0; lane < n_lanes; ++lane)
             factor[lane] = lane < count ? (dim == 2 ? std::sqrt(ratio[lane])
                                                     : std::cbrt(ratio[lane]))
                                         : 1.;
@@ -84,7 +104,7 @@ namespace greville
             for (unsigned int j = 0; j < dim; ++j)
               points.F[3 * i + j] *= factor;
           points.J = J;
-          for (unsigned int lane = count; lane < simd_width; ++lane)
+          for (unsigned int lane = count; lane < n_lanes; ++lane)
             points.J[lane] = 1.;
         }
       points.stress.fill(0.);
@@ -115,12 +135,12 @@ namespace greville
                           const double              *group,
                           const unsigned int         count)
   {
-    using Layout    = PointLayout<dim>;
-    const Simd used = used_lanes(count);
-    const Simd m    = used * load(group + Layout::mass * simd_width);
-    const Simd V0   = used * load(group + Layout::volume0 * simd_width);
-    Simd       x[dim];
-    load_numbers<dim>(group, Layout::position, x);
+    using Layout     = PointLayout<dim>;
+    const Lanes used = used_lanes(count);
+    const Lanes m    = used * lanes_at(group + Layout::mass * n_lanes);
+    const Lanes V0   = used * lanes_at(group + Layout::volume0 * n_lanes);
+    Lanes       x[dim];
+    lanes_at(group, Layout::position, x);
     n_points += count;
     add_to(mass, m);
     for (unsigned int d = 0; d < dim; ++d)
@@ -130,7 +150,7 @@ namespace greville
         MaterialLanes lanes;
         load_material_lanes<dim>(points.layout(), group, count, lanes);
         const EnergyLanes energies = material->energies(lanes);
-        Simd w = V0 * energies.strain, heat = V0 * energies.dissipation;
+        Lanes w = V0 * energies.strain, heat = V0 * energies.dissipation;
         where(used < 1., w)    = 0.;
         where(used < 1., heat) = 0.;
         add_to(strain, w);
@@ -138,8 +158,8 @@ namespace greville
       }
 
     // In 3D a tangent bounds the cubic root: (2 s + V / s^2) / 3 for any s.
-    const Simd V = V0 * load(group + Layout::J * simd_width);
-    Simd       half;
+    const Lanes V = V0 * lanes_at(group + Layout::J * n_lanes);
+    Lanes       half;
     if constexpr (dim == 2)
       half = 0.5 * sqrt(V);
     else
@@ -152,11 +172,11 @@ namespace greville
     const auto exact_half = [&](const unsigned int lane) {
       return dim == 2 ? double(half[lane]) : 0.5 * std::cbrt(double(V[lane]));
     };
-    const Simd right = x[0] + half, top = x[1] + half;
-    const auto is_above = used > 0. && x[1] > front_above;
+    const Lanes right = x[0] + half, top = x[1] + half;
+    const auto  is_above = used > 0. && x[1] > front_above;
     if (!none_of(is_above))
       {
-        Simd above              = m;
+        Lanes above             = m;
         where(!is_above, above) = 0.;
         mass_above += reduce(above);
         const double least =
@@ -188,21 +208,23 @@ namespace greville
                            const double      *spread)
   {
     using Layout = PointLayout<dim>;
-    const Simd m = used_lanes(count) * load(group + Layout::mass * simd_width);
-    Simd       x[dim], v[dim];
-    load_numbers<dim>(group, Layout::position, x);
-    load_numbers<dim>(velocities, 0, v);
-    Simd square = 0.;
+    const Lanes m =
+      used_lanes(count) * lanes_at(group + Layout::mass * n_lanes);
+    Lanes x[dim], v[dim];
+    lanes_at(group, Layout::position, x);
+    lanes_at(velocities, 0, v);
+    Lanes square = 0.;
     for (unsigned int d = 0; d < dim; ++d)
       {
         square += v[d] * v[d];
         add_to(momentum[d], m * v[d]);
       }
-    Simd speed            = square;
+    Lanes speed           = square;
     where(m <= 0., speed) = 0.;
-    store(max(load(square_of_speed.data()), speed), square_of_speed.data());
+    max(lanes_at(square_of_speed.data()), speed)
+      .copy_to(square_of_speed.data(), std::experimental::element_aligned);
 
-    Simd spins[n_spins];
+    Lanes spins[n_spins];
     if constexpr (dim == 2)
       spins[0] = x[0] * v[1] - x[1] * v[0];
     else
@@ -212,12 +234,12 @@ namespace greville
     if (affine)
       {
         // C : (C D), and the skew part of C D.
-        Simd B[dim][dim];
+        Lanes B[dim][dim];
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
             {
-              const Simd c = load(affine + (i * dim + j) * simd_width);
-              B[i][j]      = c * load(spread + j * simd_width);
+              const Lanes c = lanes_at(affine + (i * dim + j) * n_lanes);
+              B[i][j]       = c * lanes_at(spread + j * n_lanes);
               square += c * B[i][j];
             }
         if constexpr (dim == 2)
@@ -241,23 +263,23 @@ namespace greville
                     const Tensor<1, dim>      *imposed)
   {
     const PointField *field = points.layout().find("affine");
-    double            v[dim * simd_width], D[dim * simd_width] = {};
+    double            v[dim * n_lanes], D[dim * n_lanes] = {};
     for (const unsigned int cell : points.cells())
       {
         unsigned int count = points.n_in_first_group(cell);
         for (unsigned int g = points.first_group(cell);
              g != MaterialPoints<dim>::none;
-             g = points.next_group(g), count = simd_width)
+             g = points.next_group(g), count = n_lanes)
           {
             const double *group = points.group(g);
             add_group(points, group, count);
             if (!transfer)
               continue;
-            std::copy_n(group + PointLayout<dim>::velocity * simd_width,
-                        dim * simd_width,
+            std::copy_n(group + PointLayout<dim>::velocity * n_lanes,
+                        dim * n_lanes,
                         v);
             for (unsigned int d = 0; imposed && d < dim; ++d)
-              std::fill_n(v + d * simd_width, simd_width, (*imposed)[d]);
+              std::fill_n(v + d * n_lanes, n_lanes, (*imposed)[d]);
             if (!field)
               {
                 add_motion(group, count, v);
@@ -268,9 +290,9 @@ namespace greville
                 const auto diagonal = transfer->spread(
                   cell, points.point(g, lane).basis_position(points.layout()));
                 for (unsigned int d = 0; d < dim; ++d)
-                  D[d * simd_width + lane] = diagonal[d];
+                  D[d * n_lanes + lane] = diagonal[d];
               }
-            add_motion(group, count, v, group + field->first * simd_width, D);
+            add_motion(group, count, v, group + field->first * n_lanes, D);
           }
       }
   }

@@ -34,7 +34,12 @@ namespace greville
   EndOfStep<dim>::~EndOfStep()
   {
     for (auto &[simulation, state] : before)
-      simulation->current = std::move(state);
+      {
+        simulation->current = std::move(state);
+        // The next step sums up mass, momentum and force together, as without
+        // this: other kernels may round in another way.
+        simulation->current.points_have_changed();
+      }
   }
 
 
