@@ -49,6 +49,30 @@ namespace greville
 
 
 
+  EnergyLanes
+  Material::energies(const MaterialLanes &points) const
+  {
+    EnergyLanes result;
+    for (unsigned int lane = 0; lane < points.count; ++lane)
+      {
+        MaterialPoint point;
+        for (unsigned int i = 0; i < 9; ++i)
+          point.F[i / 3][i % 3] = points.F[i][lane];
+        point.J = points.J[lane];
+        for (unsigned int i = 0; i < 6; ++i)
+          point.stress.access_raw_entry(i) = points.stress[i][lane];
+        for (unsigned int i = 0; i < 3; ++i)
+          point.increment[i][i] = 1.;
+        for (unsigned int k = 0; k < points.n_state; ++k)
+          point.state[k] = points.state[k][lane];
+        result.strain[lane]      = strain_energy(point);
+        result.dissipation[lane] = dissipation(point);
+      }
+    return result;
+  }
+
+
+
   void
   add_material(const std::string &name, const MakeMaterial make)
   {

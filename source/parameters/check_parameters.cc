@@ -6,6 +6,7 @@
 #include <greville/parameters/simulation_parameters.h>
 
 #include <boost/algorithm/string/join.hpp>
+#include <cmath>
 #include <filesystem>
 
 namespace greville
@@ -55,6 +56,21 @@ namespace greville
                   ExcMessage("The parameter 'Output/Directory' is <" +
                              output.directory +
                              ">: write the folder without '..'."));
+    if (output.statistics_every != "auto")
+      {
+        double every = -1.;
+        try
+          {
+            every = Utilities::string_to_double(output.statistics_every);
+          }
+        catch (const std::exception &)
+          {}
+        AssertThrow(every >= 0. && std::isfinite(every),
+                    ExcMessage("The parameter 'Output/Statistics every' is <" +
+                               output.statistics_every +
+                               ">, and has to be auto or a number of seconds "
+                               "that is not negative."));
+      }
     for (const std::string &name : sweep.masses)
       check_mass_name(name, "Sweep/Masses");
     check_different(sweep.cells, "Sweep/Cells");

@@ -108,9 +108,9 @@ namespace greville
       "a message), remove. Other files stay as they are.");
     add_parameter(prm, "Fields every", fields_every, Double(0.))(
       "Time between two .pvtu files; 0: initial and last state only. Unit: s.");
-    add_parameter(prm, "Statistics every", statistics_every, Double(0.))(
-      "Time between two lines of statistics.csv; 0: each step, which takes "
-      "explicit steps up to twice as long. Unit: s.");
+    add_parameter(prm, "Statistics every", statistics_every)(
+      "Time between two lines of statistics.csv; auto: a part in 400 of the "
+      "time from the start to the end of the run; 0: each step. Unit: s.");
     add_parameter(prm, "Front above", front_above)(
       "Only points whose y is larger count for the columns front, front_99 and "
       "front_BODY, so that they are the run-out of what flows over a layer "

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/points/row_sums.h>
 #include <greville/points/volume_projection.h>
 
 #include "point_kernels.h"
@@ -153,6 +154,51 @@ namespace greville
 
 
 
+    /**
+     * Give the sums of a row the velocities, and with APIC the affine matrices
+     * C from number @p first_affine on and the diagonals D, of a group between
+     * those that it has and new ones.
+     */
+    template <int dim, bool apic>
+    __attribute__((noinline)) void
+    add_motion(const PointUpdate<dim> &update,
+               const double           *group,
+               const unsigned int      count,
+               const Simd (&v)[dim],
+               const unsigned int first_affine,
+               const Simd (&C)[dim][dim],
+               const Simd (&D)[dim])
+    {
+      const double f = update.row_fraction;
+      double       velocities[dim * simd_width];
+      for (int i = 0; i < dim; ++i)
+        {
+          const Simd before =
+            load(group + (PointLayout<dim>::velocity + i) * simd_width);
+          store(before + f * (v[i] - before), velocities + i * simd_width);
+        }
+      if constexpr (apic)
+        {
+          double matrices[dim * dim * simd_width], diagonals[dim * simd_width];
+          for (int i = 0; i < dim; ++i)
+            for (int j = 0; j < dim; ++j)
+              {
+                const unsigned int k = i * dim + j;
+                const Simd         before =
+                  load(group + (first_affine + k) * simd_width);
+                store(before + f * (C[i][j] - before),
+                      matrices + k * simd_width);
+              }
+          for (int j = 0; j < dim; ++j)
+            store(D[j], diagonals + j * simd_width);
+          update.row->add_motion(group, count, velocities, matrices, diagonals);
+        }
+      else
+        update.row->add_motion(group, count, velocities);
+    }
+
+
+
     template <int dim, int n, typename Kind>
     void
     update_points(MaterialPoints<dim>         &points,
@@ -197,7 +243,10 @@ namespace greville
                g = points.next_group(g), count = simd_width)
             {
               double *group = points.group(g);
-              Simd    x[dim];
+              if constexpr (Kind::kick)
+                if (update.row)
+                  update.row->add_group(points, group, count);
+              Simd x[dim];
               load_basis_positions(points, group, x);
               Shape<dim, n> shape;
               shape.template evaluate<derivatives>(geometry, x);
@@ -278,6 +327,7 @@ namespace greville
 
               if constexpr (Kind::kick)
                 {
+                  Simd D[dim] = {};
                   if constexpr (Kind::apic)
                     {
                       for (int i = 0; i < dim; ++i)
@@ -287,22 +337,20 @@ namespace greville
                           // xi - x is the offset minus the distance of x from
                           // the centre; D as in the documentation.
                           const Simd t = x[j] - geometry.center[j];
-                          Simd       D = 0.;
+                          D[j]         = 0.;
                           for (int a = 0; a < n; ++a)
                             {
                               const Simd distance = geometry.offsets[j][a] - t;
-                              D += shape.N[j][a] * distance * distance;
+                              D[j] += shape.N[j][a] * distance * distance;
                             }
                           const double smallest =
                             1e-12 /
                             (geometry.inverse_h[j] * geometry.inverse_h[j]);
-                          where(D < smallest, D) = smallest;
+                          where(D[j] < smallest, D[j]) = smallest;
                           for (int i = 0; i < dim; ++i)
                             B[i][j] =
-                              lane_is_used * (B[i][j] - t * fields[i]) / D;
+                              lane_is_used * (B[i][j] - t * fields[i]) / D[j];
                         }
-                      for (int i = 0; i < dim; ++i)
-                        store_numbers<dim>(B[i], first_affine + i * dim, group);
                     }
                   else
                     {
@@ -314,7 +362,13 @@ namespace greville
                     }
                   for (int i = 0; i < dim; ++i)
                     v[i] *= lane_is_used;
+                  if (update.row)
+                    add_motion<dim, Kind::apic>(
+                      update, group, count, v, first_affine, B, D);
                   store_numbers<dim>(v, Layout::velocity, group);
+                  if constexpr (Kind::apic)
+                    for (int i = 0; i < dim; ++i)
+                      store_numbers<dim>(B[i], first_affine + i * dim, group);
                 }
 
               if constexpr (Kind::move)

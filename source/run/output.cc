@@ -561,33 +561,47 @@ namespace greville
 
   template <int dim>
   void
-  Probes<dim>::write(const double time, const BodyList<dim> &bodies)
+  Probes<dim>::take(const unsigned int   first,
+                    const BodyList<dim> &bodies,
+                    const double         weight,
+                    const bool           velocities)
   {
     if (probes.empty())
       return;
     constexpr unsigned int n_stress = PointLayout<dim>::n_stress;
     constexpr unsigned int n        = 2 * dim + n_stress;
-    std::vector<double>    values(1 + n * probes.size(), 0.);
+    values.resize(1 + n * probes.size(), 0.);
     for (unsigned int b = 0; b < bodies.size(); ++b)
-      {
-        bodies[b].points.for_each(
-          [&](const unsigned int, ConstPointRef<dim> p) {
-            for (unsigned int k = 0; k < probes.size(); ++k)
-              if (probes[k].body == b && probes[k].id == p.id())
-                {
-                  for (unsigned int d = 0; d < dim; ++d)
-                    {
-                      values[1 + k * n + d]       = p.position(d);
-                      values[1 + k * n + dim + d] = p.velocity(d);
-                    }
-                  for (unsigned int c = 0; c < n_stress; ++c)
-                    values[1 + k * n + 2 * dim + c] = p.stress(c);
-                }
-          });
-      }
+      bodies[b].points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        for (unsigned int k = 0; k < probes.size(); ++k)
+          if (probes[k].body == first + b && probes[k].id == p.id())
+            {
+              double *const row = &values[1 + k * n];
+              for (unsigned int d = 0; d < dim; ++d)
+                row[dim + d] += weight * p.velocity(d);
+              if (velocities)
+                continue;
+              for (unsigned int d = 0; d < dim; ++d)
+                row[d] = p.position(d);
+              for (unsigned int c = 0; c < n_stress; ++c)
+                row[2 * dim + c] = p.stress(c);
+            }
+      });
+  }
+
+
+
+  template <int dim>
+  void
+  Probes<dim>::write(const double time)
+  {
+    if (probes.empty())
+      return;
+    values.resize(columns().size(), 0.);
     Utilities::MPI::sum(values, comm, values);
     values[0] = time;
     file.write(values);
+    values.clear();
   }
 
 

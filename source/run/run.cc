@@ -166,6 +166,11 @@ namespace greville
           ensemble.fill_grid();
         write_due(false);
       }
+    if (late_row && ensemble.is_finished())
+      {
+        const EndOfStep<dim> end_of_step(ensemble);
+        write_statistics();
+      }
     while (!ensemble.is_finished())
       {
         if (ensemble.first().keeps_state())
@@ -176,6 +181,7 @@ namespace greville
           }
         catch (const StepGivenUp &error)
           {
+            late_row.reset();
             notes.write(ensemble.take_newton());
             if (is_terminal && parameters.output.print_times)
               out << "\r\033[K" << std::flush;
@@ -191,6 +197,7 @@ namespace greville
           }
         notes.write(ensemble.take_newton());
         const bool is_last = ensemble.is_finished();
+        write_late_row();
         write_due(is_last);
         for (const std::string &warning : ensemble.take_warnings())
           notes.warn(warning);
@@ -289,15 +296,27 @@ namespace greville
     // The last state of a stage is the first one of the next.
     const double now          = rounded_up_time();
     const bool   is_stage_end = is_last || ensemble.first().is_stage_finished();
-    if (!is_stage_end && now < std::min(next_statistics, next_fields))
+    const bool   is_row_due   = is_stage_end || now >= next_statistics;
+    if (is_last && now >= next_statistics && ensemble.rows_lag())
+      {
+        before_last_row             = make_mark();
+        before_last_row->row_is_due = true;
+      }
+    const bool is_late        = !is_stage_end && ensemble.rows_lag();
+    const bool are_fields_due = is_stage_end || now >= next_fields;
+    if (is_row_due)
+      next_statistics =
+        next_time(parameters.output.rows_every(parameters.end_of_run() -
+                                               parameters.time.start),
+                  now);
+    if (is_row_due && is_late)
+      ask_for_row();
+    if (!are_fields_due && !(is_row_due && !is_late))
       return;
     const EndOfStep<dim> end_of_step(ensemble);
-    if (is_stage_end || now >= next_statistics)
-      {
-        write_statistics();
-        next_statistics = next_time(parameters.output.statistics_every, now);
-      }
-    if (is_stage_end || now >= next_fields)
+    if (is_row_due && !is_late)
+      write_statistics();
+    if (are_fields_due)
       {
         write_fields();
         next_fields = next_time_of_fields(now);
@@ -373,32 +392,86 @@ namespace greville
 
 
   template <int dim>
-  void
-  SimulationRun<dim>::write_statistics()
+  typename SimulationRun<dim>::Row
+  SimulationRun<dim>::begin_row()
   {
-    const Statistics<dim> row = ensemble.statistics();
-    largest_front.add(row.front);
-    largest_front_99.add(row.front_99);
-    measured.add(row);
-    probes.write(common().time, ensemble.bodies());
-    auto values = row.values();
-    for (const auto &[wall, component] : reactions)
-      values.push_back(row.reactions[wall][component]);
+    Row row{common().n_steps, common().time, {}};
     if (!parameters.stages.empty())
-      values.push_back(common().stage + 1);
+      row.more.push_back(common().stage + 1);
     if (parameters.output.load)
       {
         // Of all parts, which go in common steps.
         const double work =
           ensemble.sum([](const Simulation<dim> &part) { return part.work(); });
-        values.push_back(Utilities::MPI::max(work, comm));
-        values.push_back(imbalance(work, comm));
-        values.push_back(ensemble.sum([](const Simulation<dim> &part) {
+        row.more.push_back(Utilities::MPI::max(work, comm));
+        row.more.push_back(imbalance(work, comm));
+        row.more.push_back(ensemble.sum([](const Simulation<dim> &part) {
           return part.state().n_partitions;
         }));
       }
+    return row;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_row(const Row             &row,
+                                const Statistics<dim> &statistics)
+  {
+    largest_front.add(statistics.front);
+    largest_front_99.add(statistics.front_99);
+    measured.add(statistics);
+    probes.write(row.time);
+    auto values = statistics.values();
+    for (const auto &[wall, component] : reactions)
+      values.push_back(statistics.reactions[wall][component]);
+    values.insert(values.end(), row.more.begin(), row.more.end());
     statistics_file.write(values);
-    last_written_statistics = common().n_steps;
+    last_written_statistics = row.n_steps;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_statistics()
+  {
+    late_row.reset();
+    probes.forget();
+    probes.take(0, ensemble.bodies());
+    write_row(begin_row(), ensemble.statistics());
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::ask_for_row()
+  {
+    late_row = begin_row();
+    probes.forget();
+    if (probes.empty())
+      ensemble.ask_for_row();
+    else
+      ensemble.ask_for_row([this](const unsigned int            first,
+                                  const std::vector<Body<dim>> &bodies,
+                                  const double                  weight,
+                                  const bool                    is_kicked) {
+        probes.take(first, bodies, weight, is_kicked);
+      });
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_late_row()
+  {
+    if (!late_row)
+      return;
+    write_row(*late_row, ensemble.late_statistics());
+    late_row.reset();
   }
 
 

@@ -23,7 +23,8 @@ namespace greville
     const std::vector<std::string> run_columns = {"bytes_of_statistics",
                                                   "bytes_of_probes",
                                                   "largest_front",
-                                                  "largest_front_99"};
+                                                  "largest_front_99",
+                                                  "row_is_due"};
 
 
 
@@ -162,6 +163,8 @@ namespace greville
                               comm);
         probes.go_on(probes_file_in(directory), std::uint64_t(numbers[1]));
         fields.go_on(content.text("written"), comm);
+        if (numbers[4] != 0.)
+          ask_for_row();
       }
     catch (const std::exception &error)
       {
@@ -173,9 +176,12 @@ namespace greville
     checkpoint_file = checkpoint.file;
     checkpoint_step = common().n_steps;
     notes.go_on(common().n_steps);
-    const double t  = rounded_up_time();
-    next_statistics = next_time(parameters.output.statistics_every, t);
-    next_fields     = next_time_of_fields(t);
+    const double t = rounded_up_time();
+    next_statistics =
+      next_time(parameters.output.rows_every(parameters.end_of_run() -
+                                             parameters.time.start),
+                t);
+    next_fields = next_time_of_fields(t);
     out << "Going on from <" << checkpoint.file << ">, step "
         << common().n_steps << ", t = " << common().time << " s.\n\n";
   }
@@ -191,6 +197,7 @@ namespace greville
             probes.n_bytes(),
             largest_front,
             largest_front_99,
+            late_row.has_value(),
             fields.record(),
             measured.added()};
   }
@@ -214,7 +221,8 @@ namespace greville
         run.values = {double(at.bytes_of_statistics),
                       double(at.bytes_of_probes),
                       at.front.value,
-                      at.front_99.value};
+                      at.front_99.value,
+                      double(at.row_is_due)};
         for (unsigned int k = 0; k < at.series.first.size(); ++k)
           series.values.insert(series.values.end(),
                                {at.series.first[k], at.series.second[k]});
@@ -235,8 +243,16 @@ namespace greville
   {
     // Where it cannot be written, the state to go back to and the mark stay
     // those of the same step.
-    const Mark now = make_mark();
+    Mark now = make_mark();
+    if (before_last_row)
+      {
+        const std::string written = now.fields;
+        now                       = *before_last_row;
+        now.fields                = written;
+      }
     ensemble.set_from_tables(write_checkpoint(now));
+    if (late_row)
+      ask_for_row();
     mark            = now;
     last_checkpoint = std::chrono::steady_clock::now();
   }
@@ -326,10 +342,13 @@ namespace greville
     if (is_last || signal == 0 || signal == SIGUSR1)
       return;
     // A run that goes on removes what comes behind the checkpoint.
-    if (last_written_statistics != common().n_steps)
-      write_statistics();
-    if (last_written_fields != common().n_steps)
-      write_fields();
+    {
+      const EndOfStep<dim> end_of_step(ensemble);
+      if (last_written_statistics != common().n_steps)
+        write_statistics();
+      if (last_written_fields != common().n_steps)
+        write_fields();
+    }
     const RunSummary summary = summarize();
     out << '\n';
     print_summary(summary);

@@ -37,6 +37,7 @@ namespace greville
     , loads(parts.loads)
     , log(parts.log)
     , guard(parts.guard)
+    , late_row(parts.late_row)
     , apic(parameters.scheme.transfer == "APIC")
     , half_steps(parameters.time.velocities == "half steps")
     , damping(parameters.loads, discretization)
@@ -163,26 +164,6 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::sum_force(const State<dim> &state)
-  {
-    if (finished.points_stamp == state.points_stamp)
-      {
-        discretization.sum(state);
-        for (unsigned int d = 0; d < dim; ++d)
-          trial.force[d].copy_locally_owned_data_from(finished.force[d]);
-        return;
-      }
-    discretization.sum(state, &trial.force);
-    // A step of no length is finish().
-    finished.points_stamp = trial.step == 0. ? state.points_stamp : 0;
-    if (trial.step == 0.)
-      finished.force = trial.force;
-  }
-
-
-
-  template <int dim>
-  void
   CentralDifferences<dim>::find_acceleration(State<dim> &state)
   {
     impose_velocities(state.bodies, state.time + 0.5 * trial.step);
@@ -216,10 +197,7 @@ namespace greville
     const double share        = kept_share(state);
     trial.momentum_of_walls   = {};
     trial.momentum            = {};
-    if (stress_first)
-      discretization.sum(state);
-    else
-      sum_force(state);
+    discretization.sum(state, stress_first ? nullptr : &trial.force);
     trial.momentum.add(discretization.momentum(), 1.);
     trial.velocity = state.velocity;
     std::swap(trial.acceleration, state.acceleration);
@@ -340,8 +318,11 @@ namespace greville
     trial.n_iterations =
       std::max(trial.n_iterations, contact->most_iterations());
     trial.n_all_iterations += contact->n_iterations();
-    state.energy.add_friction(
-      contact->work(trial.velocity, trial.new_velocity));
+    const double before = contact->work(trial.velocity, trial.velocity),
+                 after  = contact->work(trial.new_velocity, trial.new_velocity);
+    state.energy.add_friction(0.5 * (before + after));
+    if (row)
+      row->energy.add_friction(row->part_of_work(before, after));
   }
 
 
@@ -389,26 +370,16 @@ namespace greville
 
 
   template <int dim>
-  Lag
-  CentralDifferences<dim>::lag(const State<dim> &state) const
-  {
-    if (!half_steps || !(state.step > 0.))
-      return Lag::nothing;
-    return order == StressUpdate::USF ? Lag::all : Lag::velocity;
-  }
-
-
-
-  template <int dim>
   void
   CentralDifferences<dim>::finish(State<dim> &state)
   {
     // Nothing moves: what is left of the kick acts where the points are.
-    if (lag(state) == Lag::nothing)
+    if (!velocities_lag(state))
       return;
     const auto reactions = state.reactions;
     const auto contact_loads =
       contact ? contact->loads() : std::vector<Tensor<1, dim>>();
+    row                    = nullptr; // of a step that has failed
     trial.step             = 0.;
     trial.velocity_step    = 0.5 * state.step;
     trial.deformation_step = state.step;
@@ -416,23 +387,63 @@ namespace greville
     find_acceleration(state);
     find_new_velocity(state);
     update(state, &trial.acceleration, &trial.new_velocity, nullptr, false);
-    add_work_of_point_loads(state);
+    add_work_of_point_loads(state, true);
     fail_on_all(trial.motion.problem, discretization.communicator());
     state.velocity  = trial.new_velocity;
     state.reactions = reactions;
     if (contact)
       contact->set_loads(contact_loads);
     state.velocity_time += trial.velocity_step;
+    guard.set_swing(swing(state));
+  }
+
+
+
+  template <int dim>
+  double
+  CentralDifferences<dim>::swing(const State<dim> &state) const
+  {
     // Steps that map velocities with lumped mass before they deform points damp
     // high modes, and keep another energy.
     if (!mass.is_exact() && order != StressUpdate::USL)
-      return;
+      return 0.;
     double square = 0.; // a^T M a
     for (unsigned int d = 0; d < dim; ++d)
       for (unsigned int i = 0; i < trial.force[d].locally_owned_size(); ++i)
         square += trial.acceleration[d].local_element(i) *
                   trial.force[d].local_element(i);
-    guard.set_swing(0.125 * state.step * state.step * square);
+    return 0.125 * state.step * state.step * square;
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::begin_row(const State<dim> &state)
+  {
+    row = late_row.is_wanted && half_steps ? &late_row : nullptr;
+    if (!row)
+      return;
+    row->energy = state.energy;
+    row->fraction =
+      trial.velocity_step > 0.
+        ? std::clamp((state.time - state.velocity_time) / trial.velocity_step,
+                     0.,
+                     1.)
+        : 0.;
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::end_row(const State<dim> &state)
+  {
+    if (!row)
+      return;
+    row->swing    = swing(state);
+    row->is_known = true;
+    row           = nullptr;
   }
 
 
@@ -489,6 +500,7 @@ namespace greville
       }
     else
       find_acceleration(state);
+    begin_row(state);
     find_new_velocity(state);
     const VectorField<dim> *const a = &trial.acceleration;
     const VectorField<dim> *const v = &trial.new_velocity;
@@ -506,7 +518,8 @@ namespace greville
           update(state, nullptr, v, &work_field, true);
           break;
       }
-    add_work_of_point_loads(state);
+    add_work_of_point_loads(state, true);
+    end_row(state);
     const std::string problem =
       discretization.transport_points(state,
                                       trial.motion.left_cells,

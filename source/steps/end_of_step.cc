@@ -1,117 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/steps/ensemble.h>
+
+#include <algorithm>
+#include <sstream>
 
 namespace greville
 {
   using namespace dealii;
-
-  namespace
-  {
-    /**
-     * Where a point has what a kick changes: entries and their number.
-     */
-    template <int dim>
-    std::vector<std::pair<unsigned int, unsigned int>>
-    kicked_entries(const PointLayout<dim> &layout)
-    {
-      std::vector<std::pair<unsigned int, unsigned int>> result = {
-        {PointLayout<dim>::velocity, dim}};
-      if (const PointField *affine = layout.find("affine"))
-        result.emplace_back(affine->first, dim * dim);
-      if (const PointField *load = layout.find("load"))
-        result.emplace_back(load->first, dim);
-      return result;
-    }
-  } // namespace
-
-
-
-  template <int dim>
-  void
-  UnfinishedState<dim>::add_kicked(const MaterialPoints<dim> &points,
-                                   std::vector<double>       &values)
-  {
-    const auto entries = kicked_entries(points.layout());
-    points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-      for (const auto &[first, n] : entries)
-        for (unsigned int k = 0; k < n; ++k)
-          values.push_back(p[first + k]);
-    });
-  }
-
-
-
-  template <int dim>
-  const double *
-  UnfinishedState<dim>::set_kicked(MaterialPoints<dim> &points,
-                                   const double        *values)
-  {
-    const auto entries = kicked_entries(points.layout());
-    points.for_each([&](const unsigned int, PointRef<dim> p) {
-      for (const auto &[first, n] : entries)
-        for (unsigned int k = 0; k < n; ++k)
-          p[first + k] = *values++;
-    });
-    return values;
-  }
-
-
-
-  template <int dim>
-  void
-  UnfinishedState<dim>::take(const State<dim> &state, const Lag lag)
-  {
-    rest         = static_cast<const StateWithoutBodies<dim> &>(state);
-    points_stamp = state.points_stamp;
-    kicked.clear();
-    points.clear();
-    const auto keep = [&](const MaterialPoints<dim> &of_body) {
-      if (lag == Lag::all)
-        points.push_back(of_body);
-      else
-        add_kicked(of_body, kicked);
-    };
-    for (const Body<dim> &body : state.bodies)
-      keep(body.points);
-    for (const Surface<dim> &surface : state.surfaces)
-      keep(surface.points);
-  }
-
-
-
-  template <int dim>
-  void
-  UnfinishedState<dim>::give_back(State<dim> &state)
-  {
-    static_cast<StateWithoutBodies<dim> &>(state) = std::move(rest);
-    state.points_stamp                            = points_stamp;
-
-    const double *values = kicked.data();
-    auto          copy   = points.begin();
-    const auto    back   = [&](MaterialPoints<dim> &of_body) {
-      if (points.empty())
-        values = set_kicked(of_body, values);
-      else
-        of_body = std::move(*copy++);
-    };
-    for (Body<dim> &body : state.bodies)
-      back(body.points);
-    for (Surface<dim> &surface : state.surfaces)
-      back(surface.points);
-    kicked = {};
-    points.clear();
-  }
-
-
 
   template <int dim>
   EndOfStep<dim>::EndOfStep(Ensemble<dim> &ensemble)
     : EndOfStep()
   {
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
-      if (ensemble.part(k).begin_output("output"))
-        simulations.push_back(&ensemble.part(k));
+      add(ensemble.part(k), "output");
   }
 
 
@@ -121,8 +25,7 @@ namespace greville
                             const std::string &part)
     : EndOfStep()
   {
-    if (simulation.begin_output(part))
-      simulations.push_back(&simulation);
+    add(simulation, part);
   }
 
 
@@ -130,14 +33,68 @@ namespace greville
   template <int dim>
   EndOfStep<dim>::~EndOfStep()
   {
-    for (Simulation<dim> *simulation : simulations)
-      simulation->end_output();
+    for (auto &[simulation, state] : before)
+      {
+        simulation->current = std::move(state);
+        // The next step sums up mass, momentum and force together, as without
+        // this: other kernels may round in another way.
+        simulation->current.points_have_changed();
+      }
   }
 
 
 
-  template class UnfinishedState<2>;
-  template class UnfinishedState<3>;
+  template <int dim>
+  void
+  EndOfStep<dim>::add(Simulation<dim> &simulation, const std::string &part)
+  {
+    State<dim> &state = simulation.current;
+    StepLog    &log   = simulation.log;
+    if (!simulation.rows_lag())
+      return;
+    const PartTimer timer(log, part);
+    const auto      seconds = log.seconds;
+    before.emplace_back(&simulation, state);
+    GridMass<dim> &mass = simulation.discretization.mass();
+    mass.begin_trial();
+    std::string problem;
+    try
+      {
+        simulation.integrator->finish(state);
+      }
+    catch (const StepFailed &failure)
+      {
+        problem = without_stop(failure.what());
+      }
+    catch (const ExcMessage &)
+      {
+        mass.end_trial();
+        throw;
+      }
+    mass.end_trial();
+    // Of these tasks, steps have not taken more.
+    for (auto &[task, sum] : log.seconds)
+      {
+        const auto until = seconds.find(task);
+        sum              = until == seconds.end() ? 0. : until->second;
+      }
+    if (problem.empty())
+      return;
+    state = std::move(before.back().second);
+    before.pop_back();
+    std::ostringstream message;
+    message << "Velocities at t = " << state.time
+            << " s are those of t = " << state.velocity_time
+            << " s, since the kick to the end of the step has failed: "
+            << problem << ".";
+    // The guard and files may ask for the same state.
+    if (std::count(log.warnings.begin(), log.warnings.end(), message.str()) ==
+        0)
+      log.warnings.push_back(message.str());
+  }
+
+
+
   template class EndOfStep<2>;
   template class EndOfStep<3>;
 } // namespace greville

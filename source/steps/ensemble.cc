@@ -181,19 +181,83 @@ namespace greville
       result.add(part(k).statistics());
     if (parts.size() > 1)
       result.front_99 = front_quantile(bodies(), comm, front_above);
-    // In the order of the columns of files.
-    const auto loads = result.loads;
-    const auto work  = result.work.surfaces;
-    result.loads.clear();
-    result.work.surfaces.clear();
+    sort_loads(result);
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::ask_for_row(
+    const std::function<void(const unsigned int,
+                             const std::vector<Body<dim>> &,
+                             const double,
+                             const bool)> &watch)
+  {
+    const double outer_mass =
+      1.01 * beyond_front *
+      sum([](const Simulation<dim> &part) { return part.state().mass; });
+    unsigned int first_body = 0;
+    for (const auto &part : parts)
+      {
+        if (watch)
+          part->ask_for_row(outer_mass,
+                            [watch, first_body](const auto  &bodies,
+                                                const double weight,
+                                                const bool   is_kicked) {
+                              watch(first_body, bodies, weight, is_kicked);
+                            });
+        else
+          part->ask_for_row(outer_mass);
+        first_body += part->state().bodies.size();
+      }
+  }
+
+
+
+  template <int dim>
+  Statistics<dim>
+  Ensemble<dim>::late_statistics() const
+  {
+    for (const auto &part : parts)
+      AssertThrow(part->late_row().is_known,
+                  ErrorOnAll("The last step has summed up no row: it was not "
+                             "asked for one, or its integrator's velocities "
+                             "lag and it knows no LateRow."));
+    Statistics<dim> result = first().late_statistics();
+    for (unsigned int k = 1; k < parts.size(); ++k)
+      result.add(part(k).late_statistics());
+    if (parts.size() > 1)
+      {
+        std::vector<const RowSums<dim> *> sums;
+        for (const auto &part : parts)
+          for (unsigned int b = 0; b < part->state().bodies.size(); ++b)
+            if (!part->state().bodies[b].rigid_motion)
+              sums.push_back(&part->late_row().sums[b]);
+        result.front_99 = front_quantile(sums, comm);
+      }
+    sort_loads(result);
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::sort_loads(Statistics<dim> &row) const
+  {
+    const auto loads = row.loads;
+    const auto work  = row.work.surfaces;
+    row.loads.clear();
+    row.work.surfaces.clear();
     for (const std::string &name : load_names)
       for (unsigned int k = 0; k < loads.size(); ++k)
         if (loads[k].first == name)
           {
-            result.loads.push_back(loads[k]);
-            result.work.surfaces.push_back(work[k]);
+            row.loads.push_back(loads[k]);
+            row.work.surfaces.push_back(work[k]);
           }
-    return result;
   }
 
 

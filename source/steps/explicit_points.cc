@@ -30,10 +30,15 @@ namespace greville
     update.apic          = apic;
     update.projection    = discretization.volume_projection();
 
+    if (row && kick && row->watch)
+      row->watch(state.bodies, 1. - row->fraction, false);
     PointMotion motion = update_points(state.bodies,
                                        discretization.transfer(),
                                        update,
-                                       state.time + (move ? trial.step : 0.));
+                                       state.time + (move ? trial.step : 0.),
+                                       row);
+    if (row && kick && row->watch)
+      row->watch(state.bodies, row->fraction, true);
     update_surfaces(state, update, motion);
     motion.merge(trial.motion);
     trial.motion = std::move(motion);

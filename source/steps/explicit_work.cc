@@ -24,18 +24,24 @@ namespace greville
     state.energy.add_work(EnergyBalance::gravity, trial.step * power);
 
     // What their force gives to the kinetic energy.
-    add_work_of_point_loads(state);
+    add_work_of_point_loads(state, false);
     for (unsigned int k = 0; k < state.surfaces.size(); ++k)
       {
-        const VectorField<dim> &force = discretization.surface_forces()[k];
-        double                  sum   = 0.;
+        const VectorField<dim> &force  = discretization.surface_forces()[k];
+        double                  before = 0., after = 0.;
         for (unsigned int d = 0; d < dim; ++d)
           for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-            sum += force[d].local_element(i) *
-                   (trial.velocity[d].local_element(i) +
-                    trial.new_velocity[d].local_element(i));
+            {
+              const double impulse =
+                trial.velocity_step * force[d].local_element(i);
+              before += impulse * trial.velocity[d].local_element(i);
+              after += impulse * trial.new_velocity[d].local_element(i);
+            }
         state.energy.add_work(EnergyBalance::surfaces + k,
-                              0.5 * trial.velocity_step * sum);
+                              0.5 * (before + after));
+        if (row)
+          row->energy.add_work(EnergyBalance::surfaces + k,
+                               row->part_of_work(before, after));
       }
 
     // Walls and obstacles give what a = (v' - v) / dt' needs beyond the force.
@@ -60,7 +66,8 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::add_work_of_point_loads(State<dim> &state) const
+  CentralDifferences<dim>::add_work_of_point_loads(State<dim> &state,
+                                                   const bool  is_kicked)
   {
     if (!loads.act_on_points())
       return;
@@ -73,28 +80,34 @@ namespace greville
             power += p.mass() * p[load + d] * p.velocity(d);
         });
       }
-    state.energy.add_work(EnergyBalance::loads,
-                          0.5 * trial.velocity_step * power);
+    const double work = trial.velocity_step * power;
+    state.energy.add_work(EnergyBalance::loads, 0.5 * work);
+    if (row)
+      row->energy.add_work(EnergyBalance::loads,
+                           is_kicked ? row->part_of_work(0., work)
+                                     : row->part_of_work(work, 0.));
   }
 
 
 
   template <int dim>
   void
-  CentralDifferences<dim>::add_work_of_friction(State<dim> &state) const
+  CentralDifferences<dim>::add_work_of_friction(State<dim> &state)
   {
     const VectorType &lumped = discretization.lumped_mass();
-    double            work   = 0.;
+    double            before = 0., after = 0.;
     for (unsigned int d = 0; d < dim; ++d)
       for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
         {
-          const double change = trial.new_velocity[d].local_element(i) -
-                                work_field[d].local_element(i);
-          work += 0.5 * lumped.local_element(i) * change *
-                  (trial.velocity[d].local_element(i) +
-                   trial.new_velocity[d].local_element(i));
+          const double impulse =
+            lumped.local_element(i) * (trial.new_velocity[d].local_element(i) -
+                                       work_field[d].local_element(i));
+          before += impulse * trial.velocity[d].local_element(i);
+          after += impulse * trial.new_velocity[d].local_element(i);
         }
-    state.energy.add_friction(work);
+    state.energy.add_friction(0.5 * (before + after));
+    if (row)
+      row->energy.add_friction(row->part_of_work(before, after));
   }
 
 
@@ -109,7 +122,7 @@ namespace greville
       return;
     const PartTimer timer(log, "energy");
 
-    // P + P' of the points. That of APIC is of the grid.
+    // P' of the points. That of APIC is of the grid.
     const double      dt   = trial.velocity_step;
     const double      flip = kept_share(state);
     VectorField<dim> &sum = trial.velocity, &momenta = work_field;
@@ -128,9 +141,17 @@ namespace greville
                                               sum,
                                               momenta);
     for (unsigned int d = 0; d < dim; ++d)
-      momenta[d].add(1. + flip, discretization.momentum()[d]);
-    state.energy.add_damping(dt *
-                             damping.power(momenta, trial.force, state.time));
+      momenta[d].add(flip, discretization.momentum()[d]);
+    // Damping takes as much from the momenta before and after the kick.
+    const double before = 2. * dt *
+                          damping.power(discretization.momentum(),
+                                        trial.force,
+                                        state.time),
+                 after =
+                   2. * dt * damping.power(momenta, trial.force, state.time);
+    state.energy.add_damping(0.5 * (before + after));
+    if (row)
+      row->energy.add_damping(row->part_of_work(before, after));
   }
 
 

@@ -125,15 +125,23 @@ namespace greville
   update_points(std::vector<Body<dim>> &bodies,
                 PointTransfer<dim>     &transfer,
                 PointUpdate<dim>        update,
-                const double            time)
+                const double            time,
+                LateRow<dim>           *row)
   {
     PointMotion motion;
     motion.left_cells.resize(bodies.size());
     for (unsigned int b = 0; b < bodies.size(); ++b)
       {
-        Body<dim> &body = bodies[b];
+        Body<dim>          &body = bodies[b];
+        RowSums<dim> *const sums =
+          row && update.acceleration ? &row->sums[b] : nullptr;
         if (body.rigid_motion)
           {
+            if (sums)
+              {
+                const Tensor<1, dim> v = (*body.rigid_motion)(row->row.time);
+                sums->add(body.points, &transfer, &v);
+              }
             if (!update.move)
               continue;
             const auto [left, speed] =
@@ -142,6 +150,8 @@ namespace greville
             motion.fastest_signal = std::max(motion.fastest_signal, speed);
             continue;
           }
+        update.row                = sums;
+        update.row_fraction       = row ? row->fraction : 0.;
         update.material           = body.material;
         update.strength_reduction = body.material->strength_reduction(time);
         PointReport report;

@@ -52,7 +52,7 @@ namespace greville
     , current(make_initial_state(parameters, loads, discretization))
     , integrator(make_time_integrator<dim>(
         parameters.scheme.stress_update,
-        {parameters, discretization, loads, current, log, guard}))
+        {parameters, discretization, loads, current, log, guard, asked}))
   {
     // All stages, the first one last: what is wrong with one is found now.
     for (unsigned int k = parameters.n_stages(); k-- > 0;)
@@ -121,7 +121,7 @@ namespace greville
           surface.points.set_space(discretization.space());
         integrator = make_time_integrator<dim>(
           parameters.scheme.stress_update,
-          {parameters, discretization, loads, current, log, guard});
+          {parameters, discretization, loads, current, log, guard, asked});
       }
     catch (const std::exception &exception)
       {
@@ -221,6 +221,7 @@ namespace greville
         discretization.repartition(state.partition);
       }
     current           = state;
+    asked             = {};
     current.partition = discretization.partition();
     // It may be that of another simulation, which is gone before this one.
     for (Body<dim> &body : current.bodies)
@@ -286,7 +287,7 @@ namespace greville
     current.imbalance = imbalance(work(), comm);
     integrator        = make_time_integrator<dim>(
       parameters.scheme.stress_update,
-      {parameters, discretization, loads, current, log, guard});
+      {parameters, discretization, loads, current, log, guard, asked});
     good.take(current);
   }
 
@@ -341,65 +342,6 @@ namespace greville
 
 
   template <int dim>
-  bool
-  Simulation<dim>::begin_output(const std::string &part)
-  {
-    const Lag lag = integrator->lag(current);
-    if (lag == Lag::nothing)
-      return false;
-    const PartTimer timer(log, part);
-    const auto      seconds = log.seconds;
-    unfinished.take(current, lag);
-    discretization.mass().begin_trial();
-    std::string problem;
-    try
-      {
-        integrator->finish(current);
-      }
-    catch (const StepFailed &failure)
-      {
-        problem = without_stop(failure.what());
-      }
-    catch (const ExcMessage &)
-      {
-        discretization.mass().end_trial();
-        end_output();
-        throw;
-      }
-    discretization.mass().end_trial();
-    // Of these tasks, steps have not taken more.
-    for (auto &[task, sum] : log.seconds)
-      {
-        const auto before = seconds.find(task);
-        sum               = before == seconds.end() ? 0. : before->second;
-      }
-    if (problem.empty())
-      return true;
-    end_output();
-    std::ostringstream message;
-    message << "Velocities at t = " << current.time
-            << " s are those of t = " << current.velocity_time
-            << " s, since the kick to the end of the step has failed: "
-            << problem << ".";
-    // The guard and files may ask for the same state.
-    if (std::count(log.warnings.begin(), log.warnings.end(), message.str()) ==
-        0)
-      log.warnings.push_back(message.str());
-    return false;
-  }
-
-
-
-  template <int dim>
-  void
-  Simulation<dim>::end_output()
-  {
-    unfinished.give_back(current);
-  }
-
-
-
-  template <int dim>
   EnergyTotals
   Simulation<dim>::energy_totals()
   {
@@ -412,43 +354,81 @@ namespace greville
 
 
   template <int dim>
-  Statistics<dim>
-  Simulation<dim>::statistics() const
+  LateRow<dim>
+  Simulation<dim>::begin_row(const double outer_mass) const
   {
+    LateRow<dim>     result;
+    Statistics<dim> &row = result.row;
+    row.time             = current.time;
+    row.step             = current.step;
+    row.iterations       = current.n_iterations;
+    row.redone           = current.n_all_rejections;
+    row.reactions        = current.reactions;
+    row.loads =
+      loads.surfaces().resultants(current.surfaces, current.time, comm);
     // Where its formula fails at this time, a row has no potential energy, and
     // the next step fails with a message and a last state.
-    Tensor<1, dim> gravity;
     try
       {
-        gravity = loads.gravity(current.time);
+        result.gravity = loads.gravity(current.time);
       }
     catch (const ExcMessage &)
       {
         for (unsigned int d = 0; d < dim; ++d)
-          gravity[d] = std::numeric_limits<double>::quiet_NaN();
+          result.gravity[d] = std::numeric_limits<double>::quiet_NaN();
       }
-    Statistics<dim> result =
-      compute_statistics<dim>(current.bodies,
-                              discretization.transfer(),
-                              gravity,
-                              comm,
-                              parameters.output.front_above);
-    result.time       = current.time;
-    result.step       = current.step;
-    result.iterations = current.n_iterations;
-    result.active     = mass().n_active();
-    result.fragments  = mass().n_fragments();
-    result.redone     = current.n_all_rejections;
+    for (const Body<dim> &body : current.bodies)
+      result.sums.emplace_back(body.rigid_motion ? nullptr : body.material,
+                               parameters.output.front_above,
+                               body.rigid_motion ? 0. : outer_mass);
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::ask_for_row(const double                         outer_mass,
+                               const decltype(LateRow<dim>::watch) &watch)
+  {
+    asked           = begin_row(outer_mass);
+    asked.is_wanted = true;
+    asked.watch     = watch;
+  }
+
+
+
+  template <int dim>
+  Statistics<dim>
+  Simulation<dim>::statistics() const
+  {
+    LateRow<dim> now = begin_row(std::numeric_limits<double>::max());
+    now.energy       = current.energy;
+    for (unsigned int b = 0; b < now.sums.size(); ++b)
+      now.sums[b].add(current.bodies[b].points, &discretization.transfer());
+    return complete(now);
+  }
+
+
+
+  template <int dim>
+  Statistics<dim>
+  Simulation<dim>::complete(const LateRow<dim> &late) const
+  {
+    Statistics<dim> result = late.row;
+    add_sums(result, current.bodies, late.sums, late.gravity, comm);
+    result.active    = mass().n_active();
+    result.fragments = mass().n_fragments();
     // All sums over processes are one message.
     std::vector<std::pair<std::string, double>> sums;
     const auto add = [&](const std::string &name, const double own) {
       sums.emplace_back(name, own);
     };
-    current.energy.visit_numbers(
+    late.energy.visit_numbers(
       EnergyBalance::surfaces + current.surfaces.size(),
       [](const std::string &, const double) {},
       add);
-    for (const Tensor<1, dim> &reaction : current.reactions)
+    for (const Tensor<1, dim> &reaction : late.row.reactions)
       for (unsigned int d = 0; d < dim; ++d)
         add("reaction", reaction[d]);
     std::vector<double> values;
@@ -473,8 +453,6 @@ namespace greville
     for (Tensor<1, dim> &reaction : result.reactions)
       for (unsigned int d = 0; d < dim; ++d)
         reaction[d] = *value++;
-    result.loads =
-      loads.surfaces().resultants(current.surfaces, current.time, comm);
     return result;
   }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace greville
 {
@@ -144,206 +143,138 @@ namespace greville
   namespace
   {
     /**
-     * Of a point: m |v|^2 / 2, and m C:(C D) / 2 with APIC's matrix C, so that
-     * a linear velocity v has the energy sum_i m_i |v(xi_i)|^2 / 2 of the grid.
+     * The largest of all processes.
      */
-    template <int dim>
-    double
-    kinetic_energy_of(const ConstPointRef<dim>  p,
-                      const unsigned int        cell,
-                      const PointField         *affine,
-                      const PointTransfer<dim> &transfer)
+    void
+    find_largest(const std::vector<Largest *> &numbers, const MPI_Comm comm)
     {
-      double square = p.velocity().norm_square();
-      if (affine)
-        {
-          const auto D = transfer.spread(cell, p.position());
-          for (unsigned int i = 0; i < dim; ++i)
-            for (unsigned int j = 0; j < dim; ++j)
-              square +=
-                Utilities::fixed_power<2>(p[affine->first + i * dim + j]) *
-                D[j];
-        }
-      return 0.5 * p.mass() * square;
-    }
-  } // namespace
-
-
-
-  namespace
-  {
-    /**
-     * x or y of a point, with half of its size.
-     */
-    template <int dim>
-    double
-    outer_edge(const ConstPointRef<dim> p, const unsigned int d)
-    {
-      const double volume = p.volume();
-      return p.position(d) +
-             0.5 * (dim == 2 ? std::sqrt(volume) : std::cbrt(volume));
+      std::vector<double> values;
+      for (const Largest *number : numbers)
+        values.push_back(number->value);
+      Utilities::MPI::max(values, comm, values);
+      for (unsigned int k = 0; k < numbers.size(); ++k)
+        numbers[k]->value = values[k];
     }
   } // namespace
 
 
 
   template <int dim>
-  Statistics<dim>
-  compute_statistics(const std::vector<Body<dim>> &bodies,
-                     const PointTransfer<dim>     &transfer,
-                     const Tensor<1, dim>         &gravity,
-                     const MPI_Comm                comm,
-                     const double                  front_above)
+  void
+  add_sums(Statistics<dim>                 &row,
+           const std::vector<Body<dim>>    &bodies,
+           const std::vector<RowSums<dim>> &sums,
+           const Tensor<1, dim>            &gravity,
+           const MPI_Comm                   comm)
   {
-    Statistics<dim> result;
-    Tensor<1, dim>  first_moment;
-    Largest         square_of_speed;
-    for (const Body<dim> &body : bodies)
-      {
-        const PointLayout<dim> &layout = body.points.layout();
-        const PointField       *affine = layout.find("affine");
-        BodyStatistics<dim>     own;
-        own.name = body.name;
-        body.points.for_each(
-          [&](const unsigned int cell, ConstPointRef<dim> p) {
-            const double         m        = p.mass();
-            const double         V0       = p.volume0();
-            const Point<dim>     position = p.position();
-            const Tensor<1, dim> velocity = p.velocity();
-            ++result.n_points;
-            own.kinetic += kinetic_energy_of<dim>(p, cell, affine, transfer);
-            own.momentum += m * velocity;
-            if (position[1] > front_above)
-              own.front.add(outer_edge<dim>(p, 0));
-            own.height.add(outer_edge<dim>(p, 1));
-            if (body.rigid_motion)
-              return;
-
-            Tensor<1, 3> x, v;
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                x[d] = position[d];
-                v[d] = velocity[d];
-              }
-            result.mass += m;
-            first_moment += m * position;
-            result.angular_momentum += m * cross_product_3d(x, v);
-            if (affine)
-              {
-                // m C D, whose skew part is a spin
-                const auto   D = transfer.spread(cell, position);
-                const auto   C = p.matrix(affine->first);
-                Tensor<2, 3> B;
-                for (unsigned int i = 0; i < dim; ++i)
-                  for (unsigned int j = 0; j < dim; ++j)
-                    B[i][j] = C[i][j] * D[j];
-                result.angular_momentum[0] += m * (B[2][1] - B[1][2]);
-                result.angular_momentum[1] += m * (B[0][2] - B[2][0]);
-                result.angular_momentum[2] += m * (B[1][0] - B[0][1]);
-              }
-            // Where the grid is periodic, gravity has no potential.
-            for (unsigned int d = 0; d < dim; ++d)
-              if (!body.points.space().lattice().is_periodic(d))
-                result.gravitational -= m * gravity[d] * position[d];
-            MaterialPoint point;
-            load_material_point<dim>(p, layout, point);
-            own.strain += V0 * body.material->strain_energy(point);
-            own.dissipation += V0 * body.material->dissipation(point);
-            square_of_speed.add(velocity.norm_square());
-          });
-        result.bodies.push_back(own);
-      }
-    // In 2D the spin has one component.
-    if (dim == 2)
-      {
-        result.angular_momentum[0] = result.angular_momentum[2];
-        result.angular_momentum[1] = result.angular_momentum[2] = 0.;
-      }
-
+    constexpr unsigned int n_spins = RowSums<dim>::n_spins;
     // All sums are one message. Numbers of points are exact as doubles.
-    double                n_points = result.n_points;
-    std::vector<double *> sums     = {&result.mass,
-                                      &result.gravitational,
-                                      &n_points};
-    std::vector<double *> extremes = {&square_of_speed.value};
-    for (unsigned int d = 0; d < dim; ++d)
-      sums.push_back(&first_moment[d]);
-    for (unsigned int d = 0; d < 3; ++d)
-      sums.push_back(&result.angular_momentum[d]);
-    for (BodyStatistics<dim> &body : result.bodies)
+    std::vector<double> values;
+    for (const RowSums<dim> &own : sums)
       {
-        sums.insert(sums.end(),
-                    {&body.kinetic, &body.strain, &body.dissipation});
-        for (unsigned int d = 0; d < dim; ++d)
-          sums.push_back(&body.momentum[d]);
-        extremes.insert(extremes.end(),
-                        {&body.front.value, &body.height.value});
+        values.push_back(double(own.n_points));
+        for (const auto &lane :
+             {own.mass, own.kinetic, own.strain, own.dissipation})
+          values.push_back(own.sum(lane));
+        for (const auto &lane : own.momentum)
+          values.push_back(own.sum(lane));
+        for (const auto &lane : own.first_moment)
+          values.push_back(own.sum(lane));
+        for (const auto &lane : own.angular_momentum)
+          values.push_back(own.sum(lane));
       }
-    const auto reduce = [&](const std::vector<double *> &numbers,
-                            const auto                  &operation) {
-      std::vector<double> values;
-      for (const double *number : numbers)
-        values.push_back(*number);
-      operation(values);
-      for (unsigned int k = 0; k < numbers.size(); ++k)
-        *numbers[k] = values[k];
-    };
-    reduce(sums,
-           [&](auto &values) { Utilities::MPI::sum(values, comm, values); });
-    reduce(extremes,
-           [&](auto &values) { Utilities::MPI::max(values, comm, values); });
+    Utilities::MPI::sum(values, comm, values);
 
-    result.largest_speed = std::sqrt(square_of_speed);
-    result.n_points      = std::llround(n_points);
-    if (result.mass > 0.)
-      result.center = first_moment / result.mass;
-    for (unsigned int b = 0; b < bodies.size(); ++b)
+    std::vector<Largest>              speeds(sums.size());
+    std::vector<Largest *>            extremes;
+    std::vector<const RowSums<dim> *> of_fronts;
+    row.bodies.resize(sums.size());
+    const double  *value = values.data();
+    Tensor<1, dim> first_moment;
+    for (unsigned int b = 0; b < sums.size(); ++b)
+      {
+        BodyStatistics<dim> &own = row.bodies[b];
+        own.name                 = bodies[b].name;
+        own.front                = sums[b].front;
+        own.height               = sums[b].height;
+        extremes.insert(extremes.end(), {&own.front, &own.height});
+        row.n_points += std::llround(*value++);
+        const double mass = *value++;
+        own.kinetic       = *value++;
+        own.strain        = *value++;
+        own.dissipation   = *value++;
+        Tensor<1, dim> moment;
+        for (unsigned int d = 0; d < dim; ++d)
+          own.momentum[d] = *value++;
+        for (unsigned int d = 0; d < dim; ++d)
+          moment[d] = *value++;
+        const double *const spins = value;
+        value += n_spins;
+        if (bodies[b].rigid_motion)
+          continue;
+        of_fronts.push_back(&sums[b]);
+        for (const double square : sums[b].square_of_speed)
+          speeds[b].add(square);
+        extremes.push_back(&speeds[b]);
+        row.mass += mass;
+        row.kinetic += own.kinetic;
+        row.strain += own.strain;
+        row.dissipation += own.dissipation;
+        row.momentum += own.momentum;
+        first_moment += moment;
+        for (unsigned int i = 0; i < n_spins; ++i)
+          row.angular_momentum[i] += spins[i];
+        // Where the grid is periodic, gravity has no potential.
+        for (unsigned int d = 0; d < dim; ++d)
+          if (!bodies[b].points.space().lattice().is_periodic(d))
+            row.gravitational -= gravity[d] * moment[d];
+      }
+    find_largest(extremes, comm);
+    Largest square_of_speed;
+    for (unsigned int b = 0; b < sums.size(); ++b)
       if (!bodies[b].rigid_motion)
         {
-          const BodyStatistics<dim> &own = result.bodies[b];
-          result.kinetic += own.kinetic;
-          result.strain += own.strain;
-          result.dissipation += own.dissipation;
-          result.momentum += own.momentum;
-          result.front.add(own.front);
-          result.height.add(own.height);
+          square_of_speed.add(speeds[b]);
+          row.front.add(row.bodies[b].front);
+          row.height.add(row.bodies[b].height);
         }
-    result.front_99 = front_quantile<dim>(bodies, comm, front_above);
-    return result;
+    row.largest_speed = std::sqrt(square_of_speed);
+    if (row.mass > 0.)
+      row.center = first_moment / row.mass;
+    row.front_99 = front_quantile<dim>(of_fronts, comm);
   }
 
 
 
   template <int dim>
   Largest
-  front_quantile(const BodyList<dim> &bodies,
-                 const MPI_Comm       comm,
-                 const double         front_above)
+  front_quantile(const std::vector<const RowSums<dim> *> &sums,
+                 const MPI_Comm                           comm)
   {
-    constexpr double       share  = 0.005;
     constexpr unsigned int n_bars = 1024;
 
     // Edges and masses of the points of this process that can be the one.
     std::vector<std::pair<double, double>> points;
+    double                                 all = 0.;
+    for (const RowSums<dim> *own : sums)
+      {
+        const auto &outer = own->outer_points().get();
+        points.insert(points.end(), outer.begin(), outer.end());
+        all += own->mass_above;
+      }
+    all = Utilities::MPI::sum(all, comm);
     // Of the interval in which it is: minus the lower end, and the upper one.
     std::vector<double> ends(2, Largest::none);
-    for (const Body<dim> &body : bodies)
-      if (!body.rigid_motion)
-        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-          if (p.position(1) > front_above)
-            {
-              const double x = outer_edge<dim>(p, 0);
-              points.emplace_back(x, p.mass());
-              ends[0] = std::max(ends[0], -x);
-              ends[1] = std::max(ends[1], x);
-            }
-        });
+    for (const auto &point : points)
+      {
+        ends[0] = std::max(ends[0], -point.first);
+        ends[1] = std::max(ends[1], point.first);
+      }
     Utilities::MPI::max(ends, comm, ends);
     if (ends[1] == Largest::none)
       return {};
 
-    double              lower = -ends[0], width = ends[1] - lower;
-    double              all = 0., beyond = 0.;
+    double              lower = -ends[0], width = ends[1] - lower, beyond = 0.;
     std::vector<double> bars(n_bars);
     // Each pass divides the interval by 1024.
     for (unsigned int pass = 0; pass < 3 && width > 0.; ++pass)
@@ -356,11 +287,10 @@ namespace greville
         for (const auto &[x, mass] : points)
           bars[bar_of(x)] += mass;
         Utilities::MPI::sum(bars, comm, bars);
-        if (pass == 0)
-          all = std::accumulate(bars.begin(), bars.end(), 0.);
         // Equal points can hold the share exactly: sums have round-off.
         unsigned int bar = n_bars - 1;
-        while (bar > 0 && beyond + bars[bar] <= share * all * (1. + 1e-9))
+        while (bar > 0 &&
+               beyond + bars[bar] <= beyond_front * all * (1. + 1e-9))
           beyond += bars[bar--];
         points.erase(std::remove_if(points.begin(),
                                     points.end(),
@@ -380,6 +310,29 @@ namespace greville
 
 
   template <int dim>
+  Largest
+  front_quantile(const BodyList<dim> &bodies,
+                 const MPI_Comm       comm,
+                 const double         front_above)
+  {
+    std::vector<RowSums<dim>>         sums;
+    std::vector<const RowSums<dim> *> pointers;
+    for (const Body<dim> &body : bodies)
+      if (!body.rigid_motion)
+        {
+          sums.emplace_back(nullptr,
+                            front_above,
+                            std::numeric_limits<double>::max());
+          sums.back().add(body.points);
+        }
+    for (const RowSums<dim> &own : sums)
+      pointers.push_back(&own);
+    return front_quantile(pointers, comm);
+  }
+
+
+
+  template <int dim>
   double
   free_energy(const std::vector<Body<dim>> &bodies,
               const PointTransfer<dim>     &transfer,
@@ -389,18 +342,10 @@ namespace greville
     double sum = 0.;
     for (const Body<dim> *body : deformable_bodies(bodies))
       {
-        const PointLayout<dim> &layout = body->points.layout();
-        const PointField       *affine = layout.find("affine");
-        body->points.for_each(
-          [&](const unsigned int cell, ConstPointRef<dim> p) {
-            sum += kinetic_energy_of<dim>(p, cell, affine, transfer);
-            if (only_kinetic)
-              return;
-            MaterialPoint point;
-            load_material_point<dim>(p, layout, point);
-            sum += p.volume0() * (body->material->strain_energy(point) +
-                                  body->material->dissipation(point));
-          });
+        RowSums<dim> own(only_kinetic ? nullptr : body->material);
+        own.add(body->points, &transfer);
+        sum +=
+          own.sum(own.kinetic) + own.sum(own.strain) + own.sum(own.dissipation);
       }
     return Utilities::MPI::sum(sum, comm);
   }
@@ -425,10 +370,16 @@ namespace greville
 
   template struct Statistics<2>;
   template struct Statistics<3>;
-  template decltype(compute_statistics<2>)   compute_statistics<2>;
-  template decltype(compute_statistics<3>)   compute_statistics<3>;
-  template decltype(front_quantile<2>)       front_quantile<2>;
-  template decltype(front_quantile<3>)       front_quantile<3>;
+  template decltype(add_sums<2>) add_sums<2>;
+  template decltype(add_sums<3>) add_sums<3>;
+  template Largest
+  front_quantile(const std::vector<const RowSums<2> *> &, const MPI_Comm);
+  template Largest
+  front_quantile(const std::vector<const RowSums<3> *> &, const MPI_Comm);
+  template Largest
+  front_quantile(const BodyList<2> &, const MPI_Comm, const double);
+  template Largest
+  front_quantile(const BodyList<3> &, const MPI_Comm, const double);
   template decltype(free_energy<2>)          free_energy<2>;
   template decltype(free_energy<3>)          free_energy<3>;
   template decltype(largest_displacement<2>) largest_displacement<2>;

@@ -361,11 +361,18 @@ namespace greville
 
   template <int dim>
   bool
-  StepGuard<dim>::is_energy_due(const State<dim> &state,
-                                const bool        is_last) const
+  StepGuard<dim>::looks_at_energy(const unsigned int n_steps) const
   {
-    return state.n_steps % energy_every == 0 ||
-           (is_last && state.n_steps > energy_every);
+    return n_steps % energy_every == 0;
+  }
+
+
+
+  template <int dim>
+  bool
+  StepGuard<dim>::looks_at_last_energy(const State<dim> &state) const
+  {
+    return state.n_steps > energy_every && !looks_at_energy(state.n_steps);
   }
 
 

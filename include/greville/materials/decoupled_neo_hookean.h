@@ -112,16 +112,25 @@ namespace greville
      * tr(bbar) / 3 - 1 = exp(-q) (tr(b) / 3 - 1 - (exp(q) - 1)), where all that
      * is linear in b - 1 cancels.
      */
+    EnergyLanes
+    energies(const MaterialLanes &points) const override
+    {
+      const Lanes         x = points.J - 1.;
+      const SquaredVolume volume(left_cauchy_green_less_one(points.F));
+      const Lanes         q = log_of_one_plus(volume.less_one) / 3.;
+      EnergyLanes         result;
+      result.strain =
+        0.25 * elastic.bulk * (x * x + 2. * less_log_of_one_plus(x)) +
+        0.5 * elastic.shear * (1. + exp_less_one(Lanes(-q))) *
+          (less_log_of_one_plus(volume.less_one) - volume.nonlinear -
+           3. * exp_less_one_less(q));
+      return result;
+    }
+
     double
     strain_energy(const MaterialPoint &point) const override
     {
-      const double        x = point.J - 1.;
-      const SquaredVolume volume(left_cauchy_green_less_one(point.F));
-      const double        q = std::log1p(volume.less_one) / 3.;
-      return 0.25 * elastic.bulk * (x * x + 2. * less_log_of_one_plus(x)) +
-             0.5 * elastic.shear * std::exp(-q) *
-               (less_log_of_one_plus(volume.less_one) - volume.nonlinear -
-                3. * exp_less_one_less(q));
+      return energies(MaterialLanes(point)).strain[0];
     }
 
     void

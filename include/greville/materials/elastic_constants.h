@@ -5,7 +5,7 @@
 
 #include <greville/base/parameters.h>
 #include <greville/materials/hencky.h>
-#include <greville/materials/material.h>
+#include <greville/materials/material_lanes.h>
 #include <greville/materials/parameter_checks.h>
 
 #include <algorithm>
@@ -78,10 +78,11 @@ namespace greville
       return {{a * tau[0] + b, a * tau[1] + b, a * tau[2] + b}};
     }
 
-    double
-    energy(const Principal &strain) const
+    template <typename Number>
+    Number
+    energy(const std::array<Number, 3> &strain) const
     {
-      const double trace = strain[0] + strain[1] + strain[2];
+      const Number trace = strain[0] + strain[1] + strain[2];
       return 0.5 * lambda * trace * trace +
              shear * (strain[0] * strain[0] + strain[1] * strain[1] +
                       strain[2] * strain[2]);

@@ -49,55 +49,6 @@ namespace greville
 
 
   /**
-   * x - ln(1 + x) to round-off, relative to the result, of small x too.
-   */
-  inline double
-  less_log_of_one_plus(const double x)
-  {
-    if (!(std::abs(x) < 0.3))
-      return x - std::log1p(x);
-    // ln(1 + x) = 2 atanh(z)
-    const double z = x / (2. + x), z2 = z * z;
-    double       sum = 0.;
-    for (int k = 19; k > 1; k -= 2)
-      sum = sum * z2 + 1. / k;
-    return z * (x - 2. * z2 * sum);
-  }
-
-
-
-  /**
-   * exp(x) - 1 - x to round-off, relative to the result, of small x too.
-   */
-  inline double
-  exp_less_one_less(const double x)
-  {
-    if (!(std::abs(x) < 0.3))
-      return std::expm1(x) - x;
-    double sum = 1.;
-    for (int k = 14; k > 2; --k)
-      sum = 1. + sum * x / k;
-    return 0.5 * x * x * sum;
-  }
-
-
-
-  /**
-   * For e = b - 1: det(b) - 1 and the part of it that is not linear in e.
-   */
-  struct SquaredVolume
-  {
-    explicit SquaredVolume(const dealii::SymmetricTensor<2, 3> &e)
-      : nonlinear(second_invariant(e) + determinant(e))
-      , less_one(trace(e) + nonlinear)
-    {}
-
-    double nonlinear, less_one;
-  };
-
-
-
-  /**
    * f b f^T - 1 from @p e = b - 1: the elastic left Cauchy-Green tensor at the
    * end of a step without plastic flow (less 1).
    */

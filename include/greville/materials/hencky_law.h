@@ -30,8 +30,9 @@ namespace greville
    *   dealii::SymmetricTensor<2, 3> trial(const MaterialPoint &point) const,
    * the elastic left Cauchy-Green tensor less the identity, b - 1, at the end
    * of a step without plastic flow;
-   *   dealii::SymmetricTensor<2, 3> current(const MaterialPoint &point) const,
-   * that of a point whose state is up to date; and
+   *   std::array<Lanes, 6> current(const MaterialLanes &points) const,
+   *   Lanes heat(const MaterialLanes &points) const,
+   * that of points whose state is up to date, and their dissipation; and
    *   std::array<Lanes, 3>
    *   respond(MaterialPoint *points, unsigned int count,
    *           const SpectralDecomposition<Lanes> &spectrum,
@@ -91,11 +92,20 @@ namespace greville
                       dim);
     }
 
+    EnergyLanes
+    energies(const MaterialLanes &points) const override
+    {
+      EnergyLanes result;
+      result.strain      = elastic.energy(logarithmic_strains(
+        SpectralDecomposition<Lanes>(law().current(points)).values));
+      result.dissipation = law().heat(points);
+      return result;
+    }
+
     double
     strain_energy(const MaterialPoint &point) const override
     {
-      return elastic.energy(
-        logarithmic_strains(Spectrum(law().current(point)).values));
+      return energies(MaterialLanes(point)).strain[0];
     }
 
     Moduli

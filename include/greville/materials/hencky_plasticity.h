@@ -97,16 +97,24 @@ namespace greville
     dealii::SymmetricTensor<2, 3>
     trial(const MaterialPoint &point) const
     {
-      return push_forward(point.increment, current(point));
-    }
-
-    dealii::SymmetricTensor<2, 3>
-    current(const MaterialPoint &point) const
-    {
       dealii::SymmetricTensor<2, 3> e;
       for (unsigned int i = 0; i < 6; ++i)
         e.access_raw_entry(i) = point.state[i];
+      return push_forward(point.increment, e);
+    }
+
+    std::array<Lanes, 6>
+    current(const MaterialLanes &points) const
+    {
+      std::array<Lanes, 6> e;
+      std::copy_n(points.state.begin(), 6, e.begin());
       return e;
+    }
+
+    Lanes
+    heat(const MaterialLanes &points) const
+    {
+      return points.state[work];
     }
 
     std::array<Lanes, 3>

@@ -45,10 +45,16 @@ namespace greville
       return left_cauchy_green_less_one(point.F);
     }
 
-    dealii::SymmetricTensor<2, 3>
-    current(const MaterialPoint &point) const
+    std::array<Lanes, 6>
+    current(const MaterialLanes &points) const
     {
-      return left_cauchy_green_less_one(point.F);
+      return left_cauchy_green_less_one(points.F);
+    }
+
+    Lanes
+    heat(const MaterialLanes &) const
+    {
+      return 0.;
     }
 
     std::array<Lanes, 3>

@@ -45,6 +45,12 @@ namespace greville
 
 
 
+  // See material_lanes.h.
+  struct MaterialLanes;
+  struct EnergyLanes;
+
+
+
   /**
    * Bulk and shear modulus (Pa), and the largest dynamic viscosities (Pa s) of
    * shear and of changes of volume.
@@ -170,6 +176,14 @@ namespace greville
     {
       return 0.;
     }
+
+    /**
+     * strain_energy() and dissipation() of several points at once, to
+     * round-off: sums over all points ask for them. The default calls the two
+     * for one point after the other.
+     */
+    virtual EnergyLanes
+    energies(const MaterialLanes &points) const;
 
     /**
      * What the strength of the material is divided by at a time: the value of

@@ -131,14 +131,23 @@ namespace greville
      * To round-off of its own size, of small strains too: steps that conserve
      * energy divide its change by that of the strain.
      */
+    EnergyLanes
+    energies(const MaterialLanes &points) const override
+    {
+      const Lanes         log_J = log_of_one_plus(points.J - 1.);
+      const SquaredVolume volume(left_cauchy_green_less_one(points.F));
+      EnergyLanes         result;
+      result.strain =
+        0.5 * elastic.shear *
+          (less_log_of_one_plus(volume.less_one) - volume.nonlinear) +
+        0.5 * elastic.lambda * log_J * log_J;
+      return result;
+    }
+
     double
     strain_energy(const MaterialPoint &point) const override
     {
-      const double        log_J = std::log(point.J);
-      const SquaredVolume volume(left_cauchy_green_less_one(point.F));
-      return 0.5 * elastic.shear *
-               (less_log_of_one_plus(volume.less_one) - volume.nonlinear) +
-             0.5 * elastic.lambda * log_J * log_J;
+      return energies(MaterialLanes(point)).strain[0];
     }
 
     void

@@ -4,7 +4,7 @@
 #define greville_materials_tait_fluid_h
 
 #include <greville/materials/hencky.h>
-#include <greville/materials/material.h>
+#include <greville/materials/material_lanes.h>
 #include <greville/materials/parameter_checks.h>
 
 namespace greville
@@ -169,16 +169,26 @@ namespace greville
              bulk_viscosity == 0.;
     }
 
+    EnergyLanes
+    energies(const MaterialLanes &points) const override
+    {
+      const Lanes x = points.J - 1., log_J = log_of_one_plus(x);
+      EnergyLanes result;
+      result.strain =
+        B *
+        (x + (exponent == 1. ? Lanes(-log_J)
+                             : exp_less_one(Lanes((1. - exponent) * log_J)) /
+                                 (exponent - 1.)));
+      if (!allow_tension)
+        result.strain = choose(points.J > 1., Lanes(0.), result.strain);
+      result.dissipation = points.state[0];
+      return result;
+    }
+
     double
     strain_energy(const MaterialPoint &point) const override
     {
-      if (point.J > 1. && !allow_tension)
-        return 0.;
-      const double log_J = std::log(point.J);
-      return B * (point.J - 1. +
-                  (exponent == 1.
-                     ? -log_J
-                     : std::expm1((1. - exponent) * log_J) / (exponent - 1.)));
+      return energies(MaterialLanes(point)).strain[0];
     }
 
     bool

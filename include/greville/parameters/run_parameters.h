@@ -75,10 +75,21 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
+    /**
+     * The time between two rows of statistics of a run of this @p length, s; 0:
+     * each step.
+     */
+    double
+    rows_every(const double length) const
+    {
+      return statistics_every == "auto" ? length / 400.
+                                        : std::stod(statistics_every);
+    }
+
     std::string              directory;
     std::string              earlier_results  = "move aside";
     double                   fields_every     = 0.;
-    double                   statistics_every = 0.;
+    std::string              statistics_every = "auto";
     double                   front_above      = -1e100;
     bool                     grid_fields      = true;
     bool                     surface_points   = true;

@@ -18,6 +18,9 @@
 namespace greville
 {
   template <int dim>
+  class RowSums;
+
+  template <int dim>
   class VolumeProjection;
 
   /**
@@ -49,6 +52,11 @@ namespace greville
     const Material *material = nullptr;
     /// What it says at the end of the step, see Material.
     double strength_reduction = 1.;
+    /// What a kick sums up, if it is given: points as they are before, with
+    /// velocities that are the part row_fraction of the way from those before
+    /// to those after the kick.
+    RowSums<dim> *row          = nullptr;
+    double        row_fraction = 0.;
   };
 
 

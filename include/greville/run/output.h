@@ -181,11 +181,37 @@ namespace greville
       return file.n_bytes();
     }
 
+    bool
+    empty() const
+    {
+      return probes.empty();
+    }
+
     /**
-     * Collective.
+     * The next row: what a list of bodies, the first of which is number @p
+     * first, has on this process, with velocities times @p weight. It is added
+     * where only the @p velocities are taken.
      */
     void
-    write(const double time, const BodyList<dim> &bodies);
+    take(const unsigned int   first,
+         const BodyList<dim> &bodies,
+         const double         weight     = 1.,
+         const bool           velocities = false);
+
+    /**
+     * What has been taken is not to be written.
+     */
+    void
+    forget()
+    {
+      values.clear();
+    }
+
+    /**
+     * Collective. Write the row.
+     */
+    void
+    write(const double time);
 
     /**
      * Those of the file.
@@ -200,9 +226,10 @@ namespace greville
       double       id;
     };
 
-    MPI_Comm           comm;
-    std::vector<Probe> probes;
-    CsvWriter          file;
+    MPI_Comm            comm;
+    std::vector<Probe>  probes;
+    std::vector<double> values; // of the next row
+    CsvWriter           file;
   };
 } // namespace greville
 

@@ -122,6 +122,7 @@ namespace greville
       unsigned int  n_steps             = 0;
       std::uint64_t bytes_of_statistics = 0, bytes_of_probes = 0;
       Largest       front, front_99;
+      bool          row_is_due = false;
       std::string   fields;
       std::pair<std::vector<double>, std::vector<double>> series;
     };
@@ -168,6 +169,37 @@ namespace greville
     std::vector<std::string>
     columns() const;
 
+    /**
+     * What a row has besides the statistics of this time.
+     */
+    struct Row
+    {
+      unsigned int        n_steps = 0;
+      double              time    = 0.;
+      std::vector<double> more;
+    };
+
+    Row
+    begin_row();
+
+    void
+    write_row(const Row &row, const Statistics<dim> &statistics);
+
+    /**
+     * Ask the next step for the row of this time.
+     */
+    void
+    ask_for_row();
+
+    /**
+     * Write the row that the last step was asked for, if there is one.
+     */
+    void
+    write_late_row();
+
+    /**
+     * Write the row of the state as it is.
+     */
     void
     write_statistics();
 
@@ -240,23 +272,26 @@ namespace greville
     RunNotes                   notes;
     // Walls and components of the forces that are written.
     std::vector<std::pair<unsigned int, unsigned int>> reactions;
-    double        next_fields = 0., next_statistics = 0.;
-    Largest       largest_front, largest_front_99;
-    std::uint64_t n_points = 0;
+    double             next_fields = 0., next_statistics = 0.;
+    std::optional<Row> late_row; // that the next step sums up
+    Largest            largest_front, largest_front_99;
+    std::uint64_t      n_points = 0;
 
     std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;
     double                                last_shown_time = 0.;
     unsigned int                          last_stage      = 0;
     // Steps that the last rows and fields belong to.
     unsigned int last_written_statistics = -1, last_written_fields = -1;
-    // What the files had when a state was kept, and the last checkpoint.
-    Mark         mark;
-    std::string  checkpoint_file;
-    unsigned int checkpoint_step = -1;
-    bool         is_resumed      = false;
-    unsigned int first_step      = 0;
-    double       first_time      = 0.;
-    bool         is_terminal;
+    // What the files had when a state was kept, and the last checkpoint; and
+    // before the last row, which a run that goes on writes late.
+    Mark                mark;
+    std::optional<Mark> before_last_row;
+    std::string         checkpoint_file;
+    unsigned int        checkpoint_step = -1;
+    bool                is_resumed      = false;
+    unsigned int        first_step      = 0;
+    double              first_time      = 0.;
+    bool                is_terminal;
   };
 
 

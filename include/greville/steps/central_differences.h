@@ -77,8 +77,11 @@ namespace greville
         contact->set_loads();
     }
 
-    Lag
-    lag(const State<dim> &state) const override;
+    bool
+    velocities_lag(const State<dim> &state) const override
+    {
+      return half_steps && state.step > 0.;
+    }
 
     /**
      * Velocities at half steps get the other half of their kick; USF deforms
@@ -149,12 +152,6 @@ namespace greville
     filter_velocity();
 
     /**
-     * The force by stresses and loads, with mass and momentum.
-     */
-    void
-    sum_force(const State<dim> &state);
-
-    /**
      * Friction walls change the new velocity and the acceleration.
      */
     void
@@ -190,17 +187,18 @@ namespace greville
     add_work(State<dim> &state);
 
     /**
-     * Half of the work of loads on points, with the velocities that they have.
+     * Half of the work of loads on points, with the velocities that they have
+     * before the kick or after it.
      */
     void
-    add_work_of_point_loads(State<dim> &state) const;
+    add_work_of_point_loads(State<dim> &state, const bool is_kicked);
 
     /**
      * Work of contact that has changed the new velocity from what work_field
      * has, with lumped mass.
      */
     void
-    add_work_of_friction(State<dim> &state) const;
+    add_work_of_friction(State<dim> &state);
 
     /**
      * Work of Cundall's damping in this step.
@@ -227,6 +225,22 @@ namespace greville
     update_surfaces(State<dim>             &state,
                     const PointUpdate<dim> &update,
                     PointMotion            &motion);
+
+    /**
+     * See StepGuard::set_swing().
+     */
+    double
+    swing(const State<dim> &state) const;
+
+    /**
+     * Begin the late row, if it is wanted, with the state before the step; and
+     * after all of it has been summed up.
+     */
+    void
+    begin_row(const State<dim> &state);
+
+    void
+    end_row(const State<dim> &state);
 
     /**
      * MUSL: the velocity of the points that have been kicked.
@@ -261,6 +275,7 @@ namespace greville
     Loads<dim>                 &loads;
     StepLog                    &log;
     StepGuard<dim>             &guard;
+    LateRow<dim>               &late_row;
     const bool                  apic, half_steps;
 
     std::unique_ptr<FrictionContact<dim>> contact; // consistent mass
@@ -283,16 +298,7 @@ namespace greville
     };
     Trial            trial;
     VectorField<dim> work_field, surface_velocity;
-
-    /**
-     * The force by stresses and loads that the last finish() has summed up: the
-     * step from the same points begins with it.
-     */
-    struct
-    {
-      VectorField<dim> force;
-      std::uint64_t    points_stamp = 0; // of no state
-    } finished;
+    LateRow<dim>    *row = nullptr; // that the step sums up
   };
 } // namespace greville
 

@@ -118,6 +118,31 @@ namespace greville
     statistics() const;
 
     /**
+     * Whether rows lag, see Simulation.
+     */
+    bool
+    rows_lag() const
+    {
+      return first().rows_lag();
+    }
+
+    /**
+     * Collective. Ask the next step for the row of all parts as they are, see
+     * Simulation; @p watch gets the number of the first body of a part besides.
+     */
+    void
+    ask_for_row(const std::function<void(const unsigned int first_body,
+                                         const std::vector<Body<dim>> &bodies,
+                                         const double                  weight,
+                                         const bool is_kicked)> &watch = {});
+
+    /**
+     * Collective. The row that the last step has summed up.
+     */
+    Statistics<dim>
+    late_statistics() const;
+
+    /**
      * Warnings since the last call; of several parts with the body.
      */
     std::vector<std::string>
@@ -157,6 +182,12 @@ namespace greville
      */
     std::string
     prefix(const unsigned int part) const;
+
+    /**
+     * Put the loads of parts into the order of the columns of files.
+     */
+    void
+    sort_loads(Statistics<dim> &row) const;
 
     const MPI_Comm comm;
     const double   front_above;

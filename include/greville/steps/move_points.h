@@ -4,6 +4,7 @@
 #define greville_steps_move_points_h
 
 #include <greville/parameters/simulation_parameters.h>
+#include <greville/steps/late_row.h>
 #include <greville/steps/state.h>
 
 #include <string>
@@ -60,14 +61,16 @@ namespace greville
   /**
    * Collective. One pass over the points of all bodies, without those that the
    * @p update does not change. Its material is that of each body, with the
-   * strength that it has at the @p time (s) to which the points come.
+   * strength that it has at the @p time (s) to which the points come. A kick
+   * sums up the @p row that is given.
    */
   template <int dim>
   PointMotion
   update_points(std::vector<Body<dim>> &bodies,
                 PointTransfer<dim>     &transfer,
                 PointUpdate<dim>        update,
-                const double            time);
+                const double            time,
+                LateRow<dim>           *row = nullptr);
 
   /**
    * Collective. Likewise the points of surfaces, which have no inertia: where

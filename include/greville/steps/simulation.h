@@ -17,128 +17,122 @@ namespace greville
    * The material point method on a grid of B-splines: a State on a
    * Discretization, which a TimeIntegrator takes from step to step. Each stage
    * of the parameters has its own integrator, walls, mass and loads; State and
-   * mesh stay.
-   *
-   * All bodies share the grid. Those with a grid each are the simulations of an
-   * Ensemble.
+   * mesh stay. All bodies share the grid. Those with a grid each are the
+   * simulations of an Ensemble.
    */
   template <int dim>
   class Simulation
   {
   public:
-    /**
-     * Collective. Makes grid and points. Throws dealii::ExcMessage where
-     * parameters are wrong.
-     */
+    /// Collective. Makes grid and points. Throws dealii::ExcMessage where
+    /// parameters are wrong.
     Simulation(const SimulationParameters &parameters,
                const MPI_Comm              comm = MPI_COMM_WORLD);
 
-    /**
-     * Collective. Mass and velocity of the grid from the points as they are:
-     * for output before the first step.
-     */
+    /// Collective. Mass and velocity of the grid from the points as they are:
+    /// for output before the first step.
     void
     fill_grid();
 
-    /**
-     * Collective. One step; not beyond the end. Throws StepGivenUp with step,
-     * time and point where a point is lost or breaks, or a StepGuard finds
-     * something wrong; the state is then the last good one that was kept, to
-     * single precision. For an exact one keep a copy of state().
-     */
+    /// Collective. One step; not beyond the end. Throws StepGivenUp with step,
+    /// time and point where a point is lost or breaks, or a StepGuard finds
+    /// something wrong; the state is then the last good one that was kept, to
+    /// single precision. For an exact one keep a copy of state().
     void
     step();
 
-    /**
-     * Collective. step() of several simulations of the same times and stages
-     * that do not see one another, as long as the shortest that one of them
-     * proposes. Where one rejects it, all of them try a shorter one; where one
-     * fails, all of them go back.
-     */
+    /// Collective. step() of several simulations of the same times and stages,
+    /// as long as the shortest that one proposes. Where one rejects it, all try
+    /// a shorter one; where one fails, all go back.
     static void
     step_together(const std::vector<Simulation *> &simulations);
 
     bool
     is_finished() const;
 
-    /**
-     * Whether a point has moved by more than 'Time/Largest displacement'.
-     */
+    /// Whether a point has moved by more than 'Time/Largest displacement'.
     bool
     exceeds_displacement() const;
 
-    /**
-     * Whether the stage has come to its end: the next step is the first of the
-     * next stage, if there is one.
-     */
+    /// Whether the stage has come to its end: the next step is the first of the
+    /// next stage, if there is one.
     bool
     is_stage_finished() const;
 
-    /**
-     * Whether the next step begins with a copy of the state to go back to.
-     */
+    /// Whether the next step begins with a copy of the state to go back to.
     bool
     keeps_state() const;
 
-    /**
-     * The parameters with the sections of the stage.
-     */
+    /// The parameters with the sections of the stage.
     const SimulationParameters &
     stage_parameters() const
     {
       return parameters;
     }
 
-    /**
-     * A copy of it is a state to go back to.
-     */
+    /// A copy of it is a state to go back to.
     const State<dim> &
     state() const
     {
       return current;
     }
 
-    /**
-     * Collective. Go on from a copy of state() of this simulation. What follows
-     * depends on the copy alone: it has the same bits each time, on the same
-     * number of processes.
-     */
+    /// Collective. Go on from a copy of state(). What follows depends on the
+    /// copy alone: it has the same bits each time, on as many processes.
     void
     set_state(const State<dim> &state);
 
-    /**
-     * Collective. Begin with the points that bodies and surfaces of the same
-     * name have in @p content instead of the initial ones, see
-     * set_points_from_tables(): before the first step.
-     */
+    /// Collective. Before the first step: begin with the points of @p content
+    /// instead of the initial ones, see set_points_from_tables().
     void
     begin_with(const TablesFile &content);
 
-    /**
-     * The grid, and what goes between it and the points.
-     */
+    /// The grid, and what goes between it and the points.
     Discretization<dim> &
     grid()
     {
       return discretization;
     }
 
-    /**
-     * Collective. One row of statistics.csv, of the state as it is.
-     */
+    /// Collective. One row of statistics.csv, of the state as it is.
     Statistics<dim>
     statistics() const;
 
-    /**
-     * Collective. The force on the functions of the grid by stresses, gravity
-     * and loads as they are, N (2D: N / m).
-     */
+    /// Whether velocities belong to a time before State::time, so that a row of
+    /// this time is to be summed up by the next step.
+    bool
+    rows_lag() const
+    {
+      return integrator->velocities_lag(current);
+    }
+
+    /// Collective. Ask the next step for the row of the state as it is, see
+    /// LateRow; late_row() gives it after the step. @p outer_mass is the mass
+    /// of the outermost points that a front may be among, and @p watch as in
+    /// LateRow. set_state(), and a step that fails, forget it.
+    void
+    ask_for_row(const double                         outer_mass,
+                const decltype(LateRow<dim>::watch) &watch = {});
+
+    const LateRow<dim> &
+    late_row() const
+    {
+      return asked;
+    }
+
+    /// Collective. The row that the last step has summed up.
+    Statistics<dim>
+    late_statistics() const
+    {
+      return complete(asked);
+    }
+
+    /// Collective. The force on the functions of the grid by stresses, gravity
+    /// and loads as they are, N (2D: N / m).
     VectorField<dim>
     grid_force();
 
-    /**
-     * Collective. The surfaces, with their loads as they are.
-     */
+    /// Collective. The surfaces, with their loads as they are.
     const std::vector<Surface<dim>> &
     loaded_surfaces();
 
@@ -148,10 +142,8 @@ namespace greville
       return current.bodies;
     }
 
-    /**
-     * For programs that change points between steps: not their number and
-     * mass. From now on, sums over the points are made anew in each step.
-     */
+    /// For programs that change points between steps: not their number and
+    /// mass. From now on, sums over the points are made anew in each step.
     std::vector<Body<dim>> &
     bodies()
     {
@@ -172,178 +164,115 @@ namespace greville
       return discretization.mass();
     }
 
-    /**
-     * See TimeIntegrator::is_implicit().
-     */
+    /// See TimeIntegrator::is_implicit().
     bool
     is_implicit() const
     {
       return integrator->is_implicit();
     }
 
-    /**
-     * Collective. The balance of energy at the end of the step: velocities
-     * belong to State::time.
-     */
+    /// Collective. The balance of energy at the end of the step: velocities
+    /// belong to State::time.
     EnergyTotals
     energy_totals();
 
-    /**
-     * See TimeIntegrator::solver_levels().
-     */
+    /// See TimeIntegrator::solver_levels().
     std::vector<SolverLevel>
     solver_levels() const
     {
       return integrator->solver_levels();
     }
 
-    /**
-     * Null with other masses.
-     */
+    /// Null with other masses.
     const ConsistentMass<dim> *
     consistent_mass() const
     {
       return discretization.consistent_mass();
     }
 
-    /**
-     * Words for messages and Newton's log, such as " of 'Body disk'", which
-     * tell it from other simulations.
-     */
+    /// Words for messages and Newton's log, such as " of 'Body disk'".
     void
     set_label(const std::string &of)
     {
       log.of = of;
     }
 
-    /**
-     * Warnings since the last call.
-     */
+    /// Warnings since the last call.
     std::vector<std::string>
     take_warnings();
 
-    /**
-     * What Newton's method has done in the last step, once.
-     */
+    /// What Newton's method has done in the last step, once.
     std::vector<NewtonRecord>
     take_newton();
 
-    /**
-     * Seconds on this process that each task of a step has taken.
-     */
+    /// Seconds on this process that each task of a step has taken.
     const std::map<std::string, double> &
     part_times() const
     {
       return log.seconds;
     }
 
-    /**
-     * The work of this process in a step, see work_of_process().
-     */
+    /// The work of this process in a step, see work_of_process().
     double
     work() const;
 
-    /**
-     * Collective. Share the cells among the processes so that each has the same
-     * share of the work as it is now, between two steps. Spaces and masses are
-     * others after that. The results do not depend on it but by round-off and
-     * the tolerances of solvers.
-     */
+    /// Collective. Share the cells among the processes so that each has the
+    /// same share of the work as it is now, between two steps. Spaces and
+    /// masses are new then; results change by tolerances of solvers.
     void
     share_cells();
 
-    /**
-     * Bytes of the points on this process, with those of the state to go back
-     * to.
-     */
+    /// Bytes of the points on this process and of the state to go back to.
     std::size_t
     points_memory() const;
 
   private:
     friend class EndOfStep<dim>;
 
-    /**
-     * Collective. Give the state what it lacks for output, see EndOfStep, with
-     * the time of @p part. Returns whether end_output() has to take it back.
-     */
-    bool
-    begin_output(const std::string &part);
+    // Collective. A row before points are summed up, and with the sums.
+    LateRow<dim>
+    begin_row(const double outer_mass) const;
+    Statistics<dim>
+    complete(const LateRow<dim> &late) const;
 
-    void
-    end_output();
-
-    /**
-     * Make all that depends on the sections of a stage.
-     */
+    // Make all that depends on the sections of a stage; go on from the state at
+    // the end of a stage with the next one; what the state has at its start.
     void
     enter_stage(const unsigned int stage);
-
-    /**
-     * Go on from the state at the end of a stage with the next one.
-     */
     void
     next_stage();
-
-    /**
-     * What the state has at the start of a stage.
-     */
     void
     start_stage();
-
-    /**
-     * share_cells() where the parameters want it before this step. Returns
-     * whether they do.
-     */
+    // share_cells() where it is due before this step; whether it is.
     bool
     balance_load();
 
-    /**
-     * What is due before a step: a copy to go back to, and the next stage.
-     */
+    // What is due before a step: a copy to go back to, and the next stage.
     void
     remember();
-
     void
     begin_step();
 
+    // Propose a step, and another one after it has been rejected.
     void
     propose();
-
-    /**
-     * Propose another step after one that has been rejected.
-     */
     void
     propose_again(const StepRejected &rejection);
 
-    /**
-     * Take the step that has been tried.
-     */
+    // Take the step that has been tried, and what is due after all have.
     void
     take_step(const double dt);
-
-    /**
-     * What is due after all have taken it.
-     */
+    void
+    check_energy();
     void
     end_step();
 
-    /**
-     * Collective. Go back to the last good state, and to the sections of its
-     * stage.
-     */
+    // Collective. Go back to the last good state, and to the sections of its
+    // stage; and throw, as StepGivenUp, the message of a step of this length.
     void
     restore();
-
-    /**
-     * Go back and throw, as StepGivenUp, the message of a step of the length @p
-     * dt.
-     */
     [[noreturn]] void
     go_back(const StepFailed &failure, const double dt);
-
-    /**
-     * Warn where much of the bodies is too thin for the exact mass.
-     */
     void
     check_fragments();
 
@@ -354,10 +283,10 @@ namespace greville
     Discretization<dim>                  discretization;
     Damping<dim>                         damping;
     StepGuard<dim>                       guard;
+    LateRow<dim>                         asked;
     State<dim>                           current;
     Snapshot<dim>                        good;
     std::unique_ptr<TimeIntegrator<dim>> integrator;
-    UnfinishedState<dim>                 unfinished; // during output
     bool                                 programs_have_points = false;
 
     // The step at hand.

@@ -5,9 +5,8 @@
 
 #include <greville/points/body_list.h>
 #include <greville/points/point_transfer.h>
+#include <greville/points/row_sums.h>
 
-#include <algorithm>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -26,34 +25,6 @@ namespace greville
     double damping   = 0.; // Cundall's and kinetic
     /// In the order of Statistics::loads.
     std::vector<double> surfaces;
-  };
-
-
-
-  /**
-   * The largest of the numbers that have been added, and 0 where there are
-   * none.
-   */
-  struct Largest
-  {
-    static constexpr double none = std::numeric_limits<double>::lowest();
-
-    Largest(const double value = none)
-      : value(value)
-    {}
-
-    void
-    add(const Largest other)
-    {
-      value = std::max(value, other.value);
-    }
-
-    operator double() const
-    {
-      return value == none ? 0. : value;
-    }
-
-    double value;
   };
 
 
@@ -142,25 +113,38 @@ namespace greville
   };
 
   /**
-   * Collective. @p gravity is the acceleration of the potential energy. Only
-   * points whose y is larger than @p front_above count for fronts. The fields
-   * that points do not know are left alone.
+   * The part of the mass that may lie beyond Statistics::front_99.
    */
-  template <int dim>
-  Statistics<dim>
-  compute_statistics(
-    const std::vector<Body<dim>> &bodies,
-    const PointTransfer<dim>     &transfer,
-    const dealii::Tensor<1, dim> &gravity,
-    const MPI_Comm                comm,
-    const double front_above = std::numeric_limits<double>::lowest());
+  constexpr double beyond_front = 0.005;
 
   /**
-   * Collective. The smallest x beyond which there is no more than 0.5 % of the
-   * mass of all free points above @p front_above, where x of a point is its
+   * Collective. Add what @p sums over the points of @p bodies give to a row,
+   * which knows the rest. @p gravity is the acceleration of the potential
+   * energy.
+   */
+  template <int dim>
+  void
+  add_sums(Statistics<dim>                 &row,
+           const std::vector<Body<dim>>    &bodies,
+           const std::vector<RowSums<dim>> &sums,
+           const dealii::Tensor<1, dim>    &gravity,
+           const MPI_Comm                   comm);
+
+  /**
+   * Collective. The smallest x beyond which there is no more than beyond_front
+   * of the mass of all points that count for fronts, where x of a point is its
    * position with half of its size. Unlike the outermost point it does not
-   * follow single points. Each process keeps its own points: histograms of
-   * masses, each within one bar of the one before, find the point.
+   * follow single points. @p sums have outer_points() of at least this mass.
+   * Each process keeps its own points: histograms of masses, each within one
+   * bar of the one before, find the point.
+   */
+  template <int dim>
+  Largest
+  front_quantile(const std::vector<const RowSums<dim> *> &sums,
+                 const MPI_Comm                           comm);
+
+  /**
+   * Collective. Of all free points above @p front_above.
    */
   template <int dim>
   Largest

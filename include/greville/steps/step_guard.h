@@ -58,8 +58,9 @@ namespace greville
    *   and quadratures of reconstructions.
    * The sums come from the passes over points and grid that a step has anyway.
    *
-   * Every hundred steps it looks at the EnergyBalance of the state, and warns
-   * or stops the run where energy has come from nothing.
+   * Every hundred steps it looks at the EnergyBalance of the state, in explicit
+   * steps of that before the last step, and warns or stops the run where energy
+   * has come from nothing.
    */
   template <int dim>
   class StepGuard
@@ -98,10 +99,10 @@ namespace greville
     set(const MomentumBalance<dim> &balance);
 
     /**
-     * For integrators, in finish(): dt^2 / 8 a^T M a of this process, J (2D:
-     * J / m). In linear vibrations, central differences keep E less that, with
-     * the energy E of finished states: E swings, the more the closer modes are
-     * to their critical step. check() forgets it.
+     * For integrators, in finish() and with a LateRow: dt^2 / 8 a^T M a of this
+     * process, J (2D: J / m). In linear vibrations, central differences keep E
+     * less that, with the energy E of finished states: E swings, the more the
+     * closer modes are to their critical step. check() forgets it.
      */
     void
     set_swing(const double energy)
@@ -117,11 +118,14 @@ namespace greville
     check(State<dim> &state, const bool is_implicit);
 
     /**
-     * Whether check_energy() is due after a step: every hundred steps, and
-     * after the last one.
+     * Whether check_energy() is due after this number of steps: every hundred
+     * steps; and after the last one, where there have been some.
      */
     bool
-    is_energy_due(const State<dim> &state, const bool is_last) const;
+    looks_at_energy(const unsigned int n_steps) const;
+
+    bool
+    looks_at_last_energy(const State<dim> &state) const;
 
     /**
      * Collective. Look at the balance of energy, of which @p now is that of a

@@ -4,6 +4,7 @@
 #define greville_steps_time_integrator_h
 
 #include <greville/parameters/names.h>
+#include <greville/steps/late_row.h>
 #include <greville/steps/step_guard.h>
 
 #include <functional>
@@ -18,18 +19,6 @@ namespace greville
     unsigned int  degree;
     std::uint64_t n_unknowns;
     std::string   method;
-  };
-
-
-
-  /**
-   * What points have that belongs to a time before State::time.
-   */
-  enum class Lag
-  {
-    nothing,
-    velocity,
-    all
   };
 
 
@@ -87,13 +76,14 @@ namespace greville
     {}
 
     /**
-     * What finish() changes at the points: of Lag::velocity, their velocity,
-     * affine matrix and load only.
+     * Whether velocities belong to a time before State::time, until finish()
+     * changes that. advance() sums up the LateRow of the state before the step
+     * then, where it is wanted.
      */
-    virtual Lag
-    lag(const State<dim> &) const
+    virtual bool
+    velocities_lag(const State<dim> &) const
     {
-      return Lag::nothing;
+      return false;
     }
 
     /**
@@ -144,6 +134,7 @@ namespace greville
     const State<dim>           &initial;
     StepLog                    &log;
     StepGuard<dim>             &guard;
+    LateRow<dim>               &late_row;
   };
 
   template <int dim>

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_row_sums_h
+#define greville_points_row_sums_h
+
+#include <greville/points/material_points.h>
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace greville
+{
+  template <int dim>
+  class PointTransfer;
+
+  /**
+   * The largest of the numbers that have been added, and 0 where there are
+   * none.
+   */
+  struct Largest
+  {
+    static constexpr double none = std::numeric_limits<double>::lowest();
+
+    Largest(const double value = none)
+      : value(value)
+    {}
+
+    void
+    add(const Largest other)
+    {
+      value = value < other.value ? other.value : value;
+    }
+
+    operator double() const
+    {
+      return value == none ? 0. : value;
+    }
+
+    double value;
+  };
+
+
+
+  /**
+   * The points with the largest edges x (m), position with half of the size,
+   * that together have at least the mass @p needed (kg; 2D: kg / m), or all
+   * points. Few of many points are kept at a time.
+   */
+  class OuterPoints
+  {
+  public:
+    explicit OuterPoints(
+      const double needed = std::numeric_limits<double>::max())
+      : needed(needed)
+    {}
+
+    /**
+     * Points with smaller edges are not wanted.
+     */
+    double
+    smallest() const
+    {
+      return threshold;
+    }
+
+    void
+    add(const double edge, const double mass)
+    {
+      points.emplace_back(edge, mass);
+      kept += mass;
+      if (kept > 2. * needed && points.size() > 64)
+        drop();
+    }
+
+    /**
+     * Edges and masses.
+     */
+    const std::vector<std::pair<double, double>> &
+    get() const
+    {
+      return points;
+    }
+
+  private:
+    void
+    drop();
+
+    std::vector<std::pair<double, double>> points;
+    double                                 needed, kept = 0.;
+    double threshold = std::numeric_limits<double>::lowest();
+  };
+
+
+
+  /**
+   * Sums and extremes over the points of a body on this process, for a row of
+   * statistics. Units: kg, m, s, J; in 2D per metre of thickness. Each group of
+   * points is added by add_group(), before a step changes it, and by
+   * add_motion() with the velocities that it has at the time of the row.
+   */
+  template <int dim>
+  class RowSums
+  {
+  public:
+    static constexpr unsigned int width   = MaterialPoints<dim>::width;
+    static constexpr unsigned int n_spins = dim == 2 ? 1 : 3;
+
+    /// One number for each lane.
+    using Lane = std::array<double, width>;
+
+    /**
+     * Energies are those of the @p material; without one they are left out.
+     * Only points whose y is larger than @p front_above count for fronts, of
+     * which outer_points() keeps those with the mass @p outer_mass, see
+     * OuterPoints; none where it is 0.
+     */
+    RowSums(const Material *material    = nullptr,
+            const double    front_above = std::numeric_limits<double>::lowest(),
+            const double    outer_mass  = 0.);
+
+    /**
+     * What depends on positions, stresses and history. The first @p count lanes
+     * have a point.
+     */
+    void
+    add_group(const MaterialPoints<dim> &points,
+              const double              *group,
+              const unsigned int         count);
+
+    /**
+     * What depends on velocities @p v (dim x width), and with APIC on the
+     * affine matrices @p C (dim x dim x width) and the diagonals @p D of
+     * PointTransfer::spread() (dim x width).
+     */
+    void
+    add_motion(const double      *group,
+               const unsigned int count,
+               const double      *v,
+               const double      *C = nullptr,
+               const double      *D = nullptr);
+
+    /**
+     * All points as they are, with the velocity @p imposed where it is given.
+     * Without the @p transfer what depends on velocities is left out.
+     */
+    void
+    add(const MaterialPoints<dim>    &points,
+        const PointTransfer<dim>     *transfer = nullptr,
+        const dealii::Tensor<1, dim> *imposed  = nullptr);
+
+    const OuterPoints &
+    outer_points() const
+    {
+      return outer;
+    }
+
+    std::uint64_t n_points = 0;
+    /// Lane by lane.
+    Lane                      mass{}, kinetic{}, strain{}, dissipation{};
+    std::array<Lane, dim>     momentum{}, first_moment{};
+    std::array<Lane, n_spins> angular_momentum{};
+    Lane                      square_of_speed{};
+    Largest                   front, height;
+    /// Of points that count for fronts.
+    double mass_above = 0.;
+
+    static double
+    sum(const Lane &lane)
+    {
+      return (lane[0] + lane[1]) + (lane[2] + lane[3]);
+    }
+
+  private:
+    const Material *material;
+    double          front_above;
+    bool            has_outer;
+    OuterPoints     outer;
+    double          typical_size = 0.; // m
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_late_row_h
+#define greville_steps_late_row_h
+
+#include <greville/points/row_sums.h>
+#include <greville/steps/energy_balance.h>
+#include <greville/steps/statistics.h>
+
+#include <functional>
+
+namespace greville
+{
+  /**
+   * A row of statistics that belongs to the time t_n between two explicit
+   * steps, and is summed up in the second one. With velocities at half steps,
+   * points have v(n - 1/2) before it and v(n + 1/2) after it. At t_n they have
+   *   v_n = (1 - f) v(n - 1/2) + f v(n + 1/2),
+   * where f is the part of the way between the two times: 1/2 where steps are
+   * alike, 0 in the first step. Positions and stresses are those before the
+   * step. Work that is done with a displacement belongs to t_n as it is; of the
+   * kick that leads from one velocity to the other, the part f belongs to the
+   * time before t_n and does work on (v(n - 1/2) + v_n) / 2.
+   */
+  template <int dim>
+  struct LateRow
+  {
+    /// Whether the next step is to sum it up, and whether the last one did.
+    bool is_wanted = false, is_known = false;
+
+    /// What is known at t_n; reactions are the share of this process.
+    Statistics<dim>        row;
+    dealii::Tensor<1, dim> gravity;
+
+    /// f
+    double fraction = 0.;
+    /// By body.
+    std::vector<RowSums<dim>> sums;
+    EnergyBalance             energy;
+    /// See StepGuard::set_swing().
+    double swing = 0.;
+
+    /// Called with points as they are before they are kicked, and after that
+    /// before they go to other cells, with the weights of their velocities.
+    std::function<void(const std::vector<Body<dim>> &bodies,
+                       const double                  weight,
+                       const bool                    is_kicked)>
+      watch;
+
+    /**
+     * The part of a kick's work that is done until t_n. With its impulse I,
+     * @p before is I v(n - 1/2), and @p after is I v(n + 1/2); unit: J (2D: J /
+     * m).
+     */
+    double
+    part_of_work(const double before, const double after) const
+    {
+      return fraction *
+             ((1. - 0.5 * fraction) * before + 0.5 * fraction * after);
+    }
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/materials/material_lanes.h>
+#include <greville/points/point_transfer.h>
+#include <greville/points/row_sums.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  void
+  OuterPoints::drop()
+  {
+    std::sort(points.begin(), points.end(), [](const auto &a, const auto &b) {
+      return a.first > b.first;
+    });
+    kept          = 0.;
+    std::size_t n = 0;
+    while (n < points.size() && kept < needed)
+      kept += points[n++].second;
+    points.resize(n);
+    threshold = points.back().first;
+  }
+
+
+
+  namespace
+  {
+    static_assert(n_lanes == MaterialPoints<2>::width, "Groups fill lanes.");
+
+    inline Lanes
+    lanes_at(const double *address)
+    {
+      return Lanes(address, std::experimental::element_aligned);
+    }
+
+
+
+    template <int n>
+    inline void
+    lanes_at(const double *group, const unsigned int first, Lanes (&values)[n])
+    {
+      for (int k = 0; k < n; ++k)
+        values[k] = lanes_at(group + (first + k) * n_lanes);
+    }
+
+
+
+    inline void
+    add_to(std::array<double, n_lanes> &sum, const Lanes &value)
+    {
+      (lanes_at(sum.data()) + value)
+        .copy_to(sum.data(), std::experimental::element_aligned);
+    }
+
+
+
+    inline Lanes
+    used_lanes(const unsigned int count)
+    {
+      Lanes result;
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        result[lane] = lane < count ? 1. : 0.;
+      return result;
+    }
+
+
+
+    /**
+     * A group as its material sees it, see load_material_point().
+     */
+    template <int dim>
+    void
+    load_material_lanes(const PointLayout<dim> &layout,
+                        const double           *group,
+                        const unsigned int      count,
+                        MaterialLanes          &points)
+    {
+      using Layout      = PointLayout<dim>;
+      const auto number = [&](const unsigned int k) {
+        return lanes_at(group + k * n_lanes);
+      };
+      points.count   = count;
+      points.n_state = layout.n_state;
+      points.F.fill(0.);
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          points.F[3 * i + j] = number(Layout::F + Layout::F_index(i, j));
+      points.F[8] = number(Layout::F + Layout::F_index(2, 2));
+      points.J    = number(Layout::J);
+      if (layout.projected_J != 0)
+        {
+          const Lanes J     = number(layout.projected_J);
+          const Lanes ratio = J / points.J;
+          Lanes       factor;
+          for (unsigned int lane = 0; lane < n_lanes; ++lane)
+            factor[lane] = lane < count ? (dim == 2 ? std::sqrt(ratio[lane])
+                                                    : std::cbrt(ratio[lane]))
+                                        : 1.;
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int j = 0; j < dim; ++j)
+              points.F[3 * i + j] *= factor;
+          points.J = J;
+          for (unsigned int lane = count; lane < n_lanes; ++lane)
+            points.J[lane] = 1.;
+        }
+      points.stress.fill(0.);
+      for (unsigned int k = 0; k < Layout::n_stress; ++k)
+        points.stress[k] = number(Layout::stress + k);
+      for (unsigned int k = 0; k < layout.n_state; ++k)
+        points.state[k] = number(Layout::state + k);
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  RowSums<dim>::RowSums(const Material *material,
+                        const double    front_above,
+                        const double    outer_mass)
+    : material(material)
+    , front_above(front_above)
+    , has_outer(outer_mass > 0.)
+    , outer(outer_mass)
+  {}
+
+
+
+  template <int dim>
+  void
+  RowSums<dim>::add_group(const MaterialPoints<dim> &points,
+                          const double              *group,
+                          const unsigned int         count)
+  {
+    using Layout     = PointLayout<dim>;
+    const Lanes used = used_lanes(count);
+    const Lanes m    = used * lanes_at(group + Layout::mass * n_lanes);
+    const Lanes V0   = used * lanes_at(group + Layout::volume0 * n_lanes);
+    Lanes       x[dim];
+    lanes_at(group, Layout::position, x);
+    n_points += count;
+    add_to(mass, m);
+    for (unsigned int d = 0; d < dim; ++d)
+      add_to(first_moment[d], m * x[d]);
+    if (material)
+      {
+        MaterialLanes lanes;
+        load_material_lanes<dim>(points.layout(), group, count, lanes);
+        const EnergyLanes energies = material->energies(lanes);
+        Lanes w = V0 * energies.strain, heat = V0 * energies.dissipation;
+        where(used < 1., w)    = 0.;
+        where(used < 1., heat) = 0.;
+        add_to(strain, w);
+        add_to(dissipation, heat);
+      }
+
+    // In 3D a tangent bounds the cubic root: (2 s + V / s^2) / 3 for any s.
+    const Lanes V = V0 * lanes_at(group + Layout::J * n_lanes);
+    Lanes       half;
+    if constexpr (dim == 2)
+      half = 0.5 * sqrt(V);
+    else
+      {
+        if (typical_size == 0.)
+          typical_size = std::cbrt(double(V[0]));
+        half = (2. * typical_size + V / (typical_size * typical_size)) / 6. *
+               (1. + 1e-14);
+      }
+    const auto exact_half = [&](const unsigned int lane) {
+      return dim == 2 ? double(half[lane]) : 0.5 * std::cbrt(double(V[lane]));
+    };
+    const Lanes right = x[0] + half, top = x[1] + half;
+    const auto  is_above = used > 0. && x[1] > front_above;
+    if (!none_of(is_above))
+      {
+        Lanes above             = m;
+        where(!is_above, above) = 0.;
+        mass_above += reduce(above);
+        const double least =
+          has_outer ? std::min(front.value, outer.smallest()) : front.value;
+        if (!none_of(is_above && !(right <= least)))
+          for (unsigned int lane = 0; lane < count; ++lane)
+            if (is_above[lane] && !(right[lane] <= least))
+              {
+                const double edge = x[0][lane] + exact_half(lane);
+                front.add(edge);
+                if (has_outer && edge >= outer.smallest())
+                  outer.add(edge, m[lane]);
+              }
+      }
+    if (!none_of(used > 0. && top > height.value))
+      for (unsigned int lane = 0; lane < count; ++lane)
+        if (top[lane] > height.value)
+          height.add(x[1][lane] + exact_half(lane));
+  }
+
+
+
+  template <int dim>
+  void
+  RowSums<dim>::add_motion(const double      *group,
+                           const unsigned int count,
+                           const double      *velocities,
+                           const double      *affine,
+                           const double      *spread)
+  {
+    using Layout = PointLayout<dim>;
+    const Lanes m =
+      used_lanes(count) * lanes_at(group + Layout::mass * n_lanes);
+    Lanes x[dim], v[dim];
+    lanes_at(group, Layout::position, x);
+    lanes_at(velocities, 0, v);
+    Lanes square = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        square += v[d] * v[d];
+        add_to(momentum[d], m * v[d]);
+      }
+    Lanes speed           = square;
+    where(m <= 0., speed) = 0.;
+    max(lanes_at(square_of_speed.data()), speed)
+      .copy_to(square_of_speed.data(), std::experimental::element_aligned);
+
+    Lanes spins[n_spins];
+    if constexpr (dim == 2)
+      spins[0] = x[0] * v[1] - x[1] * v[0];
+    else
+      for (unsigned int i = 0; i < 3; ++i)
+        spins[i] =
+          x[(i + 1) % 3] * v[(i + 2) % 3] - x[(i + 2) % 3] * v[(i + 1) % 3];
+    if (affine)
+      {
+        // C : (C D), and the skew part of C D.
+        Lanes B[dim][dim];
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            {
+              const Lanes c = lanes_at(affine + (i * dim + j) * n_lanes);
+              B[i][j]       = c * lanes_at(spread + j * n_lanes);
+              square += c * B[i][j];
+            }
+        if constexpr (dim == 2)
+          spins[0] += B[1][0] - B[0][1];
+        else
+          for (unsigned int i = 0; i < 3; ++i)
+            spins[i] +=
+              B[(i + 2) % 3][(i + 1) % 3] - B[(i + 1) % 3][(i + 2) % 3];
+      }
+    for (unsigned int i = 0; i < n_spins; ++i)
+      add_to(angular_momentum[i], m * spins[i]);
+    add_to(kinetic, 0.5 * m * square);
+  }
+
+
+
+  template <int dim>
+  void
+  RowSums<dim>::add(const MaterialPoints<dim> &points,
+                    const PointTransfer<dim>  *transfer,
+                    const Tensor<1, dim>      *imposed)
+  {
+    const PointField *field = points.layout().find("affine");
+    double            v[dim * n_lanes], D[dim * n_lanes] = {};
+    for (const unsigned int cell : points.cells())
+      {
+        unsigned int count = points.n_in_first_group(cell);
+        for (unsigned int g = points.first_group(cell);
+             g != MaterialPoints<dim>::none;
+             g = points.next_group(g), count = n_lanes)
+          {
+            const double *group = points.group(g);
+            add_group(points, group, count);
+            if (!transfer)
+              continue;
+            std::copy_n(group + PointLayout<dim>::velocity * n_lanes,
+                        dim * n_lanes,
+                        v);
+            for (unsigned int d = 0; imposed && d < dim; ++d)
+              std::fill_n(v + d * n_lanes, n_lanes, (*imposed)[d]);
+            if (!field)
+              {
+                add_motion(group, count, v);
+                continue;
+              }
+            for (unsigned int lane = 0; lane < count; ++lane)
+              {
+                const auto diagonal = transfer->spread(
+                  cell, points.point(g, lane).basis_position(points.layout()));
+                for (unsigned int d = 0; d < dim; ++d)
+                  D[d * n_lanes + lane] = diagonal[d];
+              }
+            add_motion(group, count, v, group + field->first * n_lanes, D);
+          }
+      }
+  }
+
+
+
+  template class RowSums<2>;
+  template class RowSums<3>;
+} // namespace greville
