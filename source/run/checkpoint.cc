@@ -66,8 +66,7 @@ namespace greville
           else if (line == "end" && !sections.empty())
             sections.pop_back();
           else if (line.rfind("set ", 0) == 0 && is != std::string::npos)
-            // A checkpoint may be older than a name of the reference.
-            values[where + main_name(Utilities::trim(line.substr(4, is - 4)))] =
+            values[where + Utilities::trim(line.substr(4, is - 4))] =
               Utilities::trim(line.substr(is + 1));
         }
       return values;

@@ -104,8 +104,7 @@ namespace greville
   CentralDifferences<dim>::add_work_of_damping(State<dim> &state)
   {
     // It is for the guard, and costs a product with the mass matrix.
-    if (damping.factor(state.time) == 0. ||
-        parameters.scheme.energy_gain == "ignore")
+    if (damping.factor() == 0. || parameters.scheme.energy_gain == "ignore")
       return;
     const PartTimer timer(log, "energy");
 
@@ -129,8 +128,7 @@ namespace greville
                                               momenta);
     for (unsigned int d = 0; d < dim; ++d)
       momenta[d].add(1. + flip, discretization.momentum()[d]);
-    state.energy.add_damping(dt *
-                             damping.power(momenta, trial.force, state.time));
+    state.energy.add_damping(dt * damping.power(momenta, trial.force));
   }
 
 
@@ -171,7 +169,7 @@ namespace greville
     guard.set(trial.motion);
     // Obstacles and damping take some that nobody adds up, and reconstructions
     // are not the points.
-    if (obstacles || damping.factor(state.time) != 0. ||
+    if (obstacles || damping.factor() != 0. ||
         parameters.scheme.quadrature != "points")
       return;
     for (const Tensor<1, dim> &given : trial.momentum_of_walls)

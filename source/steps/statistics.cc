@@ -383,8 +383,7 @@ namespace greville
   double
   free_energy(const std::vector<Body<dim>> &bodies,
               const PointTransfer<dim>     &transfer,
-              const MPI_Comm                comm,
-              const bool                    only_kinetic)
+              const MPI_Comm                comm)
   {
     double sum = 0.;
     for (const Body<dim> *body : deformable_bodies(bodies))
@@ -394,8 +393,6 @@ namespace greville
         body->points.for_each(
           [&](const unsigned int cell, ConstPointRef<dim> p) {
             sum += kinetic_energy_of<dim>(p, cell, affine, transfer);
-            if (only_kinetic)
-              return;
             MaterialPoint point;
             load_material_point<dim>(p, layout, point);
             sum += p.volume0() * (body->material->strain_energy(point) +
