@@ -158,8 +158,8 @@ block_2d(const std::string &shape, const unsigned int n = 8)
     .add("Material solid",
          {"Model = linear-elastic",
           "Density = 1",
-          "Youngs modulus = 100",
-          "Poissons ratio = 0.3"});
+          "Young modulus = 100",
+          "Poisson ratio = 0.3"});
 }
 
 inline Text

@@ -38,23 +38,12 @@ namespace greville
     struct Entry
     {
       std::string default_value, pattern, documentation;
-      /// Not empty: it is another name of this one.
-      std::string alias;
     };
 
     /**
      * Entries of a section by name.
      */
     using Entries = std::map<std::string, Entry>;
-
-
-
-    bool
-    is_alias(const boost::property_tree::ptree &tree)
-    {
-      const auto found = tree.find("alias");
-      return found != tree.not_found() && found->second.empty();
-    }
 
 
 
@@ -73,23 +62,13 @@ namespace greville
           if (entry.find("value") != entry.not_found())
             entries[demangle(child.first)] = {value_of("default_value"),
                                               value_of("pattern_description"),
-                                              value_of("documentation"),
-                                              ""};
-          else if (is_alias(entry))
-            entries[demangle(child.first)].alias = demangle(value_of("alias"));
+                                              value_of("documentation")};
           else
             collect(entry,
                     (section.empty() ? "" : section + "/") +
                       demangle(child.first),
                     result);
         }
-      for (auto &entry : entries)
-        if (!entry.second.alias.empty())
-          {
-            const std::string name = entry.second.alias;
-            entry.second           = entries.at(name);
-            entry.second.alias     = name;
-          }
     }
 
 
@@ -263,38 +242,6 @@ namespace greville
                       ExcMessage(what + "numbers are zero, or between 1e-100 "
                                         "and 1e100 in size."));
     }
-
-
-
-    /**
-     * Throw where two lines give two values under two names of a parameter. One
-     * on the command line takes the place of those in the file.
-     */
-    void
-    check_names(const std::vector<ParameterLine>     &lines,
-                const std::map<std::string, Entries> &sections)
-    {
-      // The last line under each name.
-      std::map<std::vector<std::string>, const ParameterLine *> last;
-      for (const ParameterLine &line : lines)
-        if (!line.name.empty())
-          {
-            const Entry      &entry = sections.at(line.section).at(line.name);
-            const std::string main =
-              entry.alias.empty() ? line.name : entry.alias;
-            const ParameterLine *&other =
-              last[{line.section, main, line.is_setting ? "set" : ""}];
-            AssertThrow(
-              other == nullptr || other->name == line.name ||
-                other->value == line.value,
-              ExcMessage(
-                line.place + ": the parameter '" + line.section + "/" +
-                line.name + "' is <" + line.value + ">, but '" + other->name +
-                "', another name of the same parameter, is <" + other->value +
-                "> (" + other->place + "). Give one of them."));
-            other = &line;
-          }
-    }
   } // namespace
 
 
@@ -306,7 +253,6 @@ namespace greville
     const auto sections = sections_of(prm);
     for (const ParameterLine &line : lines)
       check_line(line, sections);
-    check_names(lines, sections);
   }
 
 
@@ -371,8 +317,7 @@ namespace greville
     if (section != sections.end())
       {
         for (const auto &entry : section->second)
-          if (entry.second.alias.empty())
-            out << entry.first << '\n';
+          out << entry.first << '\n';
         return;
       }
     const auto slash = what.rfind('/');
@@ -390,13 +335,8 @@ namespace greville
                 ExcMessage("In the section '" + place->first +
                            "' there is no parameter '" + name + "'." +
                            did_you_mean(name, names_of(place->second))));
-    const std::string main =
-      entry->second.alias.empty() ? name : entry->second.alias;
-    out << place->first << '/' << main << '\n';
-    for (const auto &other : place->second)
-      if (other.second.alias == main)
-        out << "  also called: " << other.first << '\n';
-    out << "  default: " << entry->second.default_value << '\n'
+    out << what << '\n'
+        << "  default: " << entry->second.default_value << '\n'
         << "  allowed: " << in_words(entry->second.pattern) << '\n'
         << "  " << entry->second.documentation << '\n';
   }

@@ -4,6 +4,7 @@
 #include <greville/base/expression.h>
 #include <greville/base/parameters.h>
 
+#include <algorithm>
 #include <boost/property_tree/json_parser.hpp>
 #include <cerrno>
 #include <cmath>
@@ -34,44 +35,6 @@ namespace greville
       else
         result += name[i];
     return result;
-  }
-
-
-
-  namespace
-  {
-    /**
-     * Parameters that go by several names: the one of the reference first.
-     */
-    const std::vector<std::vector<std::string>> names_of_parameters = {
-      {"Order", "Degree"},
-      {"Orders", "Degrees"},
-      {"Young modulus", "Young's modulus", "Youngs modulus"},
-      {"Poisson ratio", "Poisson's ratio", "Poissons ratio"},
-      {"Poisson ratios", "Poisson's ratios", "Poissons ratios"}};
-  } // namespace
-
-
-
-  void
-  declare_other_names(ParameterHandler &prm, const std::string &name)
-  {
-    for (const auto &names : names_of_parameters)
-      if (names[0] == name)
-        for (unsigned int k = 1; k < names.size(); ++k)
-          prm.declare_alias(name, names[k]);
-  }
-
-
-
-  std::string
-  main_name(const std::string &name)
-  {
-    for (const auto &names : names_of_parameters)
-      for (const std::string &other : names)
-        if (other == name)
-          return names[0];
-    return name;
   }
 
 
@@ -139,6 +102,44 @@ namespace greville
 
 
 
+    /**
+     * Move what all sections "S of model M" have to the section S.
+     */
+    void
+    move_what_models_share(boost::property_tree::ptree &tree)
+    {
+      std::map<std::string, std::vector<boost::property_tree::ptree *>> models;
+      for (auto &child : tree)
+        {
+          const std::string name = demangle(child.first);
+          const auto        of   = name.find(" of model ");
+          if (of != std::string::npos)
+            models[name.substr(0, of)].push_back(&child.second);
+        }
+      for (auto &child : tree)
+        {
+          const auto sections = models.find(demangle(child.first));
+          if (sections == models.end())
+            continue;
+          const boost::property_tree::ptree first = *sections->second.front();
+          for (const auto &entry : first)
+            if (std::all_of(sections->second.begin(),
+                            sections->second.end(),
+                            [&](const auto *section) {
+                              const auto found = section->find(entry.first);
+                              return found != section->not_found() &&
+                                     found->second == entry.second;
+                            }))
+              {
+                child.second.push_back(entry);
+                for (auto *section : sections->second)
+                  section->erase(entry.first);
+              }
+        }
+    }
+
+
+
     void
     print_section(std::ostream                      &out,
                   const boost::property_tree::ptree &tree,
@@ -149,49 +150,40 @@ namespace greville
                                const char                        *key) {
         return entry.get<std::string>(key, "");
       };
-      const auto alias_of = [&](const boost::property_tree::ptree &entry) {
-        const auto found = entry.find("alias");
-        return found != entry.not_found() && found->second.empty()
-                 ? demangle(found->second.data())
-                 : "";
-      };
-      std::map<std::string, std::string> other_names;
-      for (const auto &child : tree)
-        {
-          std::string &names = other_names[alias_of(child.second)];
-          names += (names.empty() ? "" : ", ") + demangle(child.first);
-        }
-      bool has_entries = false;
+      // Parameters that are alike share a row, those of the sides of a grid for
+      // instance.
+      std::vector<std::pair<std::string, std::string>> rows;
       for (const auto &child : tree)
         if (child.second.find("value") != child.second.not_found())
           {
-            if (!has_entries)
-              {
-                const std::string example = example_of(section, examples);
-                out << "## " << (section.empty() ? "General" : section)
-                    << "\n\n"
-                    << (example.empty() ? "" : "```prm\n" + example + "```\n\n")
-                    << "| parameter | default | allowed | meaning |\n"
-                    << "| --- | --- | --- | --- |\n";
-              }
-            has_entries = true;
-            out << "| " << demangle(child.first) << " | `"
-                << escape_for_table(value_of(child.second, "default_value"))
-                << "` | "
-                << escape_for_table(
-                     value_of(child.second, "pattern_description"))
-                << " | "
-                << escape_for_table(value_of(child.second, "documentation"));
-            const auto others = other_names.find(demangle(child.first));
-            if (others != other_names.end())
-              out << " Also called: " << others->second << '.';
-            out << " |\n";
+            const std::string text =
+              " | `" +
+              escape_for_table(value_of(child.second, "default_value")) +
+              "` | " +
+              escape_for_table(value_of(child.second, "pattern_description")) +
+              " | " + escape_for_table(value_of(child.second, "documentation"));
+            const auto row =
+              std::find_if(rows.begin(), rows.end(), [&](const auto &other) {
+                return other.second == text;
+              });
+            if (row == rows.end())
+              rows.emplace_back(demangle(child.first), text);
+            else
+              row->first += ", " + demangle(child.first);
           }
-      if (has_entries)
-        out << '\n';
+      if (!rows.empty())
+        {
+          const std::string example = example_of(section, examples);
+          out << "## " << (section.empty() ? "General" : section) << "\n\n"
+              << (example.empty() ? "" : "```prm\n" + example + "```\n\n")
+              << "| parameter | default | allowed | meaning |\n"
+              << "| --- | --- | --- | --- |\n";
+          for (const auto &[names, text] : rows)
+            out << "| " << names << text << " |\n";
+          out << '\n';
+        }
       for (const auto &child : tree)
-        if (child.second.find("value") == child.second.not_found() &&
-            alias_of(child.second).empty())
+        if (child.second.find("value") == child.second.not_found())
           print_section(out,
                         child.second,
                         (section.empty() ? "" : section + "/") +
@@ -212,6 +204,7 @@ namespace greville
     prm.print_parameters(json, ParameterHandler::JSON);
     boost::property_tree::ptree tree;
     boost::property_tree::read_json(json, tree);
+    move_what_models_share(tree);
 
     out << "# Parameters of " << program << "\n\n"
         << "Generated by `" << program << " --parameters`; a test compares "

@@ -43,7 +43,6 @@ namespace greville
                       "Poisson's ratios of elasticity, greater than -1 and "
                       "smaller than 0.5. Unit: none.",
                       Patterns::List(Patterns::Double(), 1));
-    declare_other_names(prm, "Poisson ratios");
     prm.add_parameter(
       "Courant numbers",
       courant_numbers,
@@ -59,7 +58,6 @@ namespace greville
                       orders,
                       "Orders p of the splines, which are their degrees.",
                       Patterns::List(Patterns::Integer(1, 5), 1));
-    declare_other_names(prm, "Orders");
     prm.add_parameter(
       "Cells",
       cells,

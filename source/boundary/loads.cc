@@ -3,7 +3,6 @@
 #include <greville/base/errors.h>
 #include <greville/boundary/body_force.h>
 #include <greville/boundary/loads.h>
-#include <greville/boundary/traction.h>
 
 namespace greville
 {
@@ -22,8 +21,7 @@ namespace greville
     std::vector<MakePointLoads<dim>> &
     kinds_of_point_loads()
     {
-      static std::vector<MakePointLoads<dim>> list = {BodyForce<dim>::make,
-                                                      Traction<dim>::make};
+      static std::vector<MakePointLoads<dim>> list = {BodyForce<dim>::make};
       return list;
     }
   } // namespace

@@ -23,7 +23,7 @@ namespace greville
     struct Columns
     {
       std::vector<int> coordinates, further, reference, displacement;
-      int              volume = -1, mass = -1, density = -1, body = -1;
+      int              volume = -1, mass = -1, density = -1;
     };
 
     // Columns that say the same may differ by this, relatively, and densities
@@ -116,7 +116,6 @@ namespace greville
   PointsOfFile<dim>
   points_of_file(const std::string                           &file,
                  const std::string                           &section,
-                 const int                                    body,
                  const double                                 density,
                  const std::vector<std::vector<std::string>> &wanted,
                  const bool                                   at_reference,
@@ -166,12 +165,6 @@ namespace greville
       AssertThrow(columns.volume >= 0 || columns.mass >= 0,
                   ExcMessage(where + "there is no column 'volume' in <" + text +
                              ">, and no 'mass' to find it from."));
-      columns.body = find("body");
-      AssertThrow(body < 0 || columns.body >= 0,
-                  ExcMessage(where + "there is no column 'body' in <" + text +
-                             ">, but the parameter '" + section +
-                             "/Body in points file' is " + text_of(body) +
-                             "."));
       const auto vector = [&](const std::string &name) {
         std::vector<std::string> group;
         for (const std::string &axis : coordinate_names<dim>())
@@ -208,8 +201,6 @@ namespace greville
       const auto number = [&](const int column) {
         return row.number(column, header[column]);
       };
-      if (body >= 0 && number(columns.body) != body)
-        return;
       const auto positive = [&](const int column, const char *name) {
         const double value = number(column);
         AssertThrow(value > 0.,

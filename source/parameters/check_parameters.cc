@@ -80,15 +80,8 @@ namespace greville
     check_different(sweep.quadratures, "Sweep/Quadratures");
     smoother.check();
     load_balance.check();
-    for (const auto &traction : tractions)
-      AssertThrow(traction.second.area > 0.,
-                  ExcMessage("The parameter 'Traction " + traction.first +
-                             "/Area' has to be positive."));
     for (const auto &load : surface_loads)
       load.second.check("Surface load " + load.first, bodies);
-    AssertThrow(reference.time_unit > 0. && reference.value_unit > 0.,
-                ExcMessage("'Reference/Time unit' and 'Reference/Value unit' "
-                           "have to be positive."));
     for (const auto &body : bodies)
       AssertThrow((body.second.K0 >= 0.) == !body.second.surface.empty(),
                   ExcMessage("'Body " + body.first +

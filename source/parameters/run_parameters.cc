@@ -42,14 +42,10 @@ namespace greville
                   Double(0.))(
       "Points that have moved by more than this have failed. Unit: m.");
     add_parameter(prm, "Series file", series_file)(
-      "CSV beside the parameter file with two columns: time and a value, in "
-      "the units below.");
+      "CSV beside the parameter file with two columns: time (s) and a value, in "
+      "the unit of the quantity.");
     add_parameter(prm, "Series quantity", series_quantity)(
       "The column of statistics.csv that the series is compared with.");
-    add_parameter(prm, "Time unit", time_unit, Double(0.))(
-      "Unit of the times of the series. Unit: s.");
-    add_parameter(prm, "Value unit", value_unit, Double(0.))(
-      "Unit of the values of the series, in that of the quantity.");
   }
 
 
@@ -67,7 +63,6 @@ namespace greville
                   degrees,
                   List(Integer(1, SplineSpace<2>::max_degree)))(
       "Orders p to run; empty: that of the grid. Unit: none.");
-    declare_other_names(prm, "Orders");
     add_parameter(prm,
                   "Formulations",
                   formulations,
@@ -117,11 +112,6 @@ namespace greville
       "which reaches to the far wall. Where there is none, they are 0. Unit: "
       "m.");
     add_parameter(prm, "Grid fields", grid_fields)("Write the grid as well.");
-    add_parameter(prm, "Surface points", surface_points)(
-      "Write the points of loads on surfaces as well, if there are any: "
-      "surface.pvd with velocity, displacement, load (Pa per initial area), "
-      "area_vector (the normal times the area, both of today), area, the "
-      "number of the load and that of its body.");
     add_parameter(prm, "Fields", fields, List(Selection(output_field_names())))(
       "Fields of points in .pvtu files: strain is Green's, size the edge of a "
       "cube of the volume of a point, for glyphs, history what materials keep "
@@ -150,10 +140,9 @@ namespace greville
     add_parameter(prm, "Every steps", every_steps)(
       "Number of steps between two checkpoints; 0: none for this reason.");
     add_parameter(prm, "Every minutes", every_minutes, Patterns::Double(0.))(
-      "Wall time between two checkpoints; 0: none for this reason. Unit: min.");
-    add_parameter(prm, "At the end", at_end)(
-      "Write one at the end of the run, for runs that start from there or go "
-      "on beyond it.");
+      "Wall time between two checkpoints; 0: none for this reason. Unit: min. "
+      "With one of the two there is one at the end of the run, too, for runs "
+      "that start from there or go on beyond it.");
   }
 
 
@@ -164,15 +153,9 @@ namespace greville
     add_parameter(prm, "Threshold", threshold, Patterns::Double(0.))(
       "The cells of the grid are shared among the processes anew where the "
       "largest work of a process is more than this number times the mean. 0: "
-      "never for this reason. Unit: none.");
+      "never; 1: whenever they are compared. Unit: none.");
     add_parameter(prm, "Check every", check_every, Patterns::Integer(1))(
-      "Number of steps between two comparisons with the threshold.");
-    add_parameter(prm, "Every steps", every_steps)(
-      "Number of steps after which the cells are shared anew in any case; 0: "
-      "none.");
-    add_parameter(prm, "Empty cell", empty_cell, Patterns::Double(0.))(
-      "The work of a cell without points over that of a point: each process "
-      "gets the same share of both together. Unit: none.");
+      "Number of steps between two comparisons.");
   }
 
 

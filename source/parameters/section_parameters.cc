@@ -23,8 +23,6 @@ namespace greville
       "Names of bodies; each has a section 'Body NAME'.");
     add_parameter(prm, "Materials", materials)(
       "Names of materials; each has a section 'Material NAME'.");
-    add_parameter(prm, "Tractions", tractions)(
-      "Names of tractions; each has a section 'Traction NAME'.");
     add_parameter(prm, "Surface loads", surface_loads)(
       "Names of loads on the surfaces of bodies with fitted points; each has a "
       "section 'Surface load NAME'.");
@@ -50,7 +48,6 @@ namespace greville
       "Order p of the B-splines: the degree of their polynomials. In "
       "isogeometric analysis the order is the degree plus one; here it is the "
       "degree. Unit: none.");
-    declare_other_names(prm, "Order");
     add_parameter(prm, "Per body", per_body)(
       "With total Lagrangian steps: each body has fields of its own on the "
       "part of the grid around it, so that bodies may be close to one another. "
@@ -75,7 +72,6 @@ namespace greville
     add_parameter(prm, "Order", degree, Integer(0, SplineSpace<2>::max_degree))(
       "Order p of the B-splines. 0: as in the section 'Grid' outside. Unit: "
       "none.");
-    declare_other_names(prm, "Order");
   }
 
 
@@ -89,22 +85,6 @@ namespace greville
       "components together, preconditioned by IC(0) (cg-ic0, the fastest for "
       "mass matrices), by the cycle of 'p-multigrid' (cg-p-multigrid), by the "
       "diagonal (cg-jacobi), or not at all (cg).");
-  }
-
-
-
-  void
-  TractionParameters::declare(ParameterHandler &prm)
-  {
-    add_parameter(prm, "Shape", shape)(
-      "The points that carry the traction: inside this shape initially (see "
-      "Body/Shape; X is called x). Unit: m.");
-    add_parameter(prm, "Traction", traction)(
-      "Force per area: formulas of x, y (, z), the initial positions X, Y (, "
-      "Z) and t, separated by semicolons. Unit: Pa.");
-    add_parameter(prm, "Area", area, Double(0.))(
-      "The area of the surface, shared by its points as their volumes. Unit: "
-      "m^2 (2D: m).");
   }
 
 

@@ -99,6 +99,27 @@ namespace greville
 
 
     /**
+     * Throws where a file has tractions on marked points, which are loads on
+     * surfaces.
+     */
+    void
+    check_tractions(const std::vector<ParameterLine> &lines)
+    {
+      for (const ParameterLine &line : lines)
+        AssertThrow(
+          line.section.rfind("Traction ", 0) != 0 &&
+            !(line.section == "Simulation" && line.name == "Tractions"),
+          ExcMessage(
+            line.place +
+            ": tractions are 'Surface loads': 'Simulation/Surface loads' has "
+            "their names, and 'Surface load NAME' has 'Body', 'Where' in place "
+            "of 'Shape', and 'Traction'; the area is that of the surface. "
+            "The body needs 'Placement' = fitted."));
+    }
+
+
+
+    /**
      * Throws where a file means the solver by parameters that do not name it.
      */
     void
@@ -196,10 +217,10 @@ namespace greville
   SimulationParameters::read(const std::string                &file,
                              const std::vector<ParameterLine> &lines)
   {
-    const auto body_names     = names_of(lines, "Bodies"),
-               law_names      = names_of(lines, "Materials"),
-               traction_names = names_of(lines, "Tractions"),
-               load_names     = names_of(lines, "Surface loads");
+    check_tractions(lines);
+    const auto body_names = names_of(lines, "Bodies"),
+               law_names  = names_of(lines, "Materials"),
+               load_names = names_of(lines, "Surface loads");
     if (body_names.empty())
       for (const ParameterLine &line : lines)
         {
@@ -213,7 +234,6 @@ namespace greville
                            "simulation needs a body."));
     check_sections(lines, "Body", "Bodies", body_names);
     check_sections(lines, "Material", "Materials", law_names);
-    check_sections(lines, "Traction", "Tractions", traction_names);
     check_sections(lines, "Surface load", "Surface loads", load_names);
     check_sections(lines, "Stage", "Stages", names_of(lines, "Stages"));
     for (const std::string &name : body_names)
@@ -221,8 +241,6 @@ namespace greville
         bodies[name];
         body_grids[name];
       }
-    for (const std::string &name : traction_names)
-      tractions[name];
     for (const std::string &name : load_names)
       surface_loads[name];
     make_stages(lines);
@@ -404,8 +422,6 @@ namespace greville
         declare_section(prm, "Grid", body_grids[body.first]);
         prm.leave_subsection();
       }
-    for (auto &traction : tractions)
-      declare_section(prm, "Traction " + traction.first, traction.second);
     for (auto &load : surface_loads)
       declare_section(prm, "Surface load " + load.first, load.second);
     for (StageParameters &stage : stages)
@@ -425,7 +441,6 @@ namespace greville
   {
     SimulationParameters parameters;
     parameters.bodies["NAME"];
-    parameters.tractions["NAME"];
     parameters.surface_loads["NAME"];
     ParameterHandler prm;
     parameters.declare(prm);

@@ -81,11 +81,12 @@ namespace greville
       "approximations of the exact one by K terms of a series: " +
       mass_names() + ".");
     add_parameter(prm, "Filling threshold", filling, Double(-1., 2.))(
-      "Consistent mass of explicit steps: cells that points fill by this "
+      "Consistent mass and implicit steps: cells that points fill by this "
       "fraction of their volume or more are well-filled; B-splines that see no "
       "well-filled cell inside the body are extended from such cells. 0: none "
-      "is extended. Negative: 0.45 in updated and 0.1 in total Lagrangian "
-      "steps. Unit: none.");
+      "is extended. Negative: 0.45 in explicit and 0.55 in implicit updated "
+      "Lagrangian steps, whose linear systems need fewer iterations then, and "
+      "0.1 in total Lagrangian ones. Unit: none.");
     add_parameter(prm, "Filter", filter, Double(0., 100.))(
       "Consistent mass: strength of the high-order filter of the velocity, "
       "which damps what points that cross cells excite: the fraction of the "
@@ -101,12 +102,9 @@ namespace greville
     add_parameter(prm, "Transfer", transfer, Selection("FLIP|PIC|APIC"))(
       "How points take their velocity from the grid.");
     add_parameter(prm, "FLIP share", flip, Double(0., 1.))(
-      "The fraction of FLIP that the velocities of points keep in 'FLIP time', "
-      "the rest being PIC: in a step dt it is the share to the power dt / "
-      "'FLIP time'. 1: all of FLIP, 0: all of PIC. Unit: none.");
-    add_parameter(prm, "FLIP time", flip_time, Double(0.))(
-      "The time that 'FLIP share' belongs to. 0: in which the fastest initial "
-      "wave crosses a cell. Unit: s.");
+      "The fraction of FLIP that the velocities of points keep in the time in "
+      "which the fastest initial wave crosses a cell, the rest being PIC. 1: "
+      "all of FLIP, 0: all of PIC. Unit: none.");
     add_parameter(prm,
                   "Quadrature",
                   quadrature,
@@ -132,11 +130,8 @@ namespace greville
                   energy_gain,
                   Selection("stop|warn|ignore"))(
       "What to do where the bodies have more energy than they had initially "
-      "and loads and walls have given them, less what damping has taken, which "
-      "an unstable step shows.");
-    add_parameter(prm, "Energy tolerance", energy_tolerance, Double(0.))(
-      "The gain that is accepted, as a fraction of the largest energy so far. "
-      "Unit: none.");
+      "and loads and walls have given them, less what damping has taken, by a "
+      "tenth of the largest energy so far: an unstable step shows in this.");
     add_parameter(prm, "Points outside", outside, Selection("error|remove"))(
       "What to do about points that leave the grid.");
   }
@@ -151,21 +146,15 @@ namespace greville
   void
   WallParameters::declare(ParameterHandler &prm)
   {
-    static const char *places[] = {"smallest x",
-                                   "largest x",
-                                   "smallest y",
-                                   "largest y",
-                                   "smallest z",
-                                   "largest z"};
     for (unsigned int w = 0; w < 6; ++w)
       {
         add_parameter(prm,
                       names[w],
                       type[w],
                       Selection("free|fixed|sliding|moving|friction|periodic"))(
-          "The wall of " + std::string(places[w]) +
-          ": free, fixed (sticks), sliding (without friction), moving (with "
-          "the "
+          "The walls of smallest x (Left), largest x (Right), smallest y "
+          "(Bottom), largest y (Top), smallest z (Back) and largest z (Front): "
+          "free, fixed (sticks), sliding (without friction), moving (with the "
           "velocity or displacement below), friction (sliding with the "
           "coefficient below) or periodic (what leaves the grid here comes in "
           "at the wall on the other side, which is periodic, too; in all "
@@ -200,11 +189,6 @@ namespace greville
     add_parameter(prm, "Cundall damping", cundall, Double(0., 1.))(
       "Forces on the grid are reduced by this fraction where they speed it up "
       "and raised where they slow it down. Unit: none.");
-    add_parameter(prm, "Kinetic damping", kinetic)(
-      "The bodies without an imposed velocity stop where their kinetic energy "
-      "has a maximum.");
-    add_parameter(prm, "Damping end", damping_end)(
-      "Damping of both kinds ends at this time; negative: never. Unit: s.");
   }
 
 
@@ -212,17 +196,6 @@ namespace greville
   void
   ImplicitParameters::declare(ParameterHandler &prm)
   {
-    prm.add_parameter("Newmark beta",
-                      beta,
-                      "newmark: the share beta of the end of a step in the "
-                      "displacement. Unit: none.",
-                      Patterns::Double(1e-6, 1.));
-    prm.add_parameter("Newmark gamma",
-                      gamma,
-                      "newmark: the share gamma of the end of a step in the "
-                      "velocity; 0.5 is of second order, more damps. Unit: "
-                      "none.",
-                      Patterns::Double(0., 1.));
     prm.add_parameter("Spectral radius",
                       spectral_radius,
                       "generalized-alpha: the factor by which a step changes "
@@ -234,19 +207,6 @@ namespace greville
                       "A run ends where Newton's method fails with this "
                       "fraction of 'Time/Step'. Unit: none.",
                       Patterns::Double(1e-12, 1.));
-    prm.add_parameter("Easy iterations",
-                      easy_iterations,
-                      "A step that was cut doubles after one with at most so "
-                      "many iterations of Newton's method. Unit: iterations.",
-                      Patterns::Integer(0));
-    prm.add_parameter(
-      "Filling threshold",
-      filling,
-      "The 'Scheme/Filling threshold' of implicit steps. Where points move "
-      "through the grid, cells that are half full are better extended over: "
-      "linear systems need fewer iterations. Negative: 0.55 in updated and 0.1 "
-      "in total Lagrangian steps. Unit: none.",
-      Patterns::Double(-1., 2.));
   }
 
 
@@ -271,20 +231,11 @@ namespace greville
                       "A step that needs more is cut in halves. Unit: "
                       "iterations.",
                       Patterns::Integer(1));
-    prm.add_parameter("Maximum line search steps",
-                      max_cuts,
-                      "How often an iteration may halve its step where the "
-                      "residual grows. Unit: none.",
-                      Patterns::Integer(0, 50));
     prm.add_parameter("Largest linear tolerance",
                       largest_forcing,
                       "Linear systems are solved to this relative residual at "
                       "least, and the more exactly the faster Newton's method "
                       "converges. Unit: none.",
-                      Patterns::Double(0., 1.));
-    prm.add_parameter("Smallest linear tolerance",
-                      smallest_forcing,
-                      "And never more exactly than this. Unit: none.",
                       Patterns::Double(0., 1.));
     prm.add_parameter("Print iterations",
                       log,

@@ -399,7 +399,6 @@ namespace greville
         else
           file = points_of_file<dim>(parameters.points_file,
                                      section,
-                                     parameters.body_in_file,
                                      body.material->density,
                                      groups_of_file<dim>(*body.material),
                                      layout.is_total_lagrangian(),

@@ -44,9 +44,6 @@ namespace greville
       "F_xy, ..., displacement_x or reference_x, ..., density, and what the "
       "material keeps. 'Velocity', 'Stress' and 'K0' take the place of what a "
       "file has.");
-    add_parameter(prm, "Body in points file", body_in_file, Integer(-1))(
-      "Take only points whose column body has this number, as the files of "
-      "Greville count bodies from 0; -1: all. Unit: none.");
     add_parameter(prm,
                   "Points per direction",
                   points_per_direction,
@@ -66,8 +63,6 @@ namespace greville
     add_parameter(prm, "Jitter", jitter, Double(0., 1.))(
       "Each point is moved at random by at most this part of half the distance "
       "between points. Unit: none.");
-    add_parameter(prm, "Seed", seed, Integer(0))(
-      "Of the random numbers of the jitter. Unit: none.");
     add_parameter(prm, "Displacement", displacement)(
       "Initial displacement from the positions of the shape: formulas of x, y "
       "(, z) separated by semicolons, which also give the deformation gradient "

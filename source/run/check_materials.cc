@@ -318,8 +318,7 @@ namespace greville
       {
         if (line.name.empty())
           continue;
-        const ParameterLine *&other =
-          given[line.section + "/" + main_name(line.name)];
+        const ParameterLine *&other = given[line.section + "/" + line.name];
         // A file may change what it includes.
         if (other != nullptr && other->value != line.value &&
             file_of(*other) == file_of(line))

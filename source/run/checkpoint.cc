@@ -53,10 +53,9 @@ namespace greville
     {
       std::map<std::string, std::string> values;
       for (const ParameterLine &line : parameter_lines_of(text, "parameters"))
-        // A checkpoint may be older than a name of the reference.
         if (!line.name.empty())
-          values[(line.section.empty() ? "" : line.section + "/") +
-                 main_name(line.name)] = line.value;
+          values[(line.section.empty() ? "" : line.section + "/") + line.name] =
+            line.value;
       return values;
     }
 

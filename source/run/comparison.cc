@@ -182,7 +182,7 @@ namespace greville
   {
     if (series.empty())
       return;
-    const double time = statistics.time / parameters.time_unit;
+    const double time = statistics.time;
     // Of the values between two neighbouring measured times those that are next
     // to these are enough, however many steps a run takes.
     const std::size_t n = times.size();
@@ -200,7 +200,7 @@ namespace greville
           }
       }
     times.push_back(time);
-    values.push_back(statistics.values()[quantity] / parameters.value_unit);
+    values.push_back(statistics.values()[quantity]);
   }
 
 

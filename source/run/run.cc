@@ -363,12 +363,8 @@ namespace greville
         const State<dim> &state = part.state();
         const std::string body =
           parameters.has_body_grids() ? state.bodies[0].name : "";
-        if (output.surface_points)
-          fields.write_surfaces(time,
-                                part.loaded_surfaces(),
-                                numbers_of_surfaces(part),
-                                comm,
-                                body);
+        fields.write_surfaces(
+          time, part.loaded_surfaces(), numbers_of_surfaces(part), comm, body);
         if (!output.grid_fields)
           continue;
         GridFields<dim>  grid;

@@ -324,7 +324,7 @@ namespace greville
         is_due = Utilities::MPI::max<unsigned int>(own, comm) == 1 || is_due;
       }
     if (is_last)
-      is_due = when.at_end;
+      is_due = when.every_steps > 0 || when.every_minutes > 0.;
     // The run goes on where the disk is full for a while.
     std::string failure;
     if (is_due)

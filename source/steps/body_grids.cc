@@ -27,8 +27,6 @@ namespace greville
       Lattice<dim> lattice;
       /// The cells from first to before end hold all points.
       MultiIndex<dim> first, end;
-      /// Volume of the points that each traction reaches.
-      std::map<std::string, double> volumes;
     };
 
 
@@ -91,17 +89,6 @@ namespace greville
         {
           result.first[d] = Utilities::MPI::min(result.first[d], comm);
           result.end[d]   = Utilities::MPI::max(result.end[d], comm);
-        }
-      for (const std::string &traction : parameters.general.tractions)
-        {
-          const Shape<dim> shape(parameters.tractions.at(traction).shape,
-                                 "Traction " + traction + "/Shape");
-          double           volume = 0.;
-          body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-            if (shape.contains(p.reference()))
-              volume += p.volume0();
-          });
-          result.volumes[traction] = Utilities::MPI::sum(volume, comm);
         }
       return result;
     }
@@ -307,15 +294,10 @@ namespace greville
   {
     if (!parameters.has_body_grids())
       return {parameters};
-    std::vector<BodyOnGrid<dim>>  bodies;
-    std::map<std::string, double> volumes;
+    std::vector<BodyOnGrid<dim>> bodies;
     for (const std::string &name : parameters.general.bodies)
-      {
-        bodies.push_back(
-          place_body<dim>(parameters, name, parameters.grid_of(name), comm));
-        for (const auto &[traction, volume] : bodies.back().volumes)
-          volumes[traction] += volume;
-      }
+      bodies.push_back(
+        place_body<dim>(parameters, name, parameters.grid_of(name), comm));
 
     std::vector<SimulationParameters> parts;
     for (unsigned int b = 0; b < bodies.size(); ++b)
@@ -327,16 +309,6 @@ namespace greville
         part.grid.per_body = false;
         part.body_grids.clear();
 
-        // A traction without points is an error, which the first one finds.
-        part.general.tractions.clear();
-        for (const std::string &traction : parameters.general.tractions)
-          if (bodies[b].volumes[traction] > 0. || volumes[traction] == 0.)
-            {
-              part.general.tractions.push_back(traction);
-              if (bodies[b].volumes[traction] < volumes[traction])
-                part.tractions.at(traction).area *=
-                  bodies[b].volumes[traction] / volumes[traction];
-            }
         auto &loads = part.general.surface_loads;
         loads.erase(std::remove_if(
                       loads.begin(),

@@ -98,7 +98,7 @@ namespace greville
     // Smaller shares have the shorter step, and dt is not known yet.
     scheme.flip =
       std::min(parameters.scheme.flip, flip_share(state, state.velocity_step));
-    scheme.damping = damping.factor(state.time);
+    scheme.damping = damping.factor();
     return step_size.propose(state, scheme);
   }
 
@@ -246,7 +246,7 @@ namespace greville
         add_momentum_of_walls(trial.acceleration, trial.force, 1, dt);
       }
     trial.momentum.add(trial.force, dt);
-    damping.damp(trial.acceleration, trial.force, state.time);
+    damping.damp(trial.acceleration, trial.force);
   }
 
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/steps/damping.h>
-#include <greville/steps/move_points.h>
-#include <greville/steps/statistics.h>
 
 #include <cmath>
 
@@ -39,10 +37,9 @@ namespace greville
   template <int dim>
   void
   Damping<dim>::damp(VectorField<dim>       &acceleration,
-                     const VectorField<dim> &force,
-                     const double            t) const
+                     const VectorField<dim> &force) const
   {
-    const double alpha = factor(t);
+    const double alpha = factor();
     if (alpha == 0.)
       return;
     for (unsigned int d = 0; d < dim; ++d)
@@ -55,40 +52,14 @@ namespace greville
   template <int dim>
   double
   Damping<dim>::power(const VectorField<dim> &momenta,
-                      const VectorField<dim> &force,
-                      const double            t) const
+                      const VectorField<dim> &force) const
   {
-    const double alpha = factor(t);
+    const double alpha = factor();
     double       power = 0.;
     for (unsigned int d = 0; d < dim; ++d)
       for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
         power -= 0.5 * taken(force, alpha, i, d) * momenta[d].local_element(i);
     return power;
-  }
-
-
-
-  template <int dim>
-  void
-  Damping<dim>::damp_kinetically(State<dim> &state) const
-  {
-    if (!parameters.kinetic || !acts(state.time))
-      return;
-    const double kinetic = free_energy<dim>(state.bodies,
-                                            discretization.transfer(),
-                                            discretization.communicator(),
-                                            true);
-    if (!(kinetic < state.last_kinetic))
-      {
-        state.last_kinetic = kinetic;
-        return;
-      }
-    state.last_kinetic = 0.;
-    // The energy is that of all processes.
-    if (Utilities::MPI::this_mpi_process(discretization.communicator()) == 0)
-      state.energy.add_damping(-kinetic);
-    stop_points(state);
-    state.points_have_changed();
   }
 
 

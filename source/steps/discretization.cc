@@ -126,7 +126,7 @@ namespace greville
     if (Utilities::MPI::n_mpi_processes(comm) == 1 || partition->n_rows == 0 ||
         partition->is_same(*cell_partition))
       return false;
-    repartition_mesh(mesh, *partition, parameters.load_balance);
+    repartition_mesh(mesh, *partition);
     cell_partition = partition;
     return true;
   }
@@ -315,9 +315,7 @@ namespace greville
     CellFilling<dim> filling;
     filling.reinit(space(), contact_walls);
     filling.update(filled_part,
-                   is_implicit ? parameters.implicit.filling_threshold(
-                                   parameters.scheme.is_total_lagrangian())
-                               : parameters.scheme.filling_threshold());
+                   parameters.scheme.filling_threshold(is_implicit));
     std::vector<unsigned char> result;
     for (unsigned int cell = 0; cell < filled_part.size(); ++cell)
       result.push_back(filling.cell_class(cell));

@@ -117,8 +117,7 @@ namespace greville
   CentralDifferences<dim>::add_work_of_damping(State<dim> &state)
   {
     // It is for the guard, and costs a product with the mass matrix.
-    if (damping.factor(state.time) == 0. ||
-        parameters.scheme.energy_gain == "ignore")
+    if (damping.factor() == 0. || parameters.scheme.energy_gain == "ignore")
       return;
     const PartTimer timer(log, "energy");
 
@@ -144,11 +143,8 @@ namespace greville
       momenta[d].add(flip, discretization.momentum()[d]);
     // Damping takes as much from the momenta before and after the kick.
     const double before = 2. * dt *
-                          damping.power(discretization.momentum(),
-                                        trial.force,
-                                        state.time),
-                 after =
-                   2. * dt * damping.power(momenta, trial.force, state.time);
+                          damping.power(discretization.momentum(), trial.force),
+                 after = 2. * dt * damping.power(momenta, trial.force);
     state.energy.add_damping(0.5 * (before + after));
     if (row)
       row->energy.add_damping(row->part_of_work(before, after));
@@ -192,7 +188,7 @@ namespace greville
     guard.set(trial.motion);
     // Obstacles and damping take some that nobody adds up, and reconstructions
     // are not the points.
-    if (obstacles || damping.factor(state.time) != 0. ||
+    if (obstacles || damping.factor() != 0. ||
         parameters.scheme.quadrature != "points")
       return;
     for (const Tensor<1, dim> &given : trial.momentum_of_walls)

@@ -66,8 +66,8 @@ namespace greville
              parameters.scheme.mass != "lumped",
            "'Scheme/Mass' = " + parameters.scheme.mass,
            "take consistent or lumped.");
-    refuse(parameters.loads.cundall != 0. || parameters.loads.kinetic,
-           "damping in 'Loads'",
+    refuse(parameters.loads.cundall != 0.,
+           "'Loads/Cundall damping'",
            "quasi-static finds states at rest, backward-euler and "
            "generalized-alpha damp.");
   }

@@ -33,7 +33,7 @@ namespace greville
     else if (name == "backward-euler")
       scheme.alpha_u = scheme.alpha_v = 1.;
     else if (name == "newmark")
-      newmark(parameters.beta, parameters.gamma);
+      newmark(0.25, 0.5);
     else if (name == "generalized-alpha")
       {
         const double rho = parameters.spectral_radius;

@@ -31,8 +31,7 @@ namespace greville
           return held_components_at_walls(space, discretization.walls());
         },
         parameters.implicit_solver,
-        parameters.implicit.filling_threshold(
-          parameters.scheme.is_total_lagrangian()),
+        parameters.scheme.filling_threshold(true),
         parameters.scheme.mass == "lumped",
         discretization.volume_projection())
   {
@@ -659,7 +658,9 @@ namespace greville
     state.n_iterations  = n_linear;
     state.n_all_iterations += n_all_linear;
     ++state.n_steps;
-    if (n_newton <= parameters.implicit.easy_iterations)
+    // The length of a step that was cut doubles after an easy one.
+    constexpr unsigned int easy_iterations = 6;
+    if (n_newton <= easy_iterations)
       state.step_fraction = std::min(1., 2. * state.step_fraction);
   }
 

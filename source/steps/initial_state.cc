@@ -319,7 +319,7 @@ namespace greville
         for (const unsigned int cell : body.points.cells())
           counts[cell] += body.points.n_points(cell);
       }
-    return partition_by_points(counts, cells, parameters.load_balance);
+    return partition_by_points(counts, cells);
   }
 
 

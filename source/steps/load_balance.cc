@@ -19,17 +19,18 @@ namespace greville
     // p4est takes integers: the weight of a point.
     constexpr double weight_of_point = 1000.;
 
+    // The work of a cell without points, in units of that of a point.
+    constexpr double empty_cell = 0.1;
+
 
 
     unsigned int
-    weight_of_cell(const double                 n_points,
-                   const LoadBalanceParameters &parameters)
+    weight_of_cell(const double n_points)
     {
       constexpr double largest = 1e9;
-      return std::min(largest,
-                      std::max(1.,
-                               std::round(weight_of_point *
-                                          (n_points + parameters.empty_cell))));
+      return std::min(
+        largest,
+        std::max(1., std::round(weight_of_point * (n_points + empty_cell))));
     }
 
 
@@ -91,11 +92,9 @@ namespace greville
 
   template <int dim>
   double
-  work_of_process(const State<dim>            &state,
-                  const SplineSpace<dim>      &space,
-                  const LoadBalanceParameters &parameters)
+  work_of_process(const State<dim> &state, const SplineSpace<dim> &space)
   {
-    double work = parameters.empty_cell * space.owned_cells().size();
+    double work = empty_cell * space.owned_cells().size();
     for_all_points(state,
                    [&](const auto &points) { work += points.n_points(); });
     return work;
@@ -115,15 +114,14 @@ namespace greville
   template <int dim>
   Partition
   partition_by_points(const std::vector<std::uint64_t> &counts,
-                      const SplineSpace<dim>           &space,
-                      const LoadBalanceParameters      &parameters)
+                      const SplineSpace<dim>           &space)
   {
     std::vector<double> rows;
     for (unsigned int cell = 0; cell < counts.size(); ++cell)
       if (counts[cell] > 0)
         {
           rows.push_back(double(space.owned_cells()[cell]));
-          rows.push_back(weight_of_cell(double(counts[cell]), parameters));
+          rows.push_back(weight_of_cell(double(counts[cell])));
         }
     return Partition(std::move(rows), space.communicator());
   }
@@ -132,16 +130,14 @@ namespace greville
 
   template <int dim>
   Partition
-  balanced_partition(const State<dim>            &state,
-                     const SplineSpace<dim>      &space,
-                     const LoadBalanceParameters &parameters)
+  balanced_partition(const State<dim> &state, const SplineSpace<dim> &space)
   {
     std::vector<std::uint64_t> counts(space.owned_cells().size(), 0);
     for_all_points(state, [&](const auto &points) {
       for (const unsigned int cell : points.cells())
         counts[cell] += points.n_points(cell);
     });
-    return partition_by_points(counts, space, parameters);
+    return partition_by_points(counts, space);
   }
 
 
@@ -149,8 +145,7 @@ namespace greville
   template <int dim>
   void
   repartition_mesh(DistributedTriangulation<dim> &mesh,
-                   const Partition               &partition,
-                   const LoadBalanceParameters   &parameters)
+                   const Partition               &partition)
   {
     const Lattice<dim> lattice(mesh);
     const MPI_Comm     comm        = get_communicator(mesh);
@@ -159,7 +154,7 @@ namespace greville
                                 lattice.n_cells());
     };
     std::unordered_map<std::uint64_t, unsigned int> weights;
-    const unsigned int empty = weight_of_cell(0., parameters);
+    const unsigned int                              empty = weight_of_cell(0.);
     for (const auto &cell : mesh.active_cell_iterators())
       if (cell->is_locally_owned())
         weights[position_of(cell)] = empty;

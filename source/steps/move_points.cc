@@ -74,8 +74,7 @@ namespace greville
       return 0.;
     if (scheme.flip == 1.)
       return 1.;
-    const double time = scheme.flip_time > 0. ? scheme.flip_time : h / signal;
-    return std::pow(scheme.flip, dt / time);
+    return std::pow(scheme.flip, dt * signal / h);
   }
 
 

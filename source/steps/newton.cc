@@ -18,6 +18,9 @@ namespace greville
     // smaller than it was before.
     constexpr unsigned int watch = 4;
 
+    // Linear systems are solved no more exactly than to this relative residual.
+    constexpr double smallest_forcing = 1e-8;
+
 
 
     /**
@@ -130,9 +133,10 @@ namespace greville
               return end_with(wrong);
             }
 
-          constexpr double decrease = 1e-4;
-          double           norm     = 0.;
-          row.step                  = 1.;
+          constexpr double       decrease = 1e-4;
+          constexpr unsigned int max_cuts = 6;
+          double                 norm     = 0.;
+          row.step                        = 1.;
           for (unsigned int cut = 0;; ++cut, row.step *= 0.5)
             {
               trial = now.x;
@@ -147,7 +151,7 @@ namespace greville
               // Round-off: it does not get better.
               if (wrong.empty() && norm <= 10. * limit(now))
                 break;
-              if (cut == parameters.max_cuts)
+              if (cut == max_cuts)
                 return end_with(
                   wrong.empty() ? "Newton's method found no step that reduces "
                                   "the residual"
@@ -171,7 +175,7 @@ namespace greville
             }
           forcing =
             std::min(std::max({0.9 * ratio * ratio,
-                               parameters.smallest_forcing,
+                               smallest_forcing,
                                0.5 * limit(now) / std::max(norm, limit(now))}),
                      parameters.largest_forcing);
         }

@@ -47,7 +47,6 @@ namespace greville
     , comm(comm)
     , loads(parameters)
     , discretization(parameters, loads, log, comm)
-    , damping(parameters.loads, discretization)
     , guard(parameters, discretization, log)
     , current(make_initial_state(parameters, loads, discretization))
     , integrator(make_time_integrator<dim>(
@@ -170,7 +169,6 @@ namespace greville
     discretization.initialize(current.velocity);
     discretization.initialize(current.acceleration);
     current.step_fraction = 1.;
-    current.last_kinetic  = 0.;
     current.estimates     = StepEstimates<dim>();
     current.history       = AccelerationHistory<dim>();
     current.slid.clear();
@@ -265,7 +263,7 @@ namespace greville
   double
   Simulation<dim>::work() const
   {
-    return work_of_process(current, space(), parameters.load_balance);
+    return work_of_process(current, space());
   }
 
 
@@ -274,8 +272,8 @@ namespace greville
   void
   Simulation<dim>::share_cells()
   {
-    const auto partition = std::make_shared<const Partition>(
-      balanced_partition(current, space(), parameters.load_balance));
+    const auto partition =
+      std::make_shared<const Partition>(balanced_partition(current, space()));
     if (Utilities::MPI::n_mpi_processes(comm) == 1 ||
         partition->is_same(*current.partition))
       return;
@@ -301,14 +299,13 @@ namespace greville
     const unsigned int           n    = current.n_steps;
     if (Utilities::MPI::n_mpi_processes(comm) == 1 || n == 0)
       return false;
-    const bool is_due   = when.every_steps > 0 && n % when.every_steps == 0;
-    const bool compares = when.threshold > 0. && n % when.check_every == 0;
-    if (!is_due && !compares)
+    if (when.threshold == 0. || n % when.check_every != 0)
       return false;
     const PartTimer timer(log, "load balance");
     // Where cells are few, no partition is below the threshold.
-    if (!is_due && imbalance(work(), comm) <=
-                     std::max(when.threshold, worth_it * current.imbalance))
+    if (when.threshold > 1. &&
+        imbalance(work(), comm) <=
+          std::max(when.threshold, worth_it * current.imbalance))
       return false;
     share_cells();
     return true;

@@ -158,7 +158,6 @@ namespace greville
       log.warnings.push_back("The last point has left the grid at t = " +
                              std::to_string(current.time) +
                              " s: the run ends.");
-    damping.damp_kinetically(current);
   }
 
 

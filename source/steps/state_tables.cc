@@ -59,7 +59,6 @@ namespace greville
       all("n_partitions", state.n_partitions);
       all("imbalance", state.imbalance);
       all("warned_gain", state.warned_gain);
-      all("last_kinetic", state.last_kinetic);
       all("time_to_share", state.time_to_share);
     }
 

@@ -336,13 +336,12 @@ namespace greville
   double
   free_energy(const std::vector<Body<dim>> &bodies,
               const PointTransfer<dim>     &transfer,
-              const MPI_Comm                comm,
-              const bool                    only_kinetic)
+              const MPI_Comm                comm)
   {
     double sum = 0.;
     for (const Body<dim> *body : deformable_bodies(bodies))
       {
-        RowSums<dim> own(only_kinetic ? nullptr : body->material);
+        RowSums<dim> own(body->material);
         own.add(body->points, &transfer);
         sum +=
           own.sum(own.kinetic) + own.sum(own.strain) + own.sum(own.dissipation);

@@ -22,6 +22,9 @@ namespace greville
     // left by two; a mode that grows keeps a tenth of its energy.
     constexpr double swing_left_out = 0.9;
 
+    // The gain that is accepted, as a part of the largest energy so far.
+    constexpr double accepted_gain = 0.1;
+
     // The part of the mass that rounding may change.
     constexpr double mass_tolerance = 1e-10;
 
@@ -388,7 +391,7 @@ namespace greville
                           Utilities::MPI::sum(swing,
                                               discretization.communicator()));
     if (scheme.energy_gain == "ignore" ||
-        !(gain > std::max(scheme.energy_tolerance, 2. * state.warned_gain)))
+        !(gain > std::max(accepted_gain, 2. * state.warned_gain)))
       return;
     state.warned_gain = gain;
     std::ostringstream message;

@@ -62,7 +62,7 @@ accept auto consistent lumped fmpm-K -- "$greville" --list masses
 accept sliding friction periodic -- "$greville" --list walls
 accept USL newmark -- "$greville" --list integrators
 accept Order 'Lower corner' -- "$greville" --list Grid
-accept 'also called: Degree' 'default: 2' 'a whole number between 1 and' -- "$greville" --list Grid/Degree
+accept 'default: 2' 'a whole number between 1 and' -- "$greville" --list Grid/Order
 refuse 'it is no section, and no parameter' "$greville" --list nothing
 
 # Templates: each is a file that runs, and no file is written over.
@@ -83,7 +83,7 @@ refuse 'there is no option <--new>' "$benchmark" --new
 
 # All parameters, the defaults and those of a file, run as they are.
 "$greville" --print-parameters >all.prm || fail "--print-parameters"
-accept '3 steps' -- "$greville" all.prm --set "Time/Maximum steps=3" --set=Grid/Degree=1
+accept '3 steps' -- "$greville" all.prm --set "Time/Maximum steps=3" --set=Grid/Order=1
 grep -q 'set Order *= 1' output/defaults/parameters.prm || fail "the setting is not in parameters.prm"
 accept 'set Order        = 3' -- "$greville" slope.prm --print-parameters --set Grid/Order=3
 refuse 'The option --set <Grid/Odrer=3>: in the section' "$greville" slope.prm --set Grid/Odrer=3
@@ -105,7 +105,7 @@ accept "'Material soil' is weak" -- "$greville" slope.prm --check --set "Materia
 "$greville" slope.prm --check | grep -q Note: && fail "a note on usual numbers"
 
 "$benchmark" --print-parameters >benchmark.prm || fail "--print-parameters of $benchmark"
-accept -- "$benchmark" benchmark.prm --set Benchmark/Cells=4 --set Benchmark/Degrees=2 \
+accept -- "$benchmark" benchmark.prm --set Benchmark/Cells=4 --set Benchmark/Orders=2 \
   --set "Benchmark/Output directory=solved"
 grep -q 'set Orders *= 2' solved/parameters.prm || fail "the setting is not in parameters.prm"
 
@@ -122,7 +122,7 @@ for file in included.prm marked.prm; do
   accept 'number of steps: about' -- sh tree/scripts/run --check --set "Grid/Cells=45, 12" $file
 done
 accept 'running greville_benchmark other.prm' -- sh tree/scripts/run \
-  --set Benchmark/Cells=4 --set Benchmark/Degrees=2 other.prm
+  --set Benchmark/Cells=4 --set Benchmark/Orders=2 other.prm
 refuse 'there is no parameter' sh tree/scripts/run --set Grid/Odrer=3 slope.prm
 
 # bash completes options, lists, templates and files.

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Parameters with several names, settings of the command line, and what is
-// known of a parameter.
+// Lines and settings of the command line, and what is known of a parameter.
 #include <greville/base/parameters.h>
 
 #include <fstream>
@@ -16,7 +15,6 @@ namespace
     declare(ParameterHandler &prm)
     {
       add_parameter(prm, "Order", order, Patterns::Integer(1, 5))("The order.");
-      declare_other_names(prm, "Order");
       add_parameter(prm, "Kind", kind, Patterns::Selection("one|two"))(
         "The kind.");
     }
@@ -98,47 +96,35 @@ test_main()
   const auto order = [](const std::string &text, const Settings &settings) {
     return All(text, settings).grid.order;
   };
-  check("the main name", order(grid("Order = 3"), {}) == 3);
-  check("another name", order(grid("Degree = 3"), {}) == 3);
-  check("two names, one value",
-        order(grid("Degree = 3") + grid("Order = 3"), {}) == 3);
+  check("a line", order(grid("Order = 3"), {}) == 3);
   check("the last line wins",
-        order(grid("Degree = 3") + grid("Degree = 4"), {}) == 4);
+        order(grid("Order = 3") + grid("Order = 4"), {}) == 4);
   check("a setting wins", order(grid("Order = 3"), {"Grid/Order=4"}) == 4);
-  check("a setting under another name wins",
-        order(grid("Order = 3"), {" Grid / Degree = 4 "}) == 4);
+  check("a setting with spaces",
+        order(grid("Order = 3"), {" Grid / Order = 4 "}) == 4);
   check("the last setting wins",
         order("", {"Grid/Order=4", "Grid/Order=5"}) == 5);
   check("inner sections", All(slashes, {}).inner.order == 3);
   check("a setting of an inner section",
-        All(slashes, {"Body a/b/Grid/Degree=5"}).inner.order == 5);
-  check("names of reports",
-        main_name("Youngs modulus") == "Young modulus" &&
-          main_name("Poisson's ratio") == "Poisson ratio" &&
-          main_name("Degree") == "Order" && main_name("Cells") == "Cells");
+        All(slashes, {"Body a/b/Grid/Order=5"}).inner.order == 5);
   {
-    const All          all(grid("Degree = 4"), {"Grid/Kind=two"});
+    const All          all(grid("Order = 4"), {"Grid/Kind=two"});
     std::ostringstream text, reference;
     all.prm.print_parameters(text, ParameterHandler::Text);
-    check("used parameters have the main name",
-          text.str().find("Degree") == std::string::npos &&
-            text.str().find("set Order = 4") != std::string::npos &&
+    check("used parameters",
+          text.str().find("set Order = 4") != std::string::npos &&
             text.str().find("set Kind  = two") != std::string::npos);
     print_parameter_reference(reference, "program", all.prm, "");
-    check("the reference has other names in the row of the parameter",
-          reference.str().find("| The order. Also called: Degree. |") !=
-              std::string::npos &&
-            reference.str().find("| Degree") == std::string::npos &&
-            reference.str().find("## Grid/Degree") == std::string::npos);
+    check("the reference",
+          reference.str().find("| Order | `2` |") != std::string::npos &&
+            reference.str().find("| The order. |") != std::string::npos);
     const auto words = words_of_parameter(all.prm, "Grid/Kind");
     check("words", words == std::vector<std::string>({"one", "two"}));
     check("no words", words_of_parameter(all.prm, "Grid/Order").empty());
   }
 
-  refused(grid("Order = 3") + grid("Degree = 4"));
-  refused("", {"Grid/Order=3", "Grid/Degree=4"});
-  refused(grid("Degrees = 4"));
-  refused(grid("Degree = 9"));
+  refused(grid("Orders = 4"));
+  refused(grid("Order = 9"));
   refused("", {"Grid/Order=9"});
   refused("", {"Gird/Order=3"});
   refused("", {"Grid/Oder=3"});
@@ -149,7 +135,7 @@ test_main()
   refused("", {"Grid/Order=3 # three"});
 
   described("Grid");
-  described("Grid/Degree");
+  described("Grid/Order");
   described("Grid/Kind");
   described("Body a/b/Grid/Order");
   described("Gird");

@@ -99,7 +99,7 @@ test_main()
   const std::string elastic =
     "subsection Benchmark\n  set Operators = mass and elasticity\n"
     "  set Solvers = cg-p-multigrid\n";
-  test(elastic + "  set Poissons ratios = 0.3, 0.5\nend");
+  test(elastic + "  set Poisson ratios = 0.3, 0.5\nend");
   test(elastic + "  set Courant numbers = 0\nend");
   test(elastic + "  set Courant numbers = 10, -1\nend");
   test(elastic + "  set Solvers = tensor-product\nend");

@@ -142,14 +142,14 @@ test_main()
   // and the Courant number change the operator.
   rows = run("  set Operators = mass and elasticity\n  set Orders = 2\n"
              "  set Cells = 16\n  set Solvers = cg-p-multigrid\n"
-             "  set Poissons ratios = 0, 0.38\n"
+             "  set Poisson ratios = 0, 0.38\n"
              "  set Courant numbers = 1, 100\n");
   check_range("rows of the box", rows.size(), 4, 4);
   for (const auto &row : rows)
     check("box, unknowns",
           row.at("unknowns") == "648" && row.at("extended").empty());
   check_iterations("box", rows, {{"cg-p-multigrid", {3, 20}}});
-  check("Poissons ratios",
+  check("Poisson ratios",
         std::stoi(rows[3].at("iterations")) >
           std::stoi(rows[1].at("iterations")));
 

@@ -37,7 +37,7 @@ test_main()
   // Its sides cut cells, so that functions at the wall are lumped.
   const Text block =
     block_2d("box(0.27, 0, 0.71, 0.31)", 12)
-      .with("Material solid", {"Youngs modulus = 1e3"})
+      .with("Material solid", {"Young modulus = 1e3"})
       .with("Loads", {"Gravity = 0; -1"})
       .with("Body body", {"Points per direction = 3"})
       .with("Solver", {"Tolerance = 1e-12"})
@@ -101,7 +101,7 @@ test_main()
     {
       Simulated<3> run(
         block_3d("box(0, 0, 0.27, 0.71, 0.31, 0.71)", 4)
-          .with("Material solid", {"Youngs modulus = 1e3"})
+          .with("Material solid", {"Young modulus = 1e3"})
           .with("Scheme", {"Mass = consistent"})
           .with("Solver", {"Tolerance = 1e-12", "Method = " + method})
           .with("Loads", {"Gravity = -0.5; -1; 0"})

@@ -43,7 +43,7 @@ test_main()
                              {"Material = solid",
                               "Shape = box(0, 0, 1, 0.25)",
                               "Imposed velocity = 0; 0"})
-                       .with("Material solid", {"Poissons ratio = 0"});
+                       .with("Material solid", {"Poisson ratio = 0"});
   const Text heavy =
     block.with("Time", {"End = 2"})
       .with("Loads", {"Gravity = 0; -10", "Cundall damping = 0.3"});
@@ -108,7 +108,7 @@ test_main()
             "Imposed velocity = 0; 0"})
       .add("Material water", {"Model = newtonian-fluid", "Sound speed = 30"})
       .add("Material concrete",
-           {"Model = linear-elastic", "Density = 2000", "Youngs modulus = 2e6"})
+           {"Model = linear-elastic", "Density = 2000", "Young modulus = 2e6"})
       .add("Walls", {"Left = sliding", "Right = sliding", "Bottom = sliding"})
       .add("Loads", {"Gravity = 0; -9.81"});
   for (const std::string mass : {"lumped", "fmpm-2", "consistent"})
@@ -125,7 +125,7 @@ test_main()
     block_2d("box(0.25, 0, 1.25, 0.25)")
       .with("Simulation", {"Bodies = body, piston"})
       .with("Grid", {"Upper corner = 1.25, 0.25", "Cells = 20, 4"})
-      .with("Material solid", {"Model = neo-hookean", "Poissons ratio = 0"})
+      .with("Material solid", {"Model = neo-hookean", "Poisson ratio = 0"})
       .with("Body piston",
             {"Material = solid",
              "Shape = box(0, 0, 0.25, 0.25)",

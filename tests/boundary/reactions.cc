@@ -67,7 +67,7 @@ weight(const std::vector<std::string> &scheme, const std::string &damping)
   Simulated<2> run(
     block_2d("box(0, 0, 0.5, 0.9)")
       .with("Scheme", scheme)
-      .with("Material solid", {"Poissons ratio = 0"})
+      .with("Material solid", {"Poisson ratio = 0"})
       .with("Walls", {"Left = sliding", "Bottom = fixed"})
       .with("Loads", {"Gravity = 0; -0.01", "Cundall damping = " + damping})
       .with("Time", {"End = 2"}));

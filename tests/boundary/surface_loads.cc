@@ -239,8 +239,8 @@ namespace
       .add("Material solid",
            {"Model = neo-hookean",
             "Density = 1",
-            "Youngs modulus = 100",
-            "Poissons ratio = 0.3"});
+            "Young modulus = 100",
+            "Poisson ratio = 0.3"});
     if (scheme != "USL")
       bar.add("Time", {"Step = 1e-3"});
     Simulated<2>        run(loaded(bar,
@@ -281,7 +281,7 @@ namespace
         exact << "Displacement = 1e-3 / " << k << " + 1e-5 * (X - 0.2); 0";
         Simulated<2> run(
           loaded(block_2d("box(0.2, 0, 0.7, 0.5)", 8)
-                   .with("Material solid", {"Poissons ratio = 0"})
+                   .with("Material solid", {"Poisson ratio = 0"})
                    .with("Walls", {"Bottom = sliding"})
                    .with("Time", {"End = 1", "Step = 1"})
                    .with("Newton", {"Tolerance = 1e-10"})

@@ -44,7 +44,7 @@ test_main()
       Simulated<2> run(block_2d("box(0, 0, 1, 1)", 4)
                          .with("Grid", {"Upper corner = 4, 1", "Cells = 2, 4"})
                          .with("Body body", {"Shape = box(0, 0, 4, 1)"})
-                         .with("Material solid", {"Youngs modulus = 100"})
+                         .with("Material solid", {"Young modulus = 100"})
                          .with("Walls",
                                {"Bottom = fixed",
                                 "Top = moving",
@@ -131,7 +131,7 @@ test_main()
   // until it stops.
   const Text sliding =
     block_2d("box(0.25, 0, 0.75, 0.25)", 16)
-      .with("Material solid", {"Youngs modulus = 1e4"})
+      .with("Material solid", {"Young modulus = 1e4"})
       .with("Loads", {"Gravity = 0; -1"})
       .with("Body body", {"Velocity = 0.2; 0", "K0 = 0", "Surface = 0.25"})
       .with("Walls", {"Bottom = friction", "Bottom friction = 0.4"})

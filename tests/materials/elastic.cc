@@ -157,7 +157,7 @@ namespace
     print() << name << std::endl;
     const double E = 2.5e6, nu = 0.3;
     const auto   material =
-      make(name, {"Youngs modulus = 2.5e6", "Poissons ratio = 0.3"});
+      make(name, {"Young modulus = 2.5e6", "Poisson ratio = 0.3"});
     const Moduli moduli = material->moduli();
     const double K = E / (3 * (1 - 2 * nu)), G = E / (2 * (1 + nu)),
                  M = K + 4. / 3. * G, lambda = K - 2. / 3. * G;
@@ -346,7 +346,7 @@ test_main()
 
   // The law of one-dimensional manufactured solutions.
   const auto material =
-    make("neo-hookean", {"Youngs modulus = 100", "Poissons ratio = 0"});
+    make("neo-hookean", {"Young modulus = 100", "Poisson ratio = 0"});
   MaterialPoint point = rest(*material);
   Tensor2       F     = one_tensor();
   F[0][0]             = 1.4;

@@ -89,8 +89,8 @@ test_main()
 {
   print() << material_names() << std::endl;
 
-  const std::vector<std::string> elastic = {"Youngs modulus = 2e6",
-                                            "Poissons ratio = 0.2"};
+  const std::vector<std::string> elastic = {"Young modulus = 2e6",
+                                            "Poisson ratio = 0.2"};
   test_effects("linear-elastic", {}, elastic);
   test_effects("neo-hookean", {}, elastic);
   test_effects("decoupled-neo-hookean", {}, elastic);
@@ -177,9 +177,9 @@ test_main()
 
   // Wrong input.
   print_message([]() { make_material("jelly", "Law"); });
-  bad("linear-elastic", {"Poissons ratio = 0.5"});
-  bad("neo-hookean", {"Poissons ratio = -1"});
-  bad("decoupled-neo-hookean", {"Poissons ratio = 0.5"});
+  bad("linear-elastic", {"Poisson ratio = 0.5"});
+  bad("neo-hookean", {"Poisson ratio = -1"});
+  bad("decoupled-neo-hookean", {"Poisson ratio = 0.5"});
   bad("drucker-prager", {"Dilatancy angle = 31"});
   bad("drucker-prager", {"Friction angle = 0"});
   bad("drucker-prager", {"Cohesion = 1e3", "Tension cut-off = 1e4"});
@@ -192,8 +192,8 @@ test_main()
   for (const auto &[name, setting] :
        std::vector<std::pair<std::string, std::string>>{
          {"linear-elastic", "Density = 0"},
-         {"linear-elastic", "Youngs modulus = 0"},
-         {"linear-elastic", "Poissons ratio = 0.6"},
+         {"linear-elastic", "Young modulus = 0"},
+         {"linear-elastic", "Poisson ratio = 0.6"},
          {"von-mises", "Yield stress = 0"},
          {"von-mises", "Hardening modulus = -1"},
          {"drucker-prager", "Friction angle = 90"},

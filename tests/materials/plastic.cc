@@ -146,7 +146,7 @@ namespace
     // Before yield: linear elasticity.
     Random     random;
     const auto elastic =
-      make("linear-elastic", {"Youngs modulus = 3e6", "Poissons ratio = 0.25"});
+      make("linear-elastic", {"Young modulus = 3e6", "Poisson ratio = 0.25"});
     MaterialPoint a, b;
     material.initialize(a, allowed[0]);
     elastic->initialize(b, allowed[0]);
@@ -184,8 +184,8 @@ namespace
     print() << "von-mises" << std::endl;
     const double sy = 2e4, H = 5e4;
     const auto   material = make("von-mises",
-                               {"Youngs modulus = 3e6",
-                                  "Poissons ratio = 0.25",
+                               {"Young modulus = 3e6",
+                                  "Poisson ratio = 0.25",
                                   "Yield stress = 2e4",
                                   "Hardening modulus = 5e4"});
     double       surface = 0, flow = 0;
@@ -253,8 +253,8 @@ namespace
     const double p_t  = cut_off < 0 ? apex : cut_off;
     const auto   material =
       make("drucker-prager",
-           {"Youngs modulus = 3e6",
-            "Poissons ratio = 0.25",
+           {"Young modulus = 3e6",
+            "Poisson ratio = 0.25",
             "Cohesion = 5e3",
             "Cone = " + cone,
             "Friction angle = " + std::to_string(phi),
@@ -327,7 +327,7 @@ namespace
             ? (side * (1 + s) - 2 * c * std::cos(phi * degree)) / (1 - s)
             : (side * (1 - s) + 2 * c * std::cos(phi * degree)) / (1 + s);
         const auto    stiff = make("drucker-prager",
-                                {"Youngs modulus = 1e15",
+                                {"Young modulus = 1e15",
                                     "Cohesion = 5e3",
                                     "Cone = " + cone,
                                     "Friction angle = " + std::to_string(phi)});
@@ -377,8 +377,8 @@ namespace
     const double limit = 0.08;
     const auto   material =
       make("mohr-coulomb",
-           {"Youngs modulus = 3e6",
-            "Poissons ratio = 0.25",
+           {"Young modulus = 3e6",
+            "Poisson ratio = 0.25",
             "Cohesion = " + std::to_string(c),
             "Residual cohesion = " + std::to_string(c_r),
             "Friction angle = " + std::to_string(phi),
@@ -479,8 +479,8 @@ namespace
   biaxial_angle(const std::string &cone, const double phi, const double psi)
   {
     const auto   material = make("drucker-prager",
-                               {"Youngs modulus = 1e8",
-                                  "Poissons ratio = 0.3",
+                               {"Young modulus = 1e8",
+                                  "Poisson ratio = 0.3",
                                   "Cone = " + cone,
                                   "Friction angle = " + std::to_string(phi),
                                   "Dilatancy angle = " + std::to_string(psi)});
@@ -535,7 +535,7 @@ namespace
   test_opening(const std::string              &name,
                const std::vector<std::string> &settings)
   {
-    std::vector<std::string> all = {"Youngs modulus = 0.84e6",
+    std::vector<std::string> all = {"Young modulus = 0.84e6",
                                     "Friction angle = 19.8"};
     all.insert(all.end(), settings.begin(), settings.end());
     print() << name << ", cycles of extension";

@@ -25,8 +25,8 @@ namespace
   std::vector<std::string>
   settings(const double c, const double phi, const double psi)
   {
-    return {"Youngs modulus = 3e6",
-            "Poissons ratio = 0.25",
+    return {"Young modulus = 3e6",
+            "Poisson ratio = 0.25",
             "Cohesion = " + text_of(c),
             "Friction angle = " + text_of(phi),
             "Dilatancy angle = " + text_of(psi)};

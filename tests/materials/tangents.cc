@@ -354,7 +354,7 @@ namespace
     add_material<Sponge>();
     const auto sponge = make("sponge");
     const auto library =
-      make("neo-hookean", {"Youngs modulus = 1e6", "Poissons ratio = 0"});
+      make("neo-hookean", {"Young modulus = 1e6", "Poisson ratio = 0"});
     Random random;
     double error = 0.;
     for (unsigned int k = 0; k < 100; ++k)
@@ -378,8 +378,8 @@ namespace
 void
 test_main()
 {
-  const std::vector<std::string> elastic = {"Youngs modulus = 3e6",
-                                            "Poissons ratio = 0.25"};
+  const std::vector<std::string> elastic = {"Young modulus = 3e6",
+                                            "Poisson ratio = 0.25"};
   const auto                     with    = [&](std::vector<std::string> more) {
     more.insert(more.begin(), elastic.begin(), elastic.end());
     return more;

@@ -112,13 +112,12 @@ namespace
       const LinearElastic material = elastic();
       const Made          made(
         [&](BodyParameters &body) {
-          body.points_file  = "all.csv";
-          body.body_in_file = 1;
-          body.velocity     = "x; 7";
-          body.stress       = "8; 8; 8; 0";
+          body.points_file = "all.csv";
+          body.velocity    = "x; 7";
+          body.stress      = "8; 8; 8; 0";
         },
         material);
-      check("points of one body", made.body.n_points == 2);
+      check("number of points", made.body.n_points == 4);
       check("formulas take the place of what a file has",
             made.largest([&](const auto p) {
               return std::abs(p.velocity(0) - p.position(0)) +
@@ -199,8 +198,6 @@ namespace
     refuse("missing.csv");
     write("points.vtu", "");
     refuse("points.vtu");
-    write("wrong.csv", "x,y,volume\n0.1,0.2,1\n");
-    refuse("wrong.csv", [](BodyParameters &body) { body.body_in_file = 0; });
     write("wrong.csv", "x,y,volume,velocity_x\n0.1,0.2,1,1\n");
     refuse("wrong.csv");
     // Numbers that contradict each other, or the grid of 1.5 m^2.

@@ -56,7 +56,7 @@ test_main()
 {
   const Text good = block_2d("box(0.25, 0.25, 0.75, 0.75)", 4)
                       .with("Time", {"End = 0.02", "Step = 0.01"})
-                      .with("Material solid", {"Youngs modulus = 10"});
+                      .with("Material solid", {"Young modulus = 10"});
   if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
     std::ofstream("good.csv") << "t,z\n0,1\n1,2\n";
   test("good", good);
@@ -86,10 +86,10 @@ test_main()
   test("step above the limit", good.with("Time", {"End = 10", "Step = 1"}));
   test("negative step", good.with("Time", {"Step = -h"}));
   test("no CFL number", good.with("Time", {"Step =", "CFL number = 0"}));
-  test("traction without area",
+  test("traction on marked points",
        good.with("Simulation", {"Tractions = pull"})
          .with("Traction pull",
-               {"Shape = ball(0.5, 0.5, 1)", "Traction = 1; 0"}));
+               {"Shape = ball(0.5, 0.5, 1)", "Traction = 1; 0", "Area = 1"}));
   test("friction of a wall without it",
        good.with("Walls", {"Top = fixed", "Top friction = 0.3"}));
   test("front wall in 2D", good.with("Walls", {"Front = fixed"}));
@@ -129,15 +129,6 @@ test_main()
   test("sweep that does not fit",
        good.with("Grid", {"Cells = 4, 3"}).with("Sweep", {"Cells = 5"}));
   test("no place for probes", good.with("Output", {"Probes = 1"}));
-  test("traction without points",
-       good.with("Simulation", {"Tractions = pull"})
-         .with("Traction pull",
-               {"Shape = ball(9, 9, 1)", "Traction = 1; 0", "Area = 1"}));
-  test(
-    "traction between points",
-    good.with("Simulation", {"Tractions = pull"})
-      .with("Traction pull",
-            {"Shape = box(0.74, 0, 0.75, 1)", "Traction = 1; 0", "Area = 1"}));
   test("K0 without gravity",
        good.with("Body body", {"K0 = 0.5", "Surface = 1"}));
   test("stress and K0",
@@ -164,15 +155,15 @@ test_main()
   test("exact solution of NaN",
        good.with("Exact solution", {"Displacement = 0; log(-X)"}));
   const Text pulled =
-    good.with("Simulation", {"Tractions = pull"})
-      .with("Traction pull",
-            {"Shape = ball(0.5, 0.5, 1)", "Traction = 1; 0", "Area = 1"});
+    good.with("Simulation", {"Surface loads = pull"})
+      .with("Body body", {"Placement = fitted"})
+      .with("Surface load pull",
+            {"Body = body", "Where = x > 0.74", "Traction = 1; 0"});
   test("traction of NaN",
-       pulled.with("Traction pull", {"Traction = 0; 0 / 0"}));
-  test("overflowing load",
-       pulled.with("Traction pull", {"Traction = 1e99; 0", "Area = 1e99"}));
+       pulled.with("Surface load pull", {"Traction = 0; 0 / 0"}));
+  test("overflowing load", good.with("Loads", {"Body force = 1e99 * 1e9; 0"}));
   test("load that breaks a step",
-       pulled.with("Traction pull", {"Area = 99999999999"}));
+       pulled.with("Surface load pull", {"Traction = 99999999999; 0"}));
   test("gravity that breaks a step", good.with("Loads", {"Gravity = 0; -1e9"}));
   test("number beyond reason", good.with("Time", {"CFL number = 1e300"}));
   test("surface of NaN",

@@ -75,14 +75,6 @@ namespace
 
 
 
-  const std::map<std::string, std::vector<std::string>> other_names = {
-    {"Order", {"Degree"}},
-    {"Orders", {"Degrees"}},
-    {"Young modulus", {"Young's modulus", "Youngs modulus"}},
-    {"Poisson ratio", {"Poisson's ratio", "Poissons ratio"}}};
-
-
-
   std::vector<Case>
   all_cases(const std::string &folder, const std::string &results)
   {
@@ -140,17 +132,6 @@ namespace
                     "misspelled",
                     with(k, "set " + name + "s = " + value));
                 add(section, name, "no value", with(k, "set " + name));
-                const auto other = other_names.find(name);
-                if (other != other_names.end())
-                  for (const std::string &alias : other->second)
-                    {
-                      const std::string line = "set " + alias + " = ";
-                      add(section, name, "as " + alias, with(k, line + value));
-                      add(section,
-                          name,
-                          "and " + alias,
-                          with(k, lines[k] + "\n" + line + "4"));
-                    }
                 // Last, so that what makes the file small does not win.
                 const bool has_components =
                   value.find(';') != std::string::npos;

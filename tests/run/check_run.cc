@@ -115,7 +115,7 @@ test_main()
        "  weight                    0.5   (0, 0) at t = 0 s, (0, -1.5) at t = "
        "1 s\n"});
   RunOptions settings;
-  settings.settings = {"Time/Step=0.002", "Grid/Degree=3"};
+  settings.settings = {"Time/Step=0.002", "Grid/Order=3"};
   has("settings",
       check_of(good, settings),
       {"order 3", "step: 0.002 s", "about 500 to"});
@@ -173,7 +173,7 @@ test_main()
     std::ofstream("run.prm") << good.content;
   MPI_Barrier(MPI_COMM_WORLD);
   RunOptions short_run;
-  short_run.settings = {"Time/Maximum steps=4", "Grid/Degree=1"};
+  short_run.settings = {"Time/Maximum steps=4", "Grid/Order=1"};
   const auto run     = [&](const RunOptions &options) {
     return output_of(
       [&]() { run_simulations("run.prm", MPI_COMM_WORLD, options); });
@@ -216,7 +216,7 @@ test_main()
   // A checkpoint of a version in which E and nu had other names.
   has("names of earlier versions",
       describe_changes("subsection Material solid\n"
-                       "  set Youngs modulus = 100\nend\n",
+                       "  set Young modulus = 100\nend\n",
                        "subsection Material solid\n"
                        "  set Young modulus = 200\nend\n"),
       {"'Material solid/Young modulus': 100 there, 200 here"});

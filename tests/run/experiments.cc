@@ -100,7 +100,7 @@ test_main()
                              {"Upper corner = 25, 1",
                               "Cells = 16, 1",
                               "Order = " + std::to_string(p)})
-                       .with("Material solid", {"Poissons ratio = 0"})
+                       .with("Material solid", {"Poisson ratio = 0"})
                        .with("Walls",
                              {"Left = sliding",
                               "Right = sliding",

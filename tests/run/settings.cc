@@ -52,14 +52,6 @@ test_main()
   check("Full cell = 0.5",
         std::abs(kinetic({"Quadrature = least-squares"}) / points - 1.) > 1e-6);
 
-  // A share of 0.5 per time is one of 0.25 per twice the time.
-  const auto flip = [&](const std::string &share, const std::string &time) {
-    return kinetic({"FLIP share = " + share, "FLIP time = " + time});
-  };
-  const double half = flip("0.5", "0.01");
-  check("FLIP time", std::abs(flip("0.25", "0.02") / half - 1.), 1e-12);
-  check("FLIP time has an effect", flip("0.5", "0.02") > 1.05 * half);
-
   // Clipping
   {
     Simulated<2> run(block_2d("box(0.5, 0.5, 3, 3)", 4)

@@ -4,18 +4,106 @@
 // Every shipped parameter file, those of the user guide and the examples of the
 // reference parse, their files are there, their points can be made on a coarse
 // grid, and doc/simulation_parameters.md is what the program says, with an
-// example in each section.
+// example in each section. It has at most 190 rows, and some shipped file sets
+// what each of them describes.
 #include <greville/base/templates.h>
 #include <greville/steps/ensemble.h>
 
 #include "../reference_page.h"
 #include "simulation.h"
+#include <regex>
+#include <set>
+
+namespace
+{
+  using Parameter = std::pair<std::string, std::string>; // section and name
+
+  // Shown by the files of prm/simulation/sections.
+  const std::set<std::string> sections_of_solvers = {"Solver",
+                                                     "p-multigrid",
+                                                     "Smoother",
+                                                     "Implicit solver",
+                                                     "Implicit p-multigrid",
+                                                     "Implicit smoother"};
+
+
+
+  /**
+   * What a file sets, in the words of the reference.
+   */
+  void
+  collect(const std::filesystem::path &file, std::set<Parameter> &result)
+  {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    std::map<std::string, std::string> models;
+    const auto lines = parameter_lines_of(text.str(), file.string());
+    for (const ParameterLine &line : lines)
+      if (line.name == "Model")
+        models[line.section] = line.value;
+    for (const ParameterLine &line : lines)
+      {
+        const std::string section = std::regex_replace(
+          std::regex_replace(line.section, std::regex("^Stage [^/]+/"), ""),
+          std::regex("^(Body|Material|Stage|Surface load) [^/]+"),
+          "$1 NAME");
+        result.emplace(section, line.name);
+        if (section == "Material NAME")
+          result.emplace(section + " of model " + models[line.section],
+                         line.name);
+      }
+  }
+
+
+
+  /**
+   * The rows of the reference that no file sets, and their number.
+   */
+  void
+  check_rows(const std::filesystem::path &page, const std::set<Parameter> &set)
+  {
+    constexpr unsigned int largest_number = 190;
+    std::ifstream          lines(page);
+    std::string            section;
+    unsigned int           n_rows = 0;
+    for (std::string line; std::getline(lines, line);)
+      if (line.compare(0, 3, "## ") == 0)
+        section = line.substr(3);
+      else if (line.compare(0, 2, "| ") == 0 &&
+               line.compare(0, 12, "| parameter ") != 0 &&
+               line.compare(0, 5, "| ---") != 0)
+        {
+          ++n_rows;
+          const auto names =
+            Utilities::split_string_list(line.substr(2, line.find(" |") - 2));
+          check("a shipped file sets " + section + "/" + names[0],
+                sections_of_solvers.count(section) == 1 ||
+                  std::any_of(names.begin(),
+                              names.end(),
+                              [&](const std::string &name) {
+                                return set.count({section, name}) == 1;
+                              }));
+        }
+    check("rows of the reference: " + std::to_string(n_rows),
+          n_rows <= largest_number);
+  }
+} // namespace
+
+
 
 void
 test_main()
 {
   const std::filesystem::path root =
     std::filesystem::path(SOURCE_DIR).parent_path().parent_path();
+  std::set<Parameter> set;
+  for (const char *folder :
+       {"prm/simulation", "doc/user/examples", "doc/gallery"})
+    for (const auto &entry : std::filesystem::directory_iterator(root / folder))
+      if (entry.path().extension() == ".prm")
+        collect(entry.path(), set);
+  check_rows(root / "doc" / "simulation_parameters.md", set);
+
   std::vector<std::filesystem::path> files;
   for (const char *folder :
        {"prm/simulation", "prm/simulation/sections", "doc/user/examples"})

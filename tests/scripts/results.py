@@ -42,7 +42,7 @@ end
 subsection Material solid
   set Model          = neo-hookean
   set Density        = 2
-  set Youngs modulus = 100
+  set Young modulus = 100
 end
 subsection Body block
   set Material = solid

@@ -10,7 +10,7 @@ bar(const double length)
   return block_2d("box(0, 0, " + std::to_string(length) + ", 1)")
     .with("Grid",
           {"Upper corner = " + std::to_string(length) + ", 1", "Cells = 8, 1"})
-    .with("Material solid", {"Poissons ratio = 0"})
+    .with("Material solid", {"Poisson ratio = 0"})
     .with("Walls", {"Left = sliding", "Bottom = sliding", "Top = sliding"})
     .with("Body body", {"Points per direction = 4", "Placement = Gauss"});
 }
@@ -130,7 +130,7 @@ test_main()
   // runs through it (d'Alembert's solution), lying along x.
   const Text column =
     bar(25)
-      .with("Material solid", {"Youngs modulus = 5e4"})
+      .with("Material solid", {"Young modulus = 5e4"})
       .with("Loads", {"Gravity = -1e-2; 0"})
       .with("Time", {"End = 0.1", "Step = 0.05 * h / 223.6067977"})
       .with("Exact solution",
@@ -142,11 +142,12 @@ test_main()
   // A4: a step of traction on the free end runs in with speed 1.
   const Text step =
     bar(1)
-      .with("Simulation", {"Tractions = pull"})
+      .with("Simulation", {"Surface loads = pull"})
+      .with("Body body", {"Placement = fitted"})
       .with("Material solid", {"Density = 100"})
       .with("Time", {"End = 0.5", "Step = 0.05 * h"})
-      .with("Traction pull",
-            {"Shape = box(0.96875, 0, 1, 1)", "Traction = 0.01; 0", "Area = 1"})
+      .with("Surface load pull",
+            {"Body = body", "Where = x > 0.999", "Traction = 0.01; 0"})
       .with("Exact solution", {"Displacement = 1e-4 * max(0, X - (1 - t)); 0"});
   for (const unsigned int p : {1, 2, 3})
     {

@@ -28,8 +28,8 @@ test_main()
       .add("Material rubber",
            {"Model = neo-hookean",
             "Density = 1000",
-            "Youngs modulus = 1000",
-            "Poissons ratio = 0.3"});
+            "Young modulus = 1000",
+            "Poisson ratio = 0.3"});
   };
 
   for (const unsigned int p : {2, 3})

@@ -119,8 +119,8 @@ test_main()
         .add("Material steel",
              {"Model = neo-hookean",
               "Density = 7800",
-              "Youngs modulus = 2e11",
-              "Poissons ratio = 0.3"});
+              "Young modulus = 2e11",
+              "Poisson ratio = 0.3"});
     return courant(text);
   };
   const double mud   = mud_and_steel(true, false),

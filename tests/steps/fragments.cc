@@ -24,8 +24,8 @@ test_main()
       .add("Material rubber",
            {"Model = neo-hookean",
             "Density = 1000",
-            "Youngs modulus = 1000",
-            "Poissons ratio = 0.3"})
+            "Young modulus = 1000",
+            "Poisson ratio = 0.3"})
       .add("Loads", {"Gravity = 0; -1"});
   for (const unsigned int p : {1, 2, 3})
     {
@@ -43,8 +43,8 @@ test_main()
     }
   // In other units the masses are those of bodies of nanometres: nothing else
   // changes.
-  Simulated<2> tiny(text.with("Material rubber",
-                              {"Density = 1e-37", "Youngs modulus = 1e-37"}));
+  Simulated<2> tiny(
+    text.with("Material rubber", {"Density = 1e-37", "Young modulus = 1e-37"}));
   const double start = tiny->statistics().center[1];
   tiny.run();
   check("tiny masses: there are fragments", tiny->mass().n_fragments() > 0);

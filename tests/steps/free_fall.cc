@@ -42,7 +42,7 @@ test_main()
   const auto falling = [](const Text &text, const std::string &rest) {
     return text.with("Loads", {"Gravity = 0; -1" + rest})
       .with("Body body", {"Velocity = 0.02; 0" + rest})
-      .with("Material solid", {"Youngs modulus = 0.1"})
+      .with("Material solid", {"Young modulus = 0.1"})
       .with("Time", {"End = 0.5", "Step = 0.02", "Too large step = ignore"});
   };
   const Text point = falling(block_2d("ball(0.3, 0.8, 0.03)"), "")

@@ -3,7 +3,7 @@
 // Release: 4
 
 // Bodies with grids of their own: they are alone, go in common steps, meet the
-// walls of the grid, and share tractions.
+// walls of the grid, and bear their loads.
 #include <greville/run/run.h>
 #include <greville/steps/implicit_scheme.h>
 
@@ -125,8 +125,8 @@ namespace
       .add("Material rubber",
            {"Model = neo-hookean",
             "Density = 1",
-            "Youngs modulus = 100",
-            "Poissons ratio = 0.3"})
+            "Young modulus = 100",
+            "Poisson ratio = 0.3"})
       .add("Newton", {"Tolerance = 1e-11"})
       .add("Solver", {"Tolerance = 1e-13"})
       .add("Time",
@@ -263,9 +263,7 @@ namespace
               {"Shape = box(0.65, 0.2, 0.95, 0.7)", "Velocity = 0; 0"})
         .with("Walls", {"Left = fixed", "Bottom = sliding", "Top = fixed"})
         .with("Loads", {"Gravity = 0; -20"})
-        .with("Simulation", {"Tractions = pull", "Surface loads = wind, gust"})
-        .with("Traction pull",
-              {"Shape = box(0.25, 0, 0.8, 1)", "Traction = 5; 0", "Area = 0.5"})
+        .with("Simulation", {"Surface loads = wind, gust"})
         .with("Surface load wind",
               {"Body = box", "Kind = pressure", "Pressure = 3"})
         .with("Surface load gust",
@@ -324,8 +322,8 @@ namespace
                              .with("Material steel",
                                    {"Model = neo-hookean",
                                     "Density = 1",
-                                    "Youngs modulus = 400",
-                                    "Poissons ratio = 0.3"})
+                                    "Young modulus = 400",
+                                    "Poisson ratio = 0.3"})
                              .with("Time", {"End = 0.05", "Step ="});
     Together both(automatic);
     both.run();
@@ -572,13 +570,6 @@ namespace
     refused("few cells between periodic walls",
             with_grid(periodic, "box", {"Cells = 2, 8"}),
             "2 cells between periodic walls");
-    refused(
-      "a traction without points",
-      good.with("Grid", {"Per body = true"})
-        .with("Simulation", {"Tractions = pull"})
-        .with("Traction pull",
-              {"Shape = box(0, 0, 0.1, 0.1)", "Traction = 5; 0", "Area = 0.5"}),
-      "no point is in it");
     refused("bodies that share functions",
             good.with("Body box", {"Shape = box(0.65, 0.3, 0.85, 0.6)"}),
             "'Grid/Per body' = true");

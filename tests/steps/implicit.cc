@@ -45,7 +45,7 @@ namespace
              block_2d("box(0, 0, 25, 1)")
                .with("Grid",
                      {"Upper corner = 25, 1", "Cells = 8, 1", "Order = 3"})
-               .with("Material solid", {"Poissons ratio = 0"})
+               .with("Material solid", {"Poisson ratio = 0"})
                .with("Scheme",
                      {"Mass = consistent", "Stress update = " + scheme})
                .with("Implicit", constants)
@@ -97,7 +97,7 @@ namespace
     const double dt = 1e4 / std::sqrt(3. * 100.);
     Simulated<2> run(
       block_2d("box(0, 0, 1, 1)", 1)
-        .with("Material solid", {"Poissons ratio = 0"})
+        .with("Material solid", {"Poisson ratio = 0"})
         .with("Walls", {"Left = sliding", "Bottom = sliding"})
         .with("Body body", {"Velocity = 1e-4 * x; 0"})
         .with("Scheme",
@@ -200,7 +200,8 @@ namespace
       Simulated<dim> run(
         (dim == 2 ? block_2d("box(0, 0, 0.5, 0.5)", 5)
                           : block_3d("box(0, 0, 0, 0.5, 0.5, 0.5)", 4))
-          .with("Simulation", {"Tractions = pull"})
+          .with("Simulation", {"Surface loads = pull"})
+          .with("Body body", {"Placement = fitted"})
           .with("Material solid", {"Model = neo-hookean"})
           .with("Scheme",
                 {"Mass = consistent", total, "Stress update = quasi-static"})
@@ -209,11 +210,10 @@ namespace
                 dim == 2 ? std::vector<std::string>()
                                  : std::vector<std::string>{"Back = sliding"})
           .with("Loads", {"Body force = 60 * t * x; 40 * t * x * y" + zero})
-          .with("Traction pull",
-                {dim == 2 ? "Shape = half_space(-1, 0, -0.4)"
-                                  : "Shape = half_space(-1, 0, 0, -0.4)",
-                 "Traction = 0; 20 * t * y" + zero,
-                 "Area = 0.5"})
+          .with("Surface load pull",
+                {"Body = body",
+                 "Where = x > 0.499",
+                 "Traction = 0; 20 * t * y" + zero})
           .with("Newton", {"Tolerance = 1e-10"})
           .with("Time", {"End = 1", "Step = " + step}));
       run.run();
@@ -293,8 +293,8 @@ namespace
                      {"Points per direction = 4", "Placement = Gauss"})
                .with("Material solid",
                      {"Model = " + model,
-                      "Youngs modulus = 10000",
-                      "Poissons ratio = 0"})
+                      "Young modulus = 10000",
+                      "Poisson ratio = 0"})
                .with("Scheme",
                      {"Mass = consistent", "Stress update = quasi-static"})
                .with("Walls",
@@ -355,7 +355,6 @@ test_main()
         check_body_force(scheme, formulation);
     }
   check_order_in_time("backward-euler", {}, 1.);
-  check_order_in_time("newmark", {"Newmark beta = 0.5"}, 2.);
   for (const std::string rho : {"0", "0.5", "1"})
     check_order_in_time("generalized-alpha",
                         {"Spectral radius = " + rho},
@@ -448,7 +447,7 @@ test_main()
   Simulated<2> pressed(
     block_2d("box(0, 0, 1, 1)")
       .with("Scheme", {"Mass = consistent", "Stress update = quasi-static"})
-      .with("Material solid", {"Poissons ratio = 0"})
+      .with("Material solid", {"Poisson ratio = 0"})
       .with("Walls",
             {"Left = sliding",
              "Right = sliding",

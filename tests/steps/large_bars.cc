@@ -161,8 +161,8 @@ namespace
         .add("Material rubber",
              {"Model = linear-elastic",
               "Density = 1",
-              "Youngs modulus = 100",
-              "Poissons ratio = 0"})
+              "Young modulus = 100",
+              "Poisson ratio = 0"})
         .add("Walls",
              {"Left = sliding",
               one_end ? "Right = free" : "Right = sliding",

@@ -88,7 +88,7 @@ namespace
        const bool         moves     = true)
   {
     Simulated<dim> without(text),
-      with(text.with("Load balance", {"Every steps = 4"}));
+      with(text.with("Load balance", {"Threshold = 1", "Check every = 4"}));
     without.run();
     with.run();
     check(name,
@@ -144,20 +144,10 @@ namespace
                        rare =
                          n_partitions({"Threshold = 1", "Check every = 20"});
     check("Check every", is_parallel() ? often > rare && rare > 0 : often == 0);
-    check("Every steps",
-          n_partitions({"Every steps = 10"}) == (is_parallel() ? 5 : 0));
+    check("Threshold = 1",
+          n_partitions({"Threshold = 1", "Check every = 10"}) ==
+            (is_parallel() ? 5 : 0));
 
-    // Where empty cells cost as much as points, processes get as many.
-    const Simulated<2> cells(flying.with("Load balance", {"Empty cell = 1e3"}));
-    const auto         n_owned = Utilities::MPI::min_max_avg(
-      double(cells.simulation.space().owned_cells().size()), MPI_COMM_WORLD);
-    check("Empty cell", n_owned.max - n_owned.min, 8.);
-    const Simulated<2> points(flying.with("Load balance", {"Empty cell = 0"}));
-    check("Empty cell, only points count",
-          std::abs(
-            Utilities::MPI::sum(points.simulation.work(), MPI_COMM_WORLD) -
-            points.simulation.bodies()[0].n_points),
-          1e-9);
     check_refused("Threshold below 1",
                   flying.with("Load balance", {"Threshold = 0.5"}),
                   "'Load balance/Threshold' is 0.5");
@@ -171,9 +161,10 @@ namespace
   void
   check_states()
   {
-    const Text text = flying.with("Load balance", {"Every steps = 7"})
-                        .with("Scheme", {"Mass = consistent"})
-                        .with("Time", {"Maximum steps = 1000"});
+    const Text text =
+      flying.with("Load balance", {"Threshold = 1", "Check every = 7"})
+        .with("Scheme", {"Mass = consistent"})
+        .with("Time", {"Maximum steps = 1000"});
     const auto run_steps = [](Simulation<2> &simulation, const unsigned int n) {
       for (unsigned int k = 0; k < n; ++k)
         simulation.step();
@@ -221,10 +212,11 @@ namespace
   void
   check_output()
   {
-    const auto parameters = flying.with("Time", {"Maximum steps = 6"})
-                              .with("Load balance", {"Every steps = 2"})
-                              .with("Output", {"Load = true"})
-                              .parse();
+    const auto parameters =
+      flying.with("Time", {"Maximum steps = 6"})
+        .with("Load balance", {"Threshold = 1", "Check every = 2"})
+        .with("Output", {"Load = true"})
+        .parse();
     const bool is_first = Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
     if (is_first)
       std::filesystem::create_directories("load");

@@ -104,7 +104,7 @@ test_main()
          .with("Body body", {"Points per direction = 3"})
          .with("Material solid",
                {"Model = drucker-prager",
-                "Youngs modulus = 1000",
+                "Young modulus = 1000",
                 "Friction angle = 35",
                 "Cohesion = 0.2"})
          .with("Walls", {"Left = sliding", "Bottom = fixed"})

@@ -101,7 +101,7 @@ test_main()
       .with("Scheme", {"Mass = consistent", "Quadrature = least-squares"})
       .with("Body body", {"Points per direction = 2", "Velocity = 1; 0"})
       .with("Material solid",
-            {"Model = neo-hookean", "Density = 1000", "Youngs modulus = 1e4"})
+            {"Model = neo-hookean", "Density = 1000", "Young modulus = 1e4"})
       .with("Time", {"End = 0.6"});
   const auto n_steps = [&](const MPI_Comm comm) {
     Simulated<2> run(flight, comm);

@@ -244,10 +244,7 @@ test_main()
   }
 
   // Other loads, and another transfer; another law of the material is refused.
-  const Text pulled =
-    next.with("Simulation", {"Tractions = pull"})
-      .with("Traction pull",
-            {"Shape = box(0.2, 0, 0.6, 0.1)", "Traction = 0; 8", "Area = 0.4"});
+  const Text pulled        = next.with("Loads", {"Body force = 0; 20"});
   const auto last_momentum = [&]() {
     const auto lines =
       Utilities::split_string_list(content_of("next/statistics.csv"), '\n');
@@ -256,10 +253,10 @@ test_main()
   };
   {
     const auto without = last_momentum();
-    check("with a traction", run(pulled, "next", from).empty());
+    check("with a body force", run(pulled, "next", from).empty());
     const auto with = last_momentum();
-    // Time, dt, mass, momenta: what the traction gives in this time.
-    check("momentum of the traction",
+    // Time, dt, mass, momenta: what the force gives in this time.
+    check("momentum of the body force",
           std::abs(with[4] - without[4] - 3.2 * (with[0] - 5.)),
           0.3 * 3.2 * (with[0] - 5.));
     check(

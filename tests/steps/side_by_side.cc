@@ -54,16 +54,19 @@ test_main()
   const Text plane =
     Text()
       .add("Simulation",
-           {"Bodies = block", "Materials = rubber", "Tractions = pull"})
+           {"Bodies = block", "Materials = rubber", "Surface loads = pull"})
       .add("Grid", {"Cells = 8, 8", "Order = 3"})
       .add("Scheme", {"Mass = consistent", "Filter = 0.2"})
       .add("Solver", {"Tolerance = 1e-10"})
       .add("Walls", {"Left = fixed"})
-      .add("Body block", {"Material = rubber", "Shape = box(0, 0, 0.6, 0.5)"})
+      .add("Body block",
+           {"Material = rubber",
+            "Shape = box(0, 0, 0.6, 0.5)",
+            "Placement = fitted"})
       .add("Material rubber",
-           {"Model = neo-hookean", "Density = 1", "Youngs modulus = 100"})
-      .add("Traction pull",
-           {"Shape = box(0.55, 0, 0.6, 0.5)", "Traction = 10; 0", "Area = 0.5"})
+           {"Model = neo-hookean", "Density = 1", "Young modulus = 100"})
+      .add("Surface load pull",
+           {"Body = block", "Where = x > 0.599", "Traction = 10; 0"})
       .add("Time", {"End = 10"});
   const Text space =
     Text()
@@ -84,7 +87,7 @@ test_main()
       .add("Material water",
            {"Model = newtonian-fluid", "Density = 1", "Sound speed = 20"})
       .add("Material lead",
-           {"Model = linear-elastic", "Density = 10", "Youngs modulus = 1e3"})
+           {"Model = linear-elastic", "Density = 10", "Young modulus = 1e3"})
       .add("Time", {"End = 10", "CFL number = 0.3"});
   const auto plane_alone = alone<2>(plane);
   const auto space_alone = alone<3>(space);
@@ -95,7 +98,8 @@ test_main()
     check("names", a.bodies.count("block") == 1 && b.bodies.count("pool") == 1);
     check("names of others",
           a.bodies.size() == 1 && a.materials.size() == 1 &&
-            b.tractions.empty() && b.used().find("block") == std::string::npos);
+            b.surface_loads.empty() &&
+            b.used().find("block") == std::string::npos);
     check("defaults of others",
           a.solver.tolerance == 1e-10 && b.solver.tolerance == 1e-8 &&
             a.smoother.overlap == 1 && b.smoother.overlap == 2 &&

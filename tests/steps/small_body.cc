@@ -14,8 +14,8 @@ test_main()
                       .with("Material solid",
                             {"Model = neo-hookean",
                              "Density = 1000",
-                             "Youngs modulus = 1e4",
-                             "Poissons ratio = 0.3"})
+                             "Young modulus = 1e4",
+                             "Poisson ratio = 0.3"})
                       .with("Time", {"End = 0.6"});
   const auto fly = [](const std::string &name,
                       const Text        &text,

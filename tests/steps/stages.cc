@@ -43,7 +43,7 @@ namespace
         .with("Grid", {"Upper corner = 2, 9", "Cells = 4, 18"})
         .with("Body body", {"Points per direction = 3"})
         .with("Material solid",
-              {"Model = neo-hookean", "Density = 1000", "Youngs modulus = 1e7"})
+              {"Model = neo-hookean", "Density = 1000", "Young modulus = 1e7"})
         .with("Scheme", {"Mass = consistent"})
         .with("Walls", {"Left = sliding", "Right = sliding", "Bottom = fixed"})
         // The last steps of the first stage have all of the load.
@@ -414,7 +414,7 @@ test_main()
   check_rest("lumped",
              with_stage(column({"Mass = lumped"}),
                         "load",
-                        "Implicit",
+                        "Scheme",
                         {"Filling threshold = 0"}));
   check_rest("consistent", column({"Stress update = USL"}));
   check_rest("newmark",

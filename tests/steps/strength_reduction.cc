@@ -23,7 +23,7 @@ namespace
       .add("Material soil",
            {"Model = " + law,
             "Density = 2000",
-            "Youngs modulus = 1e6",
+            "Young modulus = 1e6",
             "Friction angle = 30",
             "Cohesion = 3e3",
             "Strength reduction = " + reduction})

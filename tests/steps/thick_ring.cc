@@ -232,7 +232,7 @@ namespace
         .add("Time", {"End = 1", step.str()})
         .add("Newton",
              {growth > 1e-3 ? "Tolerance = 1e-9" : "Tolerance = 1e-7"})
-        .add("Implicit", {"Filling threshold = 0.3"})
+        .add("Scheme", {"Filling threshold = 0.3"})
         .add("Body ring",
              {"Material = solid",
               "Shape = difference(ball(0, 0, 2), ball(0, 0, 1))",
@@ -242,8 +242,8 @@ namespace
         .add("Material solid",
              {std::string("Model = ") + Ring::law,
               "Density = 1",
-              "Youngs modulus = 1300",
-              "Poissons ratio = 0.3"})
+              "Young modulus = 1300",
+              "Poisson ratio = 0.3"})
         .add("Surface load pressure",
              {"Body = ring", "Where = ball(0, 0, 1.5)"})
         .add("Surface load pressure",

@@ -121,7 +121,7 @@ namespace
               {"Displacement = 2 * x; 0",
                "Placement = Gauss",
                "Points per direction = 3"})
-        .with("Material solid", {"Model = neo-hookean", "Poissons ratio = 0"})
+        .with("Material solid", {"Model = neo-hookean", "Poisson ratio = 0"})
         .with("Walls",
               {"Left = sliding",
                "Right = sliding",
@@ -152,8 +152,8 @@ namespace
         .add("Material solid",
              {"Model = linear-elastic",
               "Density = 1",
-              "Youngs modulus = 100",
-              "Poissons ratio = 0.3"});
+              "Young modulus = 100",
+              "Poisson ratio = 0.3"});
       if (bodies != "other")
         result.add("Body body",
                    {"Material = solid",

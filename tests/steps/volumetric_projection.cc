@@ -29,12 +29,12 @@ namespace
       .with("Material solid",
             {"Model = neo-hookean",
              "Density = 1000",
-             "Youngs modulus = 1e6",
-             "Poissons ratio = 0.499"})
+             "Young modulus = 1e6",
+             "Poisson ratio = 0.499"})
       .with("Walls", {"Left = fixed"})
       .with("Scheme", {"Volumetric projection = " + projection})
       // Surfaces lie between cells.
-      .with("Implicit", {"Filling threshold = 0"});
+      .with("Scheme", {"Filling threshold = 0"});
   }
 
 

@@ -174,7 +174,7 @@ namespace
   Text
   with_poissons_ratio(Text text, const std::string &ratio)
   {
-    return text.with("Material solid", {"Poissons ratio = " + ratio});
+    return text.with("Material solid", {"Poisson ratio = " + ratio});
   }
 
 

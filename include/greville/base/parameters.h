@@ -122,13 +122,6 @@ namespace greville
   declare_other_names(dealii::ParameterHandler &prm, const std::string &name);
 
   /**
-   * The name in the reference of a parameter that goes by several names, and
-   * other names as they are.
-   */
-  std::string
-  main_name(const std::string &name);
-
-  /**
    * Takes what a reference is about: a ParameterHandler in which all parameters
    * have been declared.
    */

@@ -54,7 +54,6 @@ namespace greville
   PointsOfFile<dim>
   points_of_file(const std::string                           &file,
                  const std::string                           &section,
-                 const int                                    body,
                  const double                                 density,
                  const std::vector<std::vector<std::string>> &wanted,
                  const bool                                   at_reference,

@@ -32,13 +32,11 @@ namespace greville
                         youngs_modulus,
                         "Young's modulus E. Unit: Pa.",
                         positive());
-      declare_other_names(prm, "Young modulus");
       prm.add_parameter(
         "Poisson ratio",
         poissons_ratio,
         "Poisson's ratio nu, between -1 and 0.5 (both excluded). Unit: none.",
         dealii::Patterns::Double(-1., 0.5));
-      declare_other_names(prm, "Poisson ratio");
     }
 
     /**

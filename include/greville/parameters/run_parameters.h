@@ -38,8 +38,6 @@ namespace greville
     double      failure_displacement = 0.002;
     std::string series_file;
     std::string series_quantity = "front";
-    double      time_unit       = 1.;
-    double      value_unit      = 1.;
   };
 
 
@@ -92,7 +90,6 @@ namespace greville
     std::string              statistics_every = "auto";
     double                   front_above      = -1e100;
     bool                     grid_fields      = true;
-    bool                     surface_points   = true;
     std::vector<std::string> fields           = {"velocity",
                                                  "displacement",
                                                  "stress",
@@ -122,7 +119,6 @@ namespace greville
 
     unsigned int every_steps   = 0;
     double       every_minutes = 15.;
-    bool         at_end        = true;
   };
 
 
@@ -143,8 +139,6 @@ namespace greville
 
     double       threshold   = 1.2;
     unsigned int check_every = 50;
-    unsigned int every_steps = 0;
-    double       empty_cell  = 0.1;
   };
 } // namespace greville
 

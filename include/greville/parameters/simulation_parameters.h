@@ -31,7 +31,6 @@ namespace greville
     unsigned int             dimension = 2;
     std::vector<std::string> bodies;
     std::vector<std::string> materials;
-    std::vector<std::string> tractions;
     std::vector<std::string> surface_loads;
     std::vector<std::string> stages;
   };
@@ -92,21 +91,6 @@ namespace greville
 
 
   /**
-   * A traction on the points of a surface.
-   */
-  struct TractionParameters
-  {
-    void
-    declare(dealii::ParameterHandler &prm);
-
-    std::string shape;
-    std::string traction;
-    double      area = 0.;
-  };
-
-
-
-  /**
    * A load on the surface of a body with fitted points.
    */
   struct SurfaceLoadParameters
@@ -156,8 +140,8 @@ namespace greville
       const std::string &file, const std::vector<std::string> &settings = {});
 
     /**
-     * The reference of all parameters, with a body, a traction and a material
-     * of each model.
+     * The reference of all parameters, with a body, a load and a material of
+     * each model.
      */
     static void
     use_reference(const UseParameters &use);
@@ -192,7 +176,6 @@ namespace greville
     std::map<std::string, BodyParameters>                  bodies;
     std::map<std::string, BodyGridParameters>              body_grids;
     std::map<std::string, std::shared_ptr<const Material>> materials;
-    std::map<std::string, TractionParameters>              tractions;
     std::map<std::string, SurfaceLoadParameters>           surface_loads;
 
     /**

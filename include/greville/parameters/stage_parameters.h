@@ -45,8 +45,6 @@ namespace greville
     double      filling               = -1.;
     double      filter                = 0.4;
     std::string energy_gain           = "stop";
-    double      energy_tolerance      = 0.1;
-    double      flip_time             = 0.;
     std::string stress_update         = "USL";
     std::string transfer              = "FLIP";
     double      flip                  = 1.;
@@ -62,13 +60,16 @@ namespace greville
     }
 
     /**
-     * Of explicit steps. Extended functions cost accuracy: where points stay in
-     * their cells, thinner cuts are good enough.
+     * Extended functions cost accuracy: where points stay in their cells,
+     * thinner cuts are good enough.
      */
     double
-    filling_threshold() const
+    filling_threshold(const bool implicit = false) const
     {
-      return filling >= 0. ? filling : (is_total_lagrangian() ? 0.1 : 0.45);
+      return filling >= 0.           ? filling
+             : is_total_lagrangian() ? 0.1
+             : implicit              ? 0.55
+                                     : 0.45;
     }
   };
 
@@ -105,9 +106,7 @@ namespace greville
 
     std::string gravity;
     std::string body_force;
-    double      cundall     = 0.;
-    bool        kinetic     = false;
-    double      damping_end = -1.;
+    double      cundall = 0.;
   };
 
 
@@ -120,22 +119,8 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    double       beta            = 0.25;
-    double       gamma           = 0.5;
-    double       spectral_radius = 0.8;
-    double       smallest_step   = 1e-3;
-    unsigned int easy_iterations = 6;
-    double       filling         = -1.;
-
-    /**
-     * Points that move through the grid need more of a cell than those of @p
-     * total_lagrangian steps.
-     */
-    double
-    filling_threshold(const bool total_lagrangian) const
-    {
-      return filling >= 0. ? filling : (total_lagrangian ? 0.1 : 0.55);
-    }
+    double spectral_radius = 0.8;
+    double smallest_step   = 1e-3;
   };
 
 
@@ -151,9 +136,7 @@ namespace greville
     double       tolerance          = 1e-8;
     double       absolute_tolerance = 0.;
     unsigned int max_iterations     = 20;
-    unsigned int max_cuts           = 6;
     double       largest_forcing    = 0.01;
-    double       smallest_forcing   = 1e-8;
     bool         log                = false;
   };
 

@@ -27,7 +27,6 @@ namespace greville
 
     std::string material;
     std::string points_file;
-    int         body_in_file = -1;
     std::string displacement;
     std::string velocity;
     std::string stress;

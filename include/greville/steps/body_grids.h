@@ -14,8 +14,7 @@ namespace greville
    * A body gets the part around it of the grid that is meant for it: the cells
    * that hold points and p more on each side. All functions that reach the body
    * are those of the whole grid then. Walls act on the sides of the part that
-   * are sides of the grid; all others are free. A traction is shared by the
-   * bodies that it reaches as their volumes are.
+   * are sides of the grid; all others are free.
    *
    * Throws dealii::ExcMessage where a body is wrong.
    */

@@ -8,15 +8,14 @@
 namespace greville
 {
   /**
-   * Damping towards rest, until 'Loads/Damping end':
+   * Cundall's damping towards rest,
    *
-   * - Cundall's, a_i -= alpha |f_i| / m_i sign(P_i) with the lumped mass m_i:
-   *   it takes alpha sum |f_i| |P_i| / m_i out of the kinetic energy of the
-   *   points per time, with any mass. To damp the force before the solve is the
-   *   same for a lumped mass; an inverse that is not diagonal amplifies changes
-   *   of sign from one function to the next.
-   * - kinetic: the bodies without an imposed velocity stop where their kinetic
-   *   energy has passed a maximum.
+   *   a_i -= alpha |f_i| / m_i sign(P_i)
+   *
+   * with the lumped mass m_i: it takes alpha sum |f_i| |P_i| / m_i out of the
+   * kinetic energy of the points per time, with any mass. To damp the force
+   * before the solve is the same for a lumped mass; an inverse that is not
+   * diagonal amplifies changes of sign from one function to the next.
    */
   template <int dim>
   class Damping
@@ -29,21 +28,19 @@ namespace greville
             const Discretization<dim> &discretization);
 
     /**
-     * The factor alpha that acts at time @p t, s.
+     * The factor alpha.
      */
     double
-    factor(const double t) const
+    factor() const
     {
-      return acts(t) ? parameters.cundall : 0.;
+      return parameters.cundall;
     }
 
     /**
      * Damp the acceleration that the @p force has led to.
      */
     void
-    damp(VectorField<dim>       &acceleration,
-         const VectorField<dim> &force,
-         const double            t) const;
+    damp(VectorField<dim> &acceleration, const VectorField<dim> &force) const;
 
     /**
      * The power of that on this process, W (2D: W / m), where points have the
@@ -52,23 +49,9 @@ namespace greville
      * its part of a in that.
      */
     double
-    power(const VectorField<dim> &momenta,
-          const VectorField<dim> &force,
-          const double            t) const;
-
-    /**
-     * Collective. Kinetic damping at the end of a step.
-     */
-    void
-    damp_kinetically(State<dim> &state) const;
+    power(const VectorField<dim> &momenta, const VectorField<dim> &force) const;
 
   private:
-    bool
-    acts(const double t) const
-    {
-      return parameters.damping_end < 0. || t < parameters.damping_end;
-    }
-
     /**
      * What damping with the factor @p alpha takes from component @p d of the
      * acceleration of function @p i of this process.

@@ -29,7 +29,7 @@ namespace greville
    * The balance of energy of the bodies that move freely,
    *   E(t) = kinetic + strain energy + dissipation <= E(0) + W(t) + D(t),
    * with the work W of gravity, loads, walls and obstacles that move, and the
-   * work D <= 0 of Cundall's and kinetic damping. What E has beyond that comes
+   * work D <= 0 of Cundall's damping. What E has beyond that comes
    * from nothing, and shows an instability.
    *
    * Transfers between points and grid, the filter and friction at walls take

@@ -13,9 +13,7 @@ namespace greville
    */
   template <int dim>
   double
-  work_of_process(const State<dim>            &state,
-                  const SplineSpace<dim>      &space,
-                  const LoadBalanceParameters &parameters);
+  work_of_process(const State<dim> &state, const SplineSpace<dim> &space);
 
 
 
@@ -36,8 +34,7 @@ namespace greville
   template <int dim>
   Partition
   partition_by_points(const std::vector<std::uint64_t> &counts,
-                      const SplineSpace<dim>           &space,
-                      const LoadBalanceParameters      &parameters);
+                      const SplineSpace<dim>           &space);
 
   /**
    * Collective. The partition that gives each process the same share of the
@@ -45,9 +42,7 @@ namespace greville
    */
   template <int dim>
   Partition
-  balanced_partition(const State<dim>            &state,
-                     const SplineSpace<dim>      &space,
-                     const LoadBalanceParameters &parameters);
+  balanced_partition(const State<dim> &state, const SplineSpace<dim> &space);
 
 
 
@@ -57,8 +52,7 @@ namespace greville
   template <int dim>
   void
   repartition_mesh(DistributedTriangulation<dim> &mesh,
-                   const Partition               &partition,
-                   const LoadBalanceParameters   &parameters);
+                   const Partition               &partition);
 
 
 

@@ -5,7 +5,6 @@
 
 #include <greville/base/step_errors.h>
 #include <greville/base/tables.h>
-#include <greville/steps/damping.h>
 #include <greville/steps/end_of_step.h>
 #include <greville/steps/statistics.h>
 #include <greville/steps/step_guard.h>
@@ -281,7 +280,6 @@ namespace greville
     StepLog                              log;
     Loads<dim>                           loads;
     Discretization<dim>                  discretization;
-    Damping<dim>                         damping;
     StepGuard<dim>                       guard;
     LateRow<dim>                         asked;
     State<dim>                           current;

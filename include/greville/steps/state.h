@@ -142,7 +142,6 @@ namespace greville
     double                           imbalance    = 1.;
 
     double warned_gain   = 0.; // of energy
-    double last_kinetic  = 0.; // see KineticDamping
     double time_to_share = 0.; // since share_volume()
   };
 

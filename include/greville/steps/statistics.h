@@ -154,16 +154,14 @@ namespace greville
     const double         front_above = std::numeric_limits<double>::lowest());
 
   /**
-   * Collective. Kinetic energy of the bodies whose velocity is not imposed, and
-   * unless @p only_kinetic their strain energy and dissipation: what
-   * EnergyBalance watches.
+   * Collective. Kinetic and strain energy and dissipation of the bodies whose
+   * velocity is not imposed: what EnergyBalance watches.
    */
   template <int dim>
   double
   free_energy(const std::vector<Body<dim>> &bodies,
               const PointTransfer<dim>     &transfer,
-              const MPI_Comm                comm,
-              const bool                    only_kinetic = false);
+              const MPI_Comm                comm);
 
   /**
    * Collective. The largest distance of a point of these bodies from its
