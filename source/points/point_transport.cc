@@ -160,7 +160,9 @@ namespace greville
           const auto place = std::uint64_t(message.second[k]);
           const auto found =
             std::lower_bound(cells.begin(), cells.end(), place);
-          Assert(found != cells.end() && *found == place, ExcInternalError());
+          AssertThrow(found != cells.end() && *found == place,
+                      ExcMessage("A point has been sent to a process that "
+                                 "does not own its cell."));
           points.insert(found - cells.begin(),
                         ArrayView<const double>(&message.second[k + 1],
                                                 width - 1));

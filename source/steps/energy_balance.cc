@@ -39,7 +39,7 @@ namespace greville
   EnergyBalance::gain(const EnergyTotals &now, const double swing)
   {
     lowest_damping = std::min(lowest_damping, now.damping);
-    largest        = largest_with(now);
+    remember(now);
     return (now.energy - swing - start - now.work - lowest_damping) / largest;
   }
 

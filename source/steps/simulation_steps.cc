@@ -146,6 +146,9 @@ namespace greville
     if ((is_due && !asked.is_known) ||
         (is_finished() && guard.looks_at_last_energy(current)))
       guard.check_energy(current, energy_totals());
+    else if (is_implicit())
+      // There may be a few steps only, between which loads come and go.
+      current.energy.remember(energy_totals());
   }
 
 

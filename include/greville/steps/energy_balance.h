@@ -136,6 +136,15 @@ namespace greville
     gain(const EnergyTotals &now, const double swing = 0.);
 
     /**
+     * Let gain() and largest_with() compare with what is @p now, too.
+     */
+    void
+    remember(const EnergyTotals &now)
+    {
+      largest = largest_with(now);
+    }
+
+    /**
      * The energy that neither work, nor damping, nor friction walls account
      * for: what transfers, filter and points that have left the grid have
      * taken. Unit: J (2D: J / m).
@@ -147,8 +156,8 @@ namespace greville
     }
 
     /**
-     * The largest energy or work that gain() has seen, or is @p now. Unit: J
-     * (2D: J / m).
+     * The largest energy or work that gain() or remember() has seen, or is
+     * @p now. Unit: J (2D: J / m).
      */
     double
     largest_with(const EnergyTotals &now) const;
