@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_particles_point_kernels_h
-#define greville_particles_point_kernels_h
+#ifndef greville_source_points_point_kernels_h
+#define greville_source_points_point_kernels_h
 
 #include <greville/base/simd.h>
 #include <greville/base/with_width.h>
@@ -74,7 +74,7 @@ namespace greville
      * Values and derivatives of the univariate functions at a group of points.
      */
     template <int dim, int n>
-    struct Shape
+    struct ShapeValues
     {
       template <bool derivatives>
       inline __attribute__((always_inline)) void

@@ -81,7 +81,7 @@ namespace greville
               const double *group = points.group(g);
               Simd          x[dim];
               load_basis_positions(points, group, x);
-              Shape<dim, n> shape;
+              ShapeValues<dim, n> shape;
               shape.template evaluate<false>(geometry, x);
               const Simd m = load(group + Layout::mass * simd_width);
 

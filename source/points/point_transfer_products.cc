@@ -41,7 +41,7 @@ namespace greville
               const double *group = points.group(g);
               Simd          x[dim];
               load_basis_positions(points, group, x);
-              Shape<dim, n> shape;
+              ShapeValues<dim, n> shape;
               shape.template evaluate<derivatives>(geometry, x);
               product(group, shape, u, sums);
             }
@@ -68,10 +68,10 @@ namespace greville
       const double       wave_modulus = stiffness.lambda + 2. * stiffness.shear;
       const double       inverse =
         wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
-      const auto product = [&](const double        *group,
-                               const Shape<dim, n> &shape,
-                               const double        *u,
-                               Simd                *sums) {
+      const auto product = [&](const double              *group,
+                               const ShapeValues<dim, n> &shape,
+                               const double              *u,
+                               Simd                      *sums) {
         const Simd volume = load(group + Layout::volume0 * simd_width) *
                             load(group + Layout::J * simd_width);
         const Simd scale =
@@ -238,10 +238,10 @@ namespace greville
                          double                      *target)
     {
       constexpr int n_rows  = power(n, dim - 1);
-      const auto    product = [&](const double        *group,
-                               const Shape<dim, n> &shape,
-                               const double        *u,
-                               Simd                *sums) {
+      const auto    product = [&](const double              *group,
+                               const ShapeValues<dim, n> &shape,
+                               const double              *u,
+                               Simd                      *sums) {
         Simd       momentum[dim], factors[n_rows];
         const Simd mass = load(group + PointLayout<dim>::mass * simd_width);
         for (int row = 0; row < n_rows; ++row)

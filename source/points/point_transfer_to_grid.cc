@@ -69,8 +69,8 @@ namespace greville
               const double *group = points.group(g);
               Simd          x[dim], v[dim];
               load_basis_positions(points, group, x);
-              const Simd    m = load(group + Layout::mass * simd_width);
-              Shape<dim, n> shape;
+              const Simd          m = load(group + Layout::mass * simd_width);
+              ShapeValues<dim, n> shape;
               shape.template evaluate<with_force>(geometry, x);
 
               if constexpr (with_momentum)
@@ -293,7 +293,7 @@ namespace greville
               Simd          x[dim];
               load_basis_positions(points, group, x);
               const Simd m = load(group + PointLayout<dim>::mass * simd_width);
-              Shape<dim, n> shape;
+              ShapeValues<dim, n> shape;
               shape.template evaluate<false>(geometry, x);
               Simd *sums = cell_sums.sums;
               for (int a_z = 0; a_z < n_z; ++a_z)

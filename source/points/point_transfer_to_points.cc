@@ -248,7 +248,7 @@ namespace greville
                   update.row->add_group(points, group, count);
               Simd x[dim];
               load_basis_positions(points, group, x);
-              Shape<dim, n> shape;
+              ShapeValues<dim, n> shape;
               shape.template evaluate<derivatives>(geometry, x);
 
               Simd fields[n_fields], gradient[dim][dim], B[dim][dim];

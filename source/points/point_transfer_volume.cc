@@ -29,7 +29,7 @@ namespace greville
             {
               Simd x[dim];
               load_basis_positions(points, points.group(g), x);
-              Shape<dim, n> shape;
+              ShapeValues<dim, n> shape;
               shape.template evaluate<false>(geometry, x);
               Simd N[power(n, dim)];
               int  a = 0;

@@ -154,16 +154,13 @@ test_main()
        good.with("Walls", {"Top = moving", "Top velocity = 1 / t; 0"}));
   test("exact solution of NaN",
        good.with("Exact solution", {"Displacement = 0; log(-X)"}));
-  const Text pulled =
-    good.with("Simulation", {"Surface loads = pull"})
-      .with("Body body", {"Placement = fitted"})
-      .with("Surface load pull",
-            {"Body = body", "Where = x > 0.74", "Traction = 1; 0"});
   test("traction of NaN",
-       pulled.with("Surface load pull", {"Traction = 0; 0 / 0"}));
-  test("overflowing load", good.with("Loads", {"Body force = 1e99 * 1e9; 0"}));
-  test("load that breaks a step",
-       pulled.with("Surface load pull", {"Traction = 99999999999; 0"}));
+       good.with("Simulation", {"Surface loads = pull"})
+         .with("Body body", {"Placement = fitted"})
+         .with("Surface load pull",
+               {"Body = body", "Where = x > 0.74", "Traction = 0; 0 / 0"}));
+  test("overflowing load", good.with("Loads", {"Body force = 9e99; 9e99"}));
+  test("load that breaks a step", good.with("Loads", {"Body force = 4e11; 0"}));
   test("gravity that breaks a step", good.with("Loads", {"Gravity = 0; -1e9"}));
   test("number beyond reason", good.with("Time", {"CFL number = 1e300"}));
   test("surface of NaN",

@@ -53,8 +53,7 @@ namespace greville
   /**
    * Throw dealii::ExcMessage with the line, the parameter, the value, what is
    * allowed and what may have been meant, where @p prm does not know a
-   * parameter or does not allow its value, or where lines give two values under
-   * two names of the same parameter.
+   * parameter or does not allow its value.
    */
   void
   check_parameter_lines(const dealii::ParameterHandler   &prm,
@@ -112,14 +111,6 @@ namespace greville
   void
   parse_parameter_lines(dealii::ParameterHandler         &prm,
                         const std::vector<ParameterLine> &lines);
-
-  /**
-   * Declare the other names that a parameter of the section at hand has: the
-   * degree p of a spline is called its order here, and E and nu are spelt in
-   * several ways. They are aliases of ParameterHandler.
-   */
-  void
-  declare_other_names(dealii::ParameterHandler &prm, const std::string &name);
 
   /**
    * Takes what a reference is about: a ParameterHandler in which all parameters
