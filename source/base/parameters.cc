@@ -103,6 +103,22 @@ namespace greville
 
 
     /**
+     * Whether the reference says the same of two parameters.
+     */
+    bool
+    are_alike(const boost::property_tree::ptree &a,
+              const boost::property_tree::ptree &b)
+    {
+      for (const char *key :
+           {"default_value", "pattern_description", "documentation"})
+        if (a.get<std::string>(key, "") != b.get<std::string>(key, ""))
+          return false;
+      return true;
+    }
+
+
+
+    /**
      * Move what all sections "S of model M" have to the section S.
      */
     void
@@ -128,7 +144,7 @@ namespace greville
                             [&](const auto *section) {
                               const auto found = section->find(entry.first);
                               return found != section->not_found() &&
-                                     found->second == entry.second;
+                                     are_alike(found->second, entry.second);
                             }))
               {
                 child.second.push_back(entry);
