@@ -359,9 +359,12 @@ namespace StepGreville
       files.write_points(time, bodies, MPI_COMM_WORLD);
       files.write_grid(time, system->space(), fields);
 
-      const Point<dim>      g(0., -gravity);
-      const Statistics<dim> sums =
-        compute_statistics(bodies, transfer, g, MPI_COMM_WORLD);
+      const Point<dim>          g(0., -gravity);
+      std::vector<RowSums<dim>> sums_of_bodies = {
+        RowSums<dim>(bodies[0].material)};
+      sums_of_bodies[0].add(bodies[0].points, &transfer);
+      Statistics<dim> sums;
+      add_sums(sums, bodies, sums_of_bodies, g, MPI_COMM_WORLD);
       double elastic = 0.;
       bodies[0].points.for_each([&](const unsigned int, const auto point) {
         const double d = floor_depth(point.position());

@@ -168,9 +168,11 @@ namespace greville
                       (walls.type[w] == "moving") == !(v + d).empty(),
                     ExcMessage("The wall '" + name + "' is " + walls.type[w] +
                                ", and '" + name +
-                               (d.empty() ? " velocity' is <" + v
-                                          : " displacement' is <" + d) +
-                               ">: a moving wall has one, a sliding wall may "
+                               (!d.empty()   ? " displacement' is <" + d + ">"
+                                : !v.empty() ? " velocity' is <" + v + ">"
+                                             : " velocity' and '" + name +
+                                                 " displacement' are empty") +
+                               ": a moving wall has one, a sliding wall may "
                                "have one, others have none."));
         AssertThrow(walls.region[w].empty() || walls.type[w] == "fixed" ||
                       walls.type[w] == "sliding" || walls.type[w] == "moving",

@@ -146,10 +146,13 @@ namespace greville
     stamp_of_sums = 0;
     mass_is_known = false;
     grid_walls    = Walls<dim>(parameters.walls);
+    // A program's own integrator may be implicit.
+    const std::string &scheme = parameters.scheme.stress_update;
+    const bool         is_explicit =
+      scheme == "USL" || scheme == "USF" || scheme == "MUSL";
     orders.reinit(mesh,
                   parameters.grid.degree,
-                  is_implicit_scheme(parameters.scheme.stress_update)
-                    ? parameters.implicit_solver.multigrid.coarsening
+                  !is_explicit ? parameters.implicit_solver.multigrid.coarsening
                   : parameters.scheme.mass == "consistent" &&
                       parameters.solver.method == "cg-p-multigrid"
                     ? parameters.multigrid.coarsening

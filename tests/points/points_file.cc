@@ -122,7 +122,7 @@ namespace
             made.largest([&](const auto p) {
               return std::abs(p.velocity(0) - p.position(0)) +
                      std::abs(p.velocity(1) - 7.) + std::abs(p.stress(0) - 8.) +
-                     std::abs(p.position(0) - x[1 + unsigned(p.id())]);
+                     std::abs(p.position(0) - x[unsigned(p.id())]);
             }),
             1e-6);
     }

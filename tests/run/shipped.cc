@@ -114,7 +114,10 @@ test_main()
   for (const auto &file : files)
     try
       {
-        const SimulationParameters parameters(file.string());
+        SimulationParameters parameters(file.string());
+        parameters.newton.log = false;
+        for (StageParameters &stage : parameters.stages)
+          stage.newton.log = false;
         if (parameters.general.dimension == 2)
           {
             const MeasuredData<2>  measured(parameters.reference);

@@ -441,7 +441,7 @@ test_main()
                 "APIC");
   check_message("damping",
                 at_rest.with("Loads", {"Cundall damping = 0.1"}),
-                "damping in 'Loads'");
+                "'Loads/Cundall damping'");
 
   // A wall that moves gives the work that goes into the block.
   Simulated<2> pressed(

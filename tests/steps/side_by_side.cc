@@ -102,7 +102,7 @@ test_main()
             b.used().find("block") == std::string::npos);
     check("defaults of others",
           a.solver.tolerance == 1e-10 && b.solver.tolerance == 1e-8 &&
-            a.smoother.overlap == 1 && b.smoother.overlap == 2 &&
+            a.scheme.filter == 0.2 && b.scheme.filter == 0.4 &&
             a.scheme.mass == "consistent" && b.scheme.mass == "lumped");
 
     // Simulations have their own parameters.
