@@ -42,7 +42,8 @@ namespace greville
                   Double(0.))(
       "Points that have moved by more than this have failed. Unit: m.");
     add_parameter(prm, "Series file", series_file)(
-      "CSV beside the parameter file with two columns: time (s) and a value, in "
+      "CSV beside the parameter file with two columns: time (s) and a value, "
+      "in "
       "the unit of the quantity.");
     add_parameter(prm, "Series quantity", series_quantity)(
       "The column of statistics.csv that the series is compared with.");

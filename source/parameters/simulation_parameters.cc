@@ -127,8 +127,7 @@ namespace greville
     {
       const std::string method = value_of(lines, "Solver", "Method");
       for (const ParameterLine &line : lines)
-        AssertThrow(line.section != "p-multigrid" ||
-                      !method.empty(),
+        AssertThrow(line.section != "p-multigrid" || !method.empty(),
                     ExcMessage(
                       line.place +
                       ": the section p-multigrid is for 'Solver/Method' = "
