@@ -297,6 +297,7 @@ namespace greville
                                            *body,
                                            placed[body->name],
                                            space));
+        result.back().body      = body - bodies.begin();
         result.back().stiffness = loads[k]->stiffness();
         result.back().damping   = loads[k]->damping();
       }

@@ -9,16 +9,10 @@ namespace greville
 
   template <int dim>
   ConsistentMass<dim>::ConsistentMass(
-    const unsigned int             degree,
-    DistributedTriangulation<dim> &triangulation,
-    const SimulationParameters    &parameters,
-    const Walls<dim>              &walls)
-    : GridMass<dim>(degree,
-                    triangulation,
-                    parameters.solver.method == "cg-p-multigrid"
-                      ? parameters.multigrid.coarsening
-                      : "none",
-                    walls)
+    const std::shared_ptr<const OrderHierarchy<dim>> &orders,
+    const SimulationParameters                       &parameters,
+    const Walls<dim>                                 &walls)
+    : GridMass<dim>(orders, walls)
     , parameters(parameters)
     , walls(walls)
   {
@@ -51,7 +45,7 @@ namespace greville
       {
         if (!multigrid)
           multigrid = std::make_unique<ExtendedMultigrid<dim>>(
-            this->orders,
+            *this->orders,
             extended_mass,
             [this](const SplineSpace<dim> &space, const unsigned int c) {
               return held_at_walls(space, walls, c);

@@ -12,63 +12,10 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  std::vector<unsigned char>
-  with_ghosts(const SplineSpace<dim>           &space,
-              const std::vector<unsigned char> &owned)
-  {
-    VectorType values;
-    space.initialize_vector(values);
-    for (unsigned int i = 0; i < owned.size(); ++i)
-      values.local_element(i) = owned[i];
-    values.update_ghost_values();
-    std::vector<unsigned char> result(space.owned_functions().size() +
-                                      space.ghost_functions().size());
-    for (unsigned int f = 0; f < result.size(); ++f)
-      result[f] = static_cast<unsigned char>(values.local_element(f));
-    return result;
-  }
-
-
-
-  template <int dim>
-  std::vector<unsigned char>
-  held_at_walls(const SplineSpace<dim> &space,
-                const Walls<dim>       &walls,
-                const unsigned int      component)
-  {
-    std::vector<unsigned char> held(space.owned_functions().size(), 0);
-    for (const unsigned int i : walls.held_functions(space, component))
-      held[i] = 1;
-    return with_ghosts(space, held);
-  }
-
-
-
-  template <int dim>
-  std::vector<unsigned char>
-  held_components_at_walls(const SplineSpace<dim> &space,
-                           const Walls<dim>       &walls)
-  {
-    std::vector<unsigned char> bits(space.owned_functions().size() +
-                                      space.ghost_functions().size(),
-                                    0);
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        const auto held = held_at_walls(space, walls, c);
-        for (unsigned int f = 0; f < bits.size(); ++f)
-          bits[f] |= held[f] << c;
-      }
-    return bits;
-  }
-
-
-
-  template <int dim>
-  GridMass<dim>::GridMass(const unsigned int             degree,
-                          DistributedTriangulation<dim> &triangulation,
-                          const std::string             &coarsening,
-                          const Walls<dim>              &walls)
-    : orders(triangulation, degree, coarsening)
+  GridMass<dim>::GridMass(
+    const std::shared_ptr<const OrderHierarchy<dim>> &orders,
+    const Walls<dim>                                 &walls)
+    : orders(orders)
   {
     space().initialize_vector(lumped_mass);
     held      = held_components_at_walls(space(), walls);
@@ -79,17 +26,73 @@ namespace greville
 
   template <int dim>
   void
-  GridMass<dim>::hold(const std::vector<unsigned char> &more)
+  GridMass<dim>::set_held(std::vector<unsigned char>              &components,
+                          std::vector<ConstrainedDirections<dim>> &directions)
   {
-    std::vector<unsigned char> now = with_ghosts(space(), more);
+    const MPI_Comm            comm = space().communicator();
+    std::vector<unsigned int> of_all{components != held ||
+                                       !(directions == oblique),
+                                     !directions.empty()};
+    Utilities::MPI::max(of_all, comm, of_all);
+    AssertThrow(of_all[1] == 0 || is_diagonal(),
+                ErrorOnAll("A contact constrains velocities along a normal "
+                           "that is not an axis of the grid, which goes with "
+                           "'Scheme/Mass' = lumped, not with the mass <" +
+                           solver() + ">."));
+    if (of_all[0] == 0)
+      return;
+    held.swap(components);
+    oblique.swap(directions);
+    change_held();
+  }
+
+
+
+  template <int dim>
+  void
+  GridMass<dim>::hold(const Constraints<dim> &more)
+  {
+    Constraints<dim>                        reduced = more;
+    std::vector<ConstrainedDirections<dim>> directions =
+      reduced.reduce(wall_held);
+    std::vector<unsigned char> now = with_ghosts(space(), reduced.components);
     for (unsigned int f = 0; f < now.size(); ++f)
       now[f] |= wall_held[f];
-    const bool has_changed =
-      Utilities::MPI::max<unsigned int>(now != held, space().communicator());
-    if (!has_changed)
-      return;
-    held = now;
-    change_held();
+    set_held(now, directions);
+  }
+
+
+
+  template <int dim>
+  void
+  GridMass<dim>::release()
+  {
+    std::vector<unsigned char>              now = wall_held;
+    std::vector<ConstrainedDirections<dim>> none;
+    set_held(now, none);
+  }
+
+
+
+  template <int dim>
+  Tensor<1, dim>
+  GridMass<dim>::free_part(const unsigned int i, Tensor<1, dim> vector) const
+  {
+    for (unsigned int c = 0; c < dim; ++c)
+      if ((held[i] >> c) & 1)
+        vector[c] = 0.;
+    if (oblique.empty())
+      return vector;
+    const auto found = std::lower_bound(oblique.begin(),
+                                        oblique.end(),
+                                        i,
+                                        [](const ConstrainedDirections<dim> &a,
+                                           const unsigned int function) {
+                                          return a.function < function;
+                                        });
+    if (found != oblique.end() && found->function == i)
+      vector -= found->part_along(vector);
+    return vector;
   }
 
 
@@ -98,7 +101,8 @@ namespace greville
   void
   GridMass<dim>::begin_trial()
   {
-    held_before_trial = held;
+    held_before_trial    = held;
+    oblique_before_trial = oblique;
   }
 
 
@@ -107,13 +111,7 @@ namespace greville
   void
   GridMass<dim>::end_trial()
   {
-    const bool has_changed =
-      Utilities::MPI::max<unsigned int>(held_before_trial != held,
-                                        space().communicator());
-    if (!has_changed)
-      return;
-    held = held_before_trial;
-    change_held();
+    set_held(held_before_trial, oblique_before_trial);
   }
 
 
@@ -153,6 +151,18 @@ namespace greville
                              ? (b[c].local_element(i) - r) / m
                              : 0.;
         }
+    for (const ConstrainedDirections<dim> &at : oblique)
+      {
+        const unsigned int i = at.function;
+        const double       m = lumped_mass.local_element(i);
+        if (!(m > 0.))
+          continue;
+        const Tensor<1, dim> part =
+          at.part_along(values_at<dim>(b, i) / m - values_at<dim>(x, i));
+        for (unsigned int c = 0; c < dim; ++c)
+          if (!((held[i] >> c) & 1))
+            residual[c].local_element(i) = part[c];
+      }
   }
 
 
@@ -170,35 +180,39 @@ namespace greville
 
 
   template <int dim>
-  std::unique_ptr<GridMass<dim>>
-  make_grid_mass(const std::string             &mass,
-                 const unsigned int             degree,
-                 DistributedTriangulation<dim> &triangulation,
-                 const SimulationParameters    &parameters,
-                 const Walls<dim>              &walls)
+  std::shared_ptr<const OrderHierarchy<dim>>
+  make_grid_orders(DistributedTriangulation<dim> &triangulation,
+                   const SimulationParameters    &parameters)
   {
-    if (const unsigned int n_terms = n_fmpm_terms(mass))
-      return std::make_unique<LumpedMass<dim>>(n_terms,
-                                               degree,
-                                               triangulation,
-                                               walls);
-    Assert(mass == "consistent", ExcMessage("Unknown mass <" + mass + ">."));
-    return std::make_unique<ConsistentMass<dim>>(degree,
-                                                 triangulation,
-                                                 parameters,
-                                                 walls);
+    const bool has_cycle = n_fmpm_terms(parameters.scheme.mass) == 0 &&
+                           parameters.solver.method == "cg-p-multigrid";
+    return std::make_shared<const OrderHierarchy<dim>>(
+      triangulation,
+      parameters.grid.degree,
+      has_cycle ? parameters.multigrid.coarsening : "none");
   }
 
 
 
-  template decltype(with_ghosts<2>)              with_ghosts<2>;
-  template decltype(with_ghosts<3>)              with_ghosts<3>;
-  template decltype(held_at_walls<2>)            held_at_walls<2>;
-  template decltype(held_components_at_walls<2>) held_components_at_walls<2>;
-  template decltype(held_components_at_walls<3>) held_components_at_walls<3>;
-  template decltype(held_at_walls<3>)            held_at_walls<3>;
+  template <int dim>
+  std::unique_ptr<GridMass<dim>>
+  make_grid_mass(const std::shared_ptr<const OrderHierarchy<dim>> &orders,
+                 const SimulationParameters                       &parameters,
+                 const Walls<dim>                                 &walls)
+  {
+    const std::string &mass = parameters.scheme.mass;
+    if (const unsigned int n_terms = n_fmpm_terms(mass))
+      return std::make_unique<LumpedMass<dim>>(n_terms, orders, walls);
+    Assert(mass == "consistent", ExcMessage("Unknown mass <" + mass + ">."));
+    return std::make_unique<ConsistentMass<dim>>(orders, parameters, walls);
+  }
+
+
+
   template class GridMass<2>;
   template class GridMass<3>;
-  template decltype(make_grid_mass<2>) make_grid_mass<2>;
-  template decltype(make_grid_mass<3>) make_grid_mass<3>;
+  template decltype(make_grid_orders<2>) make_grid_orders<2>;
+  template decltype(make_grid_orders<3>) make_grid_orders<3>;
+  template decltype(make_grid_mass<2>)   make_grid_mass<2>;
+  template decltype(make_grid_mass<3>)   make_grid_mass<3>;
 } // namespace greville

@@ -125,7 +125,7 @@ namespace greville
       log.warnings.push_back("The last point has left the grid at t = " +
                              std::to_string(current.time) +
                              " s: the run ends.");
-    damping.damp_kinetically(current);
+    damping.damp_kinetically(current, discretization);
   }
 
 
@@ -252,9 +252,10 @@ namespace greville
   Simulation<dim>::check_fragments()
   {
     constexpr double most_fragments = 0.05;
-    if (!consistent_mass())
-      return;
-    const double fraction = consistent_mass()->fragment_fraction();
+    double           fraction       = 0.;
+    for (const GridField<dim> &field : discretization.fields())
+      if (field.consistent)
+        fraction = std::max(fraction, field.consistent->fragment_fraction());
     if (fraction <= most_fragments)
       return;
     std::ostringstream message;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/steps/central_differences.h>
+#include <greville/steps/explicit_schemes.h>
 #include <greville/steps/implicit_steps.h>
 #include <greville/steps/time_integrator.h>
 
@@ -15,12 +15,12 @@ namespace greville
     template <int dim>
     using Entry = std::pair<std::string, MakeTimeIntegrator<dim>>;
 
-    template <int dim>
+    template <int dim, template <int> class Scheme>
     Entry<dim>
-    central_differences(const std::string &name, const StressUpdate order)
+    explicit_steps(const std::string &name)
     {
-      return {name, [order](const IntegratorParts<dim> &parts) {
-                return std::make_unique<CentralDifferences<dim>>(order, parts);
+      return {name, [](const IntegratorParts<dim> &parts) {
+                return std::make_unique<Scheme<dim>>(parts);
               }};
     }
 
@@ -39,9 +39,9 @@ namespace greville
     integrators()
     {
       static std::vector<Entry<dim>> list = {
-        central_differences<dim>("USL", StressUpdate::USL),
-        central_differences<dim>("USF", StressUpdate::USF),
-        central_differences<dim>("MUSL", StressUpdate::MUSL),
+        explicit_steps<dim, USL>("USL"),
+        explicit_steps<dim, USF>("USF"),
+        explicit_steps<dim, MUSL>("MUSL"),
         implicit_steps<dim>("quasi-static"),
         implicit_steps<dim>("backward-euler"),
         implicit_steps<dim>("newmark"),

@@ -163,7 +163,7 @@ namespace
     Simulated<2>        fall(text);
     const double        begin = fall->statistics().center[1];
     const Statistics<2> end   = fall.run()->statistics();
-    const double        v     = -2. * fall->state().velocity_time;
+    const double        v     = -2. * fall->state().fields[0].velocity_time;
     check("free fall by " + first + " and " + second,
           std::abs(end.center[1] - begin + 0.16) < 1e-10 &&
             std::abs(end.momentum[1] / end.mass - v) < 1e-10);
@@ -190,10 +190,11 @@ namespace
       {
         VectorType change = late.velocity[d];
         for (unsigned int i = 0; i < change.locally_owned_size(); ++i)
-          largest =
-            std::max(largest,
-                     std::abs(change.local_element(i) -
-                              simulated->state().velocity[d].local_element(i)));
+          largest = std::max(
+            largest,
+            std::abs(
+              change.local_element(i) -
+              simulated->state().fields[0].velocity[d].local_element(i)));
       }
     check("the same bits after going back over the end of a stage",
           largest == 0. && simulated->state().n_steps == late.n_steps);

@@ -52,6 +52,14 @@ namespace greville
     std::vector<unsigned int> cells    = {16, 16};
     unsigned int              degree   = 2;
     bool                      per_body = false;
+
+    /**
+     * The numbers of the bodies of each velocity field of the grid, in the
+     * order of GeneralParameters::bodies: each body in one field. Bodies of one
+     * field stick where they touch, those of two do not see one another. Empty:
+     * all bodies have one field. For programs: no parameter sets it.
+     */
+    std::vector<std::vector<unsigned int>> fields;
   };
 
 

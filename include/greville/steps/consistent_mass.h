@@ -19,12 +19,11 @@ namespace greville
   {
   public:
     /**
-     * Collective. Parameters, triangulation and walls are kept by reference.
+     * Collective. Parameters and walls are kept by reference.
      */
-    ConsistentMass(const unsigned int             degree,
-                   DistributedTriangulation<dim> &triangulation,
-                   const SimulationParameters    &parameters,
-                   const Walls<dim>              &walls);
+    ConsistentMass(const std::shared_ptr<const OrderHierarchy<dim>> &orders,
+                   const SimulationParameters                       &parameters,
+                   const Walls<dim>                                 &walls);
 
     std::string
     solver() const override

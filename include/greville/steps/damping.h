@@ -23,10 +23,9 @@ namespace greville
   {
   public:
     /**
-     * Both are kept by reference.
+     * The parameters are kept by reference.
      */
-    Damping(const LoadParameters      &parameters,
-            const Discretization<dim> &discretization);
+    explicit Damping(const LoadParameters &parameters);
 
     /**
      * The factor alpha that acts at time @p t, s.
@@ -38,12 +37,10 @@ namespace greville
     }
 
     /**
-     * Damp the acceleration that the @p force has led to.
+     * Damp the acceleration of a field that its force has led to.
      */
     void
-    damp(VectorField<dim>       &acceleration,
-         const VectorField<dim> &force,
-         const double            t) const;
+    damp(GridField<dim> &field, const double t) const;
 
     /**
      * The power of that on this process, W (2D: W / m), where points have the
@@ -52,15 +49,16 @@ namespace greville
      * its part of a in that.
      */
     double
-    power(const VectorField<dim> &momenta,
-          const VectorField<dim> &force,
+    power(const GridField<dim>   &field,
+          const VectorField<dim> &momenta,
           const double            t) const;
 
     /**
      * Collective. Kinetic damping at the end of a step.
      */
     void
-    damp_kinetically(State<dim> &state) const;
+    damp_kinetically(State<dim>                &state,
+                     const Discretization<dim> &discretization) const;
 
   private:
     bool
@@ -70,17 +68,15 @@ namespace greville
     }
 
     /**
-     * What damping with the factor @p alpha takes from component @p d of the
-     * acceleration of function @p i of this process.
+     * What damping with the factor @p alpha takes from the acceleration of
+     * function @p i of this process.
      */
-    double
-    taken(const VectorField<dim> &force,
-          const double            alpha,
-          const unsigned int      i,
-          const unsigned int      d) const;
+    dealii::Tensor<1, dim>
+    taken(const GridField<dim> &field,
+          const double          alpha,
+          const unsigned int    i) const;
 
-    const LoadParameters      &parameters;
-    const Discretization<dim> &discretization;
+    const LoadParameters &parameters;
   };
 } // namespace greville
 
