@@ -99,7 +99,7 @@ namespace
     Simulated<2> run(text);
     for (unsigned int k = 0; k < 7; ++k)
       run->step();
-    const double       lagging = run->state().fields[0].velocity_time;
+    const double       lagging = run->state().velocity_time;
     const EndOfStep<2> end(run.simulation);
     const State<2>    &state = run->state();
     const Tensor<1, 2> g({0., -2.});

@@ -42,7 +42,7 @@ namespace
             "Youngs modulus = 100",
             "Poissons ratio = 0.3"})
       .add("Loads", {"Gravity = 0; -3"})
-      .add("Time", {"End = 0.1", "Step = 0.0025"});
+      .add("Time", {"End = 0.05", "Step = 0.0025"});
   }
 
 
@@ -218,18 +218,19 @@ test_main()
         check(name + "friction",
               std::abs(a.work.friction - b.work.friction),
               1e-9);
-        check(name + "slides", a.work.friction < -1e-3);
+        check(name + "slides", a.work.friction < -1e-4);
         check(name + "reaction",
               (a.reactions[2] - b.reactions[2]).norm(),
               1e-6);
       }
 
-  // All fields are in a checkpoint: the same bits.
+  // All fields are in a checkpoint: the same bits, but for where the solver of
+  // friction begins with the consistent mass.
   for (const std::string mass : {"lumped", "consistent"})
     {
       const Text text  = two_blocks().with("Scheme", {"Mass = " + mass});
       const auto first = simulation(text, two), next = simulation(text, two);
-      for (unsigned int k = 0; k < 15; ++k)
+      for (unsigned int k = 0; k < 8; ++k)
         first->step();
       TablesFile content;
       content.tables = make_tables(first->state(), first->space());
@@ -240,26 +241,27 @@ test_main()
       run(*first);
       run(*next);
       check(mass + ", checkpoint",
-            distance(values(*first), values(*next)) == 0.);
+            distance(values(*first), values(*next)),
+            mass == "lumped" ? 0. : 1e-9);
     }
 
   // Bodies that meet: one field sticks, those of two pass through one another.
   const Text meeting =
     two_blocks()
-      .with("Walls", {"Bottom = free"})
+      .with("Walls", {"Bottom = free", "Bottom friction = 0"})
       .with("Loads", {"Gravity = "})
       .with("Body left", {"Shape = box(0.4, 0.3, 0.8, 0.7)", "Velocity = 1; 0"})
       .with("Body right",
             {"Shape = box(0.9, 0.3, 1.3, 0.7)", "Velocity = -1; 0"})
-      .with("Time", {"End = 0.3"});
+      .with("Time", {"End = 0.2"});
   const auto sticking = simulation(meeting, {}),
              passing  = simulation(meeting, two);
   run(*sticking);
   run(*passing);
-  check("sticks", moved(sticking->bodies()[0])[0] < 0.2);
+  check("sticks", moved(sticking->bodies()[0])[0] < 0.15);
   check("passes",
-        std::abs(moved(passing->bodies()[0])[0] - 0.3) +
-          std::abs(moved(passing->bodies()[1])[0] + 0.3),
+        std::abs(moved(passing->bodies()[0])[0] - 0.2) +
+          std::abs(moved(passing->bodies()[1])[0] + 0.2),
         1e-12);
 
   // What is refused.
@@ -272,12 +274,13 @@ test_main()
   check_refused("no such body",
                 message_of_run(two_blocks(), {{0}, {1, 2}}),
                 "has the body number 2 of 2");
-  check_refused("implicit",
-                message_of_run(two_blocks()
-                                 .with("Walls", {"Bottom = fixed"})
-                                 .with("Scheme", {"Stress update = newmark"}),
-                               two),
-                "several GridParameters::fields");
+  check_refused(
+    "implicit",
+    message_of_run(two_blocks()
+                     .with("Walls", {"Bottom = fixed", "Bottom friction = 0"})
+                     .with("Scheme", {"Stress update = newmark"}),
+                   two),
+    "several GridParameters::fields");
 
   // A block slides down a plane that no axis is normal to.
   add_contact<2>(&Rail::make);
@@ -285,7 +288,7 @@ test_main()
   const Text   falls = block_2d("box(0.45, 0.55, 0.75, 0.85)")
                        .with("Loads", {"Gravity = 0; -10"})
                        .with("Body body", {"Velocity = 0; -1"})
-                       .with("Time", {"End = 0.2", "Step = 0.002"});
+                       .with("Time", {"End = 0.1", "Step = 0.002"});
   Rail::normal = Point<2>(std::sin(angle), std::cos(angle));
   for (const std::string order : {"USL", "USF", "MUSL"})
     {
@@ -294,7 +297,7 @@ test_main()
       run(*sliding);
       const Tensor<1, 2> u    = moved(sliding->bodies()[0]);
       const Tensor<1, 2> down = Point<2>(std::cos(angle), -std::sin(angle));
-      const double       path = std::sin(angle) * (0.2 + 0.5 * 10. * 0.2 * 0.2);
+      const double       path = std::sin(angle) * (0.1 + 0.5 * 10. * 0.1 * 0.1);
       check(order + ", across the normal", std::abs(u * down - path), 1e-10);
       check(order + ", along it", std::abs(u * Rail::normal), 1e-10);
       // What is constrained does no work where it does not move.

@@ -163,7 +163,7 @@ namespace
     Simulated<2>        fall(text);
     const double        begin = fall->statistics().center[1];
     const Statistics<2> end   = fall.run()->statistics();
-    const double        v     = -2. * fall->state().fields[0].velocity_time;
+    const double        v     = -2. * fall->state().velocity_time;
     check("free fall by " + first + " and " + second,
           std::abs(end.center[1] - begin + 0.16) < 1e-10 &&
             std::abs(end.momentum[1] / end.mass - v) < 1e-10);
@@ -188,7 +188,7 @@ namespace
     double largest = 0.;
     for (unsigned int d = 0; d < 2; ++d)
       {
-        VectorType change = late.velocity[d];
+        VectorType change = late.fields[0].velocity[d];
         for (unsigned int i = 0; i < change.locally_owned_size(); ++i)
           largest = std::max(
             largest,
