@@ -55,5 +55,5 @@ dox=doc/developer/step.dox
 finds "no header declares EnergyGuard::check" $dox 's/StepGuard::check/EnergyGuard::check/'
 finds "no header declares GridMass::renew" $dox 's/GridMass::update/GridMass::renew/'
 finds "no parameter Stress updates" $dox 's/Stress update = USL/Stress updates = USL/'
-finds "there is no file tests/multigrid/level.cc" doc/step-greville/doc/results.dox 's|level_operator.cc|level.cc|'
+finds "there is no file tests/paper/level.cc" doc/step-greville/doc/results.dox 's|level_operator.cc|level.cc|'
 exit $status
