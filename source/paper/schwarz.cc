@@ -193,10 +193,14 @@ namespace greville
       apply(dst, src, false);
     };
     // Signs that depend on positions alone, in the norm of the diagonal.
+    PetscVectorView(level.space().communicator(), n_owned)
+      .with(y.begin(), [&](Vec diagonal) {
+        check_petsc(MatGetDiagonal(level.matrix(), diagonal));
+      });
     const auto         &positions = level.space().owned_functions();
     std::vector<double> start(n_owned);
     for (unsigned int i = 0; i < n_owned; ++i)
-      start[i] = std::copysign(std::sqrt(level.diagonal().local_element(i)),
+      start[i] = std::copysign(std::sqrt(y.local_element(i)),
                                std::sin(12.9898 * (positions[i] % 104729)));
     for (const unsigned int i : level.inactive())
       start[i] = 0.;
