@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/largest_eigenvalue.h>
 #include <greville/paper/ilut.h>
 #include <greville/paper/schwarz.h>
 
 #include <petscpc.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace greville
@@ -17,12 +15,6 @@ namespace greville
 
   namespace
   {
-    // Of the product with the matrix, so that two smoothing steps are positive
-    // definite, with a margin for an estimate from below.
-    constexpr double largest_allowed = 1.9;
-
-
-
     IS
     make_indices(const std::vector<PetscInt> &numbers)
     {
@@ -165,52 +157,6 @@ namespace greville
           solver = make(local_matrix);
       },
       comm);
-    if (is_symmetric && Utilities::MPI::n_mpi_processes(comm) > 1)
-      scale = std::min(1., largest_allowed / largest_eigenvalue_with(level));
-  }
-
-
-
-  template <int dim>
-  double
-  AdditiveSchwarz<dim>::largest_eigenvalue_with(
-    const LevelOperator<dim> &level) const
-  {
-    VectorType x, y;
-    level.space().initialize_vector(x);
-    level.space().initialize_vector(y);
-    const auto action = [&](const auto &multiply) {
-      return [&](std::vector<double> &result, const std::vector<double> &from) {
-        std::copy(from.begin(), from.end(), x.begin());
-        multiply(y, x);
-        result.assign(y.begin(), y.begin() + n_owned);
-      };
-    };
-    const auto A = [&](VectorType &dst, const VectorType &src) {
-      level.vmult(dst, src);
-    };
-    const auto B = [&](VectorType &dst, const VectorType &src) {
-      apply(dst, src, false);
-    };
-    // Signs that depend on positions alone, in the norm of the diagonal.
-    PetscVectorView(level.space().communicator(), n_owned)
-      .with(y.begin(), [&](Vec diagonal) {
-        check_petsc(MatGetDiagonal(level.matrix(), diagonal));
-      });
-    const auto         &positions = level.space().owned_functions();
-    std::vector<double> start(n_owned);
-    for (unsigned int i = 0; i < n_owned; ++i)
-      start[i] = std::copysign(std::sqrt(y.local_element(i)),
-                               std::sin(12.9898 * (positions[i] % 104729)));
-    for (const unsigned int i : level.inactive())
-      start[i] = 0.;
-    return largest_eigenvalue(action(A),
-                              action(B),
-                              start,
-                              0.02,
-                              40,
-                              level.space().communicator())
-      .value;
   }
 
 
@@ -381,8 +327,6 @@ namespace greville
     if (solver)
       solver(local.data(), transpose);
     prolongate(dst, transpose);
-    if (scale != 1.)
-      dst *= scale;
   }
 
 
