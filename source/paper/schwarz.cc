@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/largest_eigenvalue.h>
 #include <greville/paper/ilut.h>
 #include <greville/paper/schwarz.h>
 
 #include <petscpc.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace greville
@@ -15,6 +17,12 @@ namespace greville
 
   namespace
   {
+    // Of the product with the matrix, so that two smoothing steps are positive
+    // definite, with a margin for an estimate from below.
+    constexpr double largest_allowed = 1.9;
+
+
+
     IS
     make_indices(const std::vector<PetscInt> &numbers)
     {
@@ -157,6 +165,53 @@ namespace greville
           solver = make(local_matrix);
       },
       comm);
+    if (is_symmetric && Utilities::MPI::n_mpi_processes(comm) > 1)
+      scale = std::min(1., largest_allowed / largest_eigenvalue_with(level));
+  }
+
+
+
+  template <int dim>
+  double
+  AdditiveSchwarz<dim>::largest_eigenvalue_with(
+    const LevelOperator<dim> &level) const
+  {
+    const SplineSpace<dim> &space  = level.space();
+    const Mat               matrix = level.matrix();
+    const MPI_Comm          comm   = space.communicator();
+    const PetscVectorView   in(comm, n_owned), out(comm, n_owned);
+    VectorType              x, y;
+    space.initialize_vector(x);
+    space.initialize_vector(y);
+    const auto multiply = [&](std::vector<double>       &result,
+                              const std::vector<double> &from) {
+      result.resize(n_owned);
+      in.with(from.data(), [&](Vec petsc_from) {
+        out.with(result.data(), [&](Vec petsc_result) {
+          check_petsc(MatMult(matrix, petsc_from, petsc_result));
+        });
+      });
+    };
+    const auto precondition = [&](std::vector<double>       &result,
+                                  const std::vector<double> &from) {
+      std::copy(from.begin(), from.end(), x.begin());
+      apply(y, x, false);
+      result.assign(y.begin(), y.begin() + n_owned);
+    };
+    // Signs that depend on positions alone, in the norm of the diagonal; zero
+    // for inactive functions, whose eigenvalue is 1.
+    std::vector<double> start(n_owned);
+    out.with(start.data(), [&](Vec diagonal) {
+      check_petsc(MatGetDiagonal(matrix, diagonal));
+    });
+    const auto &positions = space.owned_functions();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      start[i] = std::copysign(std::sqrt(start[i]),
+                               std::sin(12.9898 * (positions[i] % 104729)));
+    for (const unsigned int i : level.inactive())
+      start[i] = 0.;
+    return largest_eigenvalue(multiply, precondition, start, 0.02, 40, comm)
+      .value;
   }
 
 
@@ -327,6 +382,8 @@ namespace greville
     if (solver)
       solver(local.data(), transpose);
     prolongate(dst, transpose);
+    if (scale != 1.)
+      dst *= scale;
   }
 
 

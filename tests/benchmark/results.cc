@@ -235,6 +235,21 @@ test_main()
         std::stoi(column(rows, "iterations")),
         9);
 
+  // Without their scale, two steps of symmetric Schwarz are indefinite on two
+  // processes: 54 iterations.
+  rows = run(in("Benchmark", "Orders = 4") + in("Benchmark", "Cells = 32") +
+             in("Benchmark", "Solvers = cg-p-multigrid") +
+             in("Benchmark", "Smoothers = ic0") +
+             in("Benchmark", "Coarsenings = one by one") +
+             in("Problem", "Points = disk") +
+             in("Problem", "Points per direction = 2") +
+             in("Problem", "Jitter = 0.5") +
+             in("p-multigrid", "Restriction = transpose") +
+             in("Smoother", "Overlap = 2"));
+  check("Points, Schwarz on several processes",
+        std::stoi(column(rows, "iterations")),
+        20);
+
   check("Output directory",
         run("", "elsewhere").size() == 2 &&
           std::filesystem::exists("elsewhere/parameters.prm"));

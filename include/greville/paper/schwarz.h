@@ -57,7 +57,11 @@ namespace greville
    *   for the entries that s owns (@ref Cai1999 "Cai and Sarkis, 1999"). Not
    *   symmetric.
    * - symmetric: @f$ \sum_s R_s^T W_s^{1/2} A_s^{-1} W_s^{1/2} R_s @f$, with
-   *   @f$ W_s @f$ one over the number of domains that hold an entry.
+   *   @f$ W_s @f$ one over the number of domains that hold an entry, on several
+   *   processes scaled so that the largest eigenvalue of its product with A is
+   *   1.9 at most. The weights jump at the edge of the overlap, which may bring
+   *   the eigenvalue up to 8 where functions are extended, and two smoothing
+   *   steps @f$ 2 B - B A B @f$ are indefinite above 2.
    */
   template <int dim>
   class AdditiveSchwarz : public Preconditioner
@@ -102,11 +106,19 @@ namespace greville
     void
     apply(VectorType &dst, const VectorType &src, const bool transpose) const;
 
+    /**
+     * Collective. An estimate from below of the largest eigenvalue of the
+     * product with the matrix of @p level.
+     */
+    double
+    largest_eigenvalue_with(const LevelOperator<dim> &level) const;
+
     const bool                is_symmetric;
     const unsigned int        n_owned;
     std::vector<unsigned int> order;   // local number in values
     std::vector<double>       weights; // W_s^(1/2)
     LocalSolver               solver;
+    double                    scale = 1.; // of the symmetric combination
 
     mutable VectorType          values; // owned and overlapping entries
     mutable std::vector<double> local;  // in the ordering
