@@ -220,7 +220,7 @@ namespace greville
       "Newton's method ends where the residual is this fraction of the largest "
       "of the forces that it is the sum of: those of stresses, loads and "
       "inertia; or where it is round-off. Unit: none.",
-      Patterns::Double(0., 1.));
+      Patterns::Double(1e-14, 1.));
     prm.add_parameter("Absolute tolerance",
                       absolute_tolerance,
                       "It ends, too, where the residual is smaller than this. "
