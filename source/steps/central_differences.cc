@@ -562,7 +562,7 @@ namespace greville
                                       trial.motion.left_surface_cells);
     fail_on_all(trial.motion.problem.empty() ? problem : trial.motion.problem,
                 discretization.communicator());
-    tell_guard(state);
+    tell_guard();
 
     state.signals = signals();
     for (unsigned int k = 0; k < fields.size(); ++k)

@@ -163,7 +163,7 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::tell_guard(const State<dim> &state)
+  CentralDifferences<dim>::tell_guard()
   {
     guard.set(trial.motion);
     // Constraints and damping take some that nobody adds up, and

@@ -208,7 +208,7 @@ namespace greville
 
     /// Tell the guard what came of the points.
     void
-    tell_guard(const State<dim> &state);
+    tell_guard();
 
     /// Filter the new velocity, and add what that takes to the acceleration.
     void
