@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <sstream>
 
@@ -55,7 +56,7 @@ namespace greville
         : formulas(parameters.traction,
                    section + "/Traction",
                    load_variables<dim>())
-        , per_current_area(parameters.area == "current")
+        , per_current_area(parameters.is_per_current_area())
       {}
 
       Tensor<1, dim>
@@ -202,6 +203,7 @@ namespace greville
 
 
 
+    // The kinds of SurfaceLoadParameters::kind, one line each.
     template <int dim>
     std::unique_ptr<SurfaceLoad<dim>>
     make_load(const std::string           &section,
@@ -209,17 +211,22 @@ namespace greville
               const Material              &material,
               const GridParameters        &grid)
     {
-      if (load.kind == "traction")
-        return std::make_unique<DeadTraction<dim>>(section, load);
-      if (load.kind == "pressure")
-        return std::make_unique<Pressure<dim>>(section, load);
-      if (load.kind == "dashpot")
-        return std::make_unique<Dashpot<dim>>(material);
-      if (load.kind == "spring")
-        return std::make_unique<Springs<dim>>(section, "", load.stiffness);
-      return std::make_unique<Springs<dim>>(section,
-                                            load.displacement,
-                                            penalty<dim>(load, material, grid));
+      using Load = std::unique_ptr<SurfaceLoad<dim>>;
+      const std::map<std::string, std::function<Load()>> kinds = {
+        {"traction",
+         [&]() { return std::make_unique<DeadTraction<dim>>(section, load); }},
+        {"pressure",
+         [&]() { return std::make_unique<Pressure<dim>>(section, load); }},
+        {"dashpot", [&]() { return std::make_unique<Dashpot<dim>>(material); }},
+        {"spring",
+         [&]() {
+           return std::make_unique<Springs<dim>>(section, "", load.stiffness);
+         }},
+        {"displacement", [&]() {
+           return std::make_unique<Springs<dim>>(
+             section, load.displacement, penalty<dim>(load, material, grid));
+         }}};
+      return kinds.at(load.kind)();
     }
   } // namespace
 
@@ -297,6 +304,7 @@ namespace greville
                                            *body,
                                            placed[body->name],
                                            space));
+        result.back().body      = body - bodies.begin();
         result.back().stiffness = loads[k]->stiffness();
         result.back().damping   = loads[k]->damping();
       }

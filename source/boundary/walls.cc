@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace greville
 {
@@ -12,6 +13,21 @@ namespace greville
 
   namespace
   {
+    WallType
+    wall_type(const std::string &name)
+    {
+      static const std::map<std::string, WallType> types = {
+        {"free", WallType::free},
+        {"fixed", WallType::fixed},
+        {"sliding", WallType::sliding},
+        {"moving", WallType::moving},
+        {"friction", WallType::friction},
+        {"periodic", WallType::periodic}};
+      return types.at(name);
+    }
+
+
+
     template <int dim>
     std::vector<std::string>
     position_and_time()
@@ -44,7 +60,7 @@ namespace greville
   {
     for (unsigned int w = 0; w < 2 * dim; ++w)
       {
-        type[w]                = parameters.type[w];
+        type[w]                = wall_type(parameters.type[w]);
         friction[w]            = parameters.friction[w];
         const std::string name = "Walls/" + WallParameters::names[w];
         if (!parameters.region[w].empty())
@@ -68,7 +84,7 @@ namespace greville
   {
     std::array<bool, dim> result;
     for (unsigned int d = 0; d < dim; ++d)
-      result[d] = parameters.type[2 * d] == "periodic";
+      result[d] = wall_type(parameters.type[2 * d]) == WallType::periodic;
     return result;
   }
 
@@ -214,8 +230,8 @@ namespace greville
   bool
   Walls<dim>::holds(const unsigned int wall, const unsigned int component) const
   {
-    return type[wall] == "fixed" || type[wall] == "moving" ||
-           (type[wall] == "sliding" && wall / 2 == component);
+    return type[wall] == WallType::fixed || type[wall] == WallType::moving ||
+           (type[wall] == WallType::sliding && wall / 2 == component);
   }
 
 
@@ -251,7 +267,8 @@ namespace greville
   bool
   Walls<dim>::have_friction() const
   {
-    return std::find(type.begin(), type.end(), "friction") != type.end();
+    return std::find(type.begin(), type.end(), WallType::friction) !=
+           type.end();
   }
 
 

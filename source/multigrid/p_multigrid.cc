@@ -93,7 +93,7 @@ namespace greville
     , parameters(parameters)
     , coarse_tolerance(coarse_tolerance)
     , is_symmetric(parameters.restriction == "transpose")
-    , has_coarse(parameters.coarsening != "none")
+    , has_coarse(parameters.has_coarse_levels())
     , transfer(levels,
                parameters.prolongation,
                parameters.restriction,

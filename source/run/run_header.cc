@@ -39,7 +39,8 @@ namespace greville
           return;
         }
       const auto &hierarchy = simulation.mass().hierarchy();
-      const bool  all       = simulation.mass().solver() == "cg-p-multigrid";
+      const bool  all       = simulation.grid().fields()[0].consistent &&
+                       parameters.solver.has_cycle();
       out << "  level  order   coefficients   used\n";
       for (unsigned int l = hierarchy.n_levels(); l-- > 0;)
         if (all || l + 1 == hierarchy.n_levels())

@@ -105,21 +105,22 @@ namespace greville
     if (ensemble.exceeds_displacement())
       out << "  ended early: a point has moved further than 'Time/Largest "
              "displacement'\n";
-    if (ensemble.first().consistent_mass() && state.n_steps > 0)
+    if (ensemble.first().grid().fields()[0].consistent && state.n_steps > 0)
       {
         typename Extension<dim>::Counts functions;
         std::uint64_t n_iterations = 0, n_factorizations = 0, n_fragments = 0;
         for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
           {
-            const ConsistentMass<dim> &mass =
-              *ensemble.part(k).consistent_mass();
-            const auto counts = mass.extension().counts();
-            functions.stable += counts.stable;
-            functions.extended += counts.extended;
-            functions.lumped += counts.lumped;
             n_iterations += ensemble.part(k).state().n_all_iterations;
-            n_factorizations += mass.n_factorizations();
-            n_fragments += mass.n_fragments();
+            for (const auto &field : ensemble.part(k).grid().fields())
+              {
+                const auto counts = field.consistent->extension().counts();
+                functions.stable += counts.stable;
+                functions.extended += counts.extended;
+                functions.lumped += counts.lumped;
+                n_factorizations += field.mass->n_factorizations();
+                n_fragments += field.mass->n_fragments();
+              }
           }
         const bool is_implicit = ensemble.first().is_implicit();
         out << (is_implicit ? "  linear systems of Newton's method: "

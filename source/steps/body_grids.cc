@@ -307,6 +307,7 @@ namespace greville
         part.general.bodies       = {name};
         cut_out(part, bodies[b], parameters.grid_of(name));
         part.grid.per_body = false;
+        part.grid.fields.clear();
         part.body_grids.clear();
 
         auto &loads = part.general.surface_loads;

@@ -26,41 +26,31 @@ namespace greville
 
 
   template <int dim>
-  CentralDifferences<dim>::CentralDifferences(const StressUpdate          order,
-                                              const IntegratorParts<dim> &parts)
-    : order(order)
-    , parameters(parts.parameters)
+  CentralDifferences<dim>::CentralDifferences(const IntegratorParts<dim> &parts)
+    : parameters(parts.parameters)
     , discretization(parts.discretization)
-    , mass(discretization.mass())
-    , consistent(discretization.consistent_mass())
     , walls(discretization.walls())
     , loads(parts.loads)
     , log(parts.log)
     , guard(parts.guard)
     , late_row(parts.late_row)
-    , apic(parameters.scheme.transfer == "APIC")
-    , half_steps(parameters.time.velocities == "half steps")
-    , damping(parameters.loads, discretization)
-    , step_size(parameters.time,
-                discretization,
-                !rigid_bodies(parts.initial.bodies).empty(),
-                log)
+    , apic(parameters.scheme.is_apic())
+    , half_steps(parameters.time.has_half_steps())
+    , contacts(make_contacts(parts))
+    , damping(parameters.loads)
+    , step_size(parameters.time, discretization, log)
   {
-    if (consistent && walls.have_friction())
-      contact = std::make_unique<FrictionContact<dim>>(walls, *consistent);
-    if (consistent)
-      filter.reinit(mass.space());
-    if (!rigid_bodies(parts.initial.bodies).empty())
+    for (const auto &contact : contacts)
+      have_constraints = have_constraints || contact->constrains();
+    for (GridField<dim> &field : discretization.fields())
       {
-        obstacles = std::make_unique<Obstacles<dim>>();
-        obstacles->reinit(mass.space());
+        if (field.consistent)
+          filter.reinit(discretization.space());
+        for (auto *values :
+             {&field.velocity, &field.acceleration, &field.new_velocity})
+          discretization.initialize(*values);
       }
-    for (auto *field : {&trial.force,
-                        &trial.velocity,
-                        &trial.acceleration,
-                        &trial.new_velocity,
-                        &work_field,
-                        &surface_velocity})
+    for (auto *field : {&work_field, &surface_velocity})
       discretization.initialize(*field);
   }
 
@@ -93,8 +83,8 @@ namespace greville
   CentralDifferences<dim>::propose_step(State<dim> &state)
   {
     StepScheme scheme;
-    scheme.stress_update = order;
-    scheme.apic          = apic;
+    scheme.deforms_by_mapped_velocity = deforms_by_mapped_velocity();
+    scheme.apic                       = apic;
     // Smaller shares have the shorter step, and dt is not known yet.
     scheme.flip =
       std::min(parameters.scheme.flip, flip_share(state, state.velocity_step));
@@ -107,11 +97,12 @@ namespace greville
   template <int dim>
   void
   CentralDifferences<dim>::solve(
-    const std::vector<VectorField<dim> *>       &fields,
+    GridField<dim>                              &field,
+    const std::vector<VectorField<dim> *>       &x,
     const std::vector<const VectorField<dim> *> &sums,
     const std::vector<double>                   &shares)
   {
-    const unsigned int n = discretization.solve(fields, sums, shares);
+    const unsigned int n = discretization.solve(field, x, sums, shares);
     trial.n_iterations   = std::max(trial.n_iterations, n);
     trial.n_all_iterations += n;
   }
@@ -130,20 +121,42 @@ namespace greville
 
 
   template <int dim>
-  void
-  CentralDifferences<dim>::touch_obstacles(const State<dim> &state,
-                                           const bool        with_force)
+  ContactStep<dim>
+  CentralDifferences<dim>::contact_step(State<dim> &state,
+                                        const bool  knows_force,
+                                        const bool  knows_velocity)
   {
-    if (!obstacles)
+    const double     begin = state.velocity_time;
+    ContactStep<dim> step{state,
+                          discretization.fields(),
+                          discretization.transfer(),
+                          begin,
+                          begin + trial.velocity_step,
+                          trial.velocity_step,
+                          loads.gravity(state.time)};
+    step.knows_force    = knows_force;
+    step.knows_velocity = knows_velocity;
+    step.row            = row;
+    return step;
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::constrain(State<dim> &state,
+                                     const bool  knows_force,
+                                     const bool  knows_velocity)
+  {
+    if (!have_constraints)
       return;
-    obstacles->touch(mass,
-                     discretization.lumped_mass(),
-                     discretization.momentum(),
-                     with_force ? &trial.force : nullptr,
-                     loads.gravity(state.time));
-    if (!with_force || order != StressUpdate::USF)
-      obstacles->set_velocity(trial.velocity, false);
-    obstacles->set_acceleration(trial.acceleration, trial.velocity);
+    for (GridField<dim> &field : discretization.fields())
+      field.constraints.clear(discretization.space().owned_functions().size());
+    ContactStep<dim> step = contact_step(state, knows_force, knows_velocity);
+    for (const auto &contact : contacts)
+      contact->constrain(step);
+    for (GridField<dim> &field : discretization.fields())
+      field.mass->hold(field.constraints);
   }
 
 
@@ -152,26 +165,23 @@ namespace greville
   void
   CentralDifferences<dim>::add_gravity(const double t)
   {
-    const VectorType    &lumped = discretization.lumped_mass();
-    const Tensor<1, dim> g      = loads.gravity(t);
-    for (unsigned int d = 0; d < dim; ++d)
-      if (g[d] != 0.)
-        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-          trial.force[d].local_element(i) += g[d] * lumped.local_element(i);
+    const Tensor<1, dim> g = loads.gravity(t);
+    for (GridField<dim> &field : discretization.fields())
+      for (unsigned int d = 0; d < dim; ++d)
+        if (g[d] != 0.)
+          for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size();
+               ++i)
+            field.force[d].local_element(i) +=
+              g[d] * field.lumped_mass.local_element(i);
   }
 
 
 
   template <int dim>
   void
-  CentralDifferences<dim>::find_acceleration(State<dim> &state)
+  CentralDifferences<dim>::begin_step(State<dim> &state)
   {
     impose_velocities(state.bodies, state.time + 0.5 * trial.step);
-    if (obstacles)
-      obstacles->update(state.bodies,
-                        discretization.transfer(),
-                        state.velocity_time,
-                        state.velocity_time + trial.velocity_step);
     // Both ends do work.
     fail_with(
       [&]() {
@@ -179,28 +189,25 @@ namespace greville
         loads.gravity(state.time + trial.step);
       },
       false);
-    {
-      const PartTimer timer(log, "loads");
-      const auto      set = [&]() {
-        loads.set(state.bodies, state.time);
-        loads.surfaces().set(state.surfaces, state.time);
-      };
-      if (loads.act_on_points() || !state.surfaces.empty())
-        fail_with([&]() { run_on_all(set, discretization.communicator()); },
-                  false);
-    }
+    const ContactStep<dim> step = contact_step(state, false, false);
+    for (const auto &contact : contacts)
+      contact->begin_step(step);
+    const PartTimer timer(log, "loads");
+    const auto      set = [&]() {
+      loads.set(state.bodies, state.time);
+      loads.surfaces().set(state.surfaces, state.time);
+    };
+    if (loads.act_on_points() || !state.surfaces.empty())
+      fail_with([&]() { run_on_all(set, discretization.communicator()); },
+                false);
+  }
 
-    // Velocity and acceleration come from one solve, unless the stress depends
-    // on the velocity.
-    const bool   stress_first = order == StressUpdate::USF;
-    const double dt           = trial.velocity_step;
-    const double share        = kept_share(state);
-    trial.momentum_of_walls   = {};
-    trial.momentum            = {};
-    discretization.sum(state, stress_first ? nullptr : &trial.force);
-    trial.momentum.add(discretization.momentum(), 1.);
-    trial.velocity = state.velocity;
-    std::swap(trial.acceleration, state.acceleration);
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::set_guesses(State<dim> &state)
+  {
     const WallTime after  = wall_time(state);
     WallTime       before = after;
     before.t              = state.velocity_time;
@@ -209,66 +216,83 @@ namespace greville
         before.begin = state.time - state.step;
         before.end   = state.time;
       }
-    walls.hold_velocity(trial.velocity, before);
-    walls.hold_acceleration(trial.acceleration,
-                            before,
-                            after,
-                            trial.velocity_step);
-    touch_obstacles(state, !stress_first);
-    if (stress_first)
+    for (unsigned int k = 0; k < state.fields.size(); ++k)
       {
-        solve({&trial.velocity}, {&discretization.momentum()});
-        add_momentum_of_walls(trial.velocity,
-                              discretization.momentum(),
-                              0,
-                              1. - share);
-        add_momentum_of_walls(walls.stop(trial.velocity,
-                                         discretization.lumped_mass()),
-                              1. - share);
-        update(state, nullptr, nullptr, &trial.velocity, false);
-        discretization.sum(state, &trial.force);
-        touch_obstacles(state, true);
-        add_gravity(state.time);
-        solve({&trial.acceleration}, {&trial.force});
-        add_momentum_of_walls(trial.acceleration, trial.force, 0, dt);
+        GridField<dim> &field = discretization.fields()[k];
+        trial.momentum.add(field.momentum, 1.);
+        field.velocity = state.fields[k].velocity;
+        std::swap(field.acceleration, state.fields[k].acceleration);
+        walls.hold_velocity(field.velocity, before);
+        walls.hold_acceleration(field.acceleration,
+                                before,
+                                after,
+                                trial.velocity_step);
       }
-    else
-      {
-        add_gravity(state.time);
-        // Forces of round-off need no solve.
-        solve({&trial.velocity, &trial.acceleration},
-              {&discretization.momentum(), &trial.force},
-              {1., dt > 0. ? negligible_kick / dt : 0.});
-        add_momentum_of_walls(trial.velocity,
-                              discretization.momentum(),
-                              0,
-                              1. - share);
-        add_momentum_of_walls(trial.acceleration, trial.force, 1, dt);
-      }
-    trial.momentum.add(trial.force, dt);
-    damping.damp(trial.acceleration, trial.force);
   }
 
 
 
   template <int dim>
   void
-  CentralDifferences<dim>::filter_velocity()
+  CentralDifferences<dim>::find_fields(State<dim> &state)
   {
-    if (!consistent || parameters.scheme.filter == 0. ||
+    const double dt    = trial.velocity_step;
+    const double share = kept_share(state);
+    discretization.sum(state, true);
+    set_guesses(state);
+    constrain(state, true, false);
+    add_gravity(state.time);
+    for (GridField<dim> &field : discretization.fields())
+      {
+        // Forces of round-off need no solve.
+        solve(field,
+              {&field.velocity, &field.acceleration},
+              {&field.momentum, &field.force},
+              {1., dt > 0. ? negligible_kick / dt : 0.});
+        add_momentum_of_walls(
+          field, field.velocity, field.momentum, 0, 1. - share);
+        add_momentum_of_walls(field, field.acceleration, field.force, 1, dt);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::find_acceleration(State<dim> &state)
+  {
+    begin_step(state);
+    for (GridField<dim> &field : discretization.fields())
+      field.momentum_of_walls = {};
+    trial.momentum = {};
+    find_fields(state);
+    for (GridField<dim> &field : discretization.fields())
+      {
+        trial.momentum.add(field.force, trial.velocity_step);
+        damping.damp(field);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::filter_velocity(GridField<dim> &field)
+  {
+    if (!field.consistent || parameters.scheme.filter == 0. ||
         parameters.scheme.is_total_lagrangian())
       return;
-    const PartTimer timer(log, "filter");
-    filter.set_mass(discretization.lumped_mass());
+    const PartTimer   timer(log, "filter");
+    const VectorType &lumped = field.lumped_mass;
+    filter.set_mass(lumped);
     VectorField<dim> &correction = work_field;
     filter.apply(correction,
-                 trial.new_velocity,
+                 field.new_velocity,
                  parameters.scheme.filter,
                  trial.step);
-    consistent->extend(correction);
+    field.consistent->extend(correction);
     // Without walls it keeps the momentum.
-    const VectorType &lumped = discretization.lumped_mass();
-    walls.add_held(trial.momentum_of_walls,
+    walls.add_held(field.momentum_of_walls,
                    [&](const unsigned int c, const unsigned int i) {
                      return -lumped.local_element(i) *
                             correction[c].local_element(i);
@@ -277,10 +301,10 @@ namespace greville
       {
         VectorType &z = correction[d];
         for (unsigned int i = 0; i < z.locally_owned_size(); ++i)
-          if ((mass.held_components(i) >> d) & 1)
+          if ((field.mass->held_components(i) >> d) & 1)
             z.local_element(i) = 0.;
-        trial.new_velocity[d] += z;
-        trial.acceleration[d].add(1. / trial.velocity_step, z);
+        field.new_velocity[d] += z;
+        field.acceleration[d].add(1. / trial.velocity_step, z);
       }
   }
 
@@ -290,57 +314,46 @@ namespace greville
   void
   CentralDifferences<dim>::add_contact(State<dim> &state)
   {
-    if (!contact)
+    ContactStep<dim> step = contact_step(state);
+    for (const auto &contact : contacts)
+      contact->apply(step);
+    trial.n_iterations = std::max(trial.n_iterations, step.most_iterations);
+    trial.n_all_iterations += step.n_iterations;
+  }
+
+
+
+  template <int dim>
+  WallSums<dim>
+  CentralDifferences<dim>::stop(VectorField<dim>     &velocity,
+                                const GridField<dim> &field) const
+  {
+    WallSums<dim> sums;
+    for (const auto &contact : contacts)
       {
-        if (walls.have_friction())
-          work_field = trial.new_velocity;
-        add_momentum_of_walls(walls.add_contact(trial.new_velocity,
-                                                trial.acceleration,
-                                                trial.velocity_step,
-                                                discretization.lumped_mass()));
-        if (walls.have_friction())
-          add_work_of_friction(state);
-        // Obstacles go first.
-        if (obstacles)
-          {
-            obstacles->set_velocity(trial.new_velocity, true);
-            obstacles->set_acceleration(trial.acceleration, trial.velocity);
-          }
-        return;
+        const WallSums<dim> given = contact->stop(velocity, field);
+        for (unsigned int w = 0; w < 2 * dim; ++w)
+          sums[w] += given[w];
       }
-    const PartTimer timer(log, "contact");
-    fail_with([&]() {
-      add_momentum_of_walls(contact->add(trial.new_velocity,
-                                         trial.acceleration,
-                                         trial.velocity_step,
-                                         state.slid));
-    });
-    trial.n_iterations =
-      std::max(trial.n_iterations, contact->most_iterations());
-    trial.n_all_iterations += contact->n_iterations();
-    const double before = contact->work(trial.velocity, trial.velocity),
-                 after  = contact->work(trial.new_velocity, trial.new_velocity);
-    state.energy.add_friction(0.5 * (before + after));
-    if (row)
-      row->energy.add_friction(row->part_of_work(before, after));
+    return sums;
   }
 
 
 
   template <int dim>
   void
-  CentralDifferences<dim>::take_held_residual(const State<dim> &state)
+  CentralDifferences<dim>::take_held_residual(const State<dim> &state,
+                                              GridField<dim>   &field)
   {
-    if (parameters.scheme.transfer != "FLIP" || !(trial.velocity_step > 0.))
+    if (!parameters.scheme.is_flip() || !(trial.velocity_step > 0.))
       return;
-    mass.held_residual(work_field, discretization.momentum(), trial.velocity);
+    field.mass->held_residual(work_field, field.momentum, field.velocity);
     for (unsigned int d = 0; d < dim; ++d)
-      trial.acceleration[d].add(-1. / trial.velocity_step, work_field[d]);
-    const VectorType &lumped = discretization.lumped_mass();
-    const double      share  = kept_share(state);
-    walls.add_held(trial.momentum_of_walls,
+      field.acceleration[d].add(-1. / trial.velocity_step, work_field[d]);
+    const double share = kept_share(state);
+    walls.add_held(field.momentum_of_walls,
                    [&](const unsigned int c, const unsigned int i) {
-                     return -share * lumped.local_element(i) *
+                     return -share * field.lumped_mass.local_element(i) *
                             work_field[c].local_element(i);
                    });
   }
@@ -351,20 +364,41 @@ namespace greville
   void
   CentralDifferences<dim>::find_new_velocity(State<dim> &state)
   {
-    for (unsigned int d = 0; d < dim; ++d)
+    auto &fields = discretization.fields();
+    for (GridField<dim> &field : fields)
       {
-        trial.new_velocity[d] = trial.velocity[d];
-        trial.new_velocity[d].add(trial.velocity_step, trial.acceleration[d]);
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            field.new_velocity[d] = field.velocity[d];
+            field.new_velocity[d].add(trial.velocity_step,
+                                      field.acceleration[d]);
+          }
+        filter_velocity(field);
       }
-    filter_velocity();
     add_contact(state);
-    if (trial.step == 0.)
-      state.acceleration = trial.acceleration;
-    take_held_residual(state);
+    WallSums<dim> reactions;
+    for (unsigned int k = 0; k < fields.size(); ++k)
+      {
+        if (trial.step == 0.)
+          state.fields[k].acceleration = fields[k].acceleration;
+        take_held_residual(state, fields[k]);
+        for (unsigned int w = 0; w < 2 * dim; ++w)
+          reactions[w] += fields[k].momentum_of_walls[w];
+      }
     for (unsigned int w = 0; w < 2 * dim && trial.velocity_step > 0.; ++w)
-      state.reactions[w] = trial.momentum_of_walls[w] / trial.velocity_step;
+      state.reactions[w] = reactions[w] / trial.velocity_step;
     add_work(state);
     add_work_of_damping(state);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::forget()
+  {
+    for (const auto &contact : contacts)
+      contact->forget();
   }
 
 
@@ -377,8 +411,8 @@ namespace greville
     if (!velocities_lag(state))
       return;
     const auto reactions = state.reactions;
-    const auto contact_loads =
-      contact ? contact->loads() : std::vector<Tensor<1, dim>>();
+    for (const auto &contact : contacts)
+      contact->begin_trial();
     row                    = nullptr; // of a step that has failed
     trial.step             = 0.;
     trial.velocity_step    = 0.5 * state.step;
@@ -386,13 +420,19 @@ namespace greville
     trial.motion           = PointMotion();
     find_acceleration(state);
     find_new_velocity(state);
-    update(state, &trial.acceleration, &trial.new_velocity, nullptr, false);
+    update(state,
+           &GridField<dim>::acceleration,
+           &GridField<dim>::new_velocity,
+           nullptr,
+           false);
     add_work_of_point_loads(state, true);
     fail_on_all(trial.motion.problem, discretization.communicator());
-    state.velocity  = trial.new_velocity;
+    const auto &fields = discretization.fields();
+    for (unsigned int k = 0; k < fields.size(); ++k)
+      state.fields[k].velocity = fields[k].new_velocity;
     state.reactions = reactions;
-    if (contact)
-      contact->set_loads(contact_loads);
+    for (const auto &contact : contacts)
+      contact->end_trial();
     state.velocity_time += trial.velocity_step;
     guard.set_swing(swing(state));
   }
@@ -403,15 +443,17 @@ namespace greville
   double
   CentralDifferences<dim>::swing(const State<dim> &state) const
   {
+    const auto &fields = discretization.fields();
     // Steps that map velocities with lumped mass before they deform points damp
     // high modes, and keep another energy.
-    if (!mass.is_exact() && order != StressUpdate::USL)
+    if (!fields[0].mass->is_exact() && deforms_by_mapped_velocity())
       return 0.;
     double square = 0.; // a^T M a
-    for (unsigned int d = 0; d < dim; ++d)
-      for (unsigned int i = 0; i < trial.force[d].locally_owned_size(); ++i)
-        square += trial.acceleration[d].local_element(i) *
-                  trial.force[d].local_element(i);
+    for (const GridField<dim> &field : fields)
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int i = 0; i < field.force[d].locally_owned_size(); ++i)
+          square += field.acceleration[d].local_element(i) *
+                    field.force[d].local_element(i);
     return 0.125 * state.step * state.step * square;
   }
 
@@ -452,8 +494,8 @@ namespace greville
   bool
   CentralDifferences<dim>::may_reject() const
   {
-    return consistent && parameters.time.step.empty() &&
-           order != StressUpdate::USF;
+    return discretization.fields()[0].consistent &&
+           parameters.time.step.empty() && !deforms_first();
   }
 
 
@@ -472,19 +514,25 @@ namespace greville
       return;
     find_acceleration(state);
 
-    // One that has been rejected before is taken.
-    const bool is_too_long =
-      state.n_rejections == 0 &&
-      step_size.shows_faster_mode(state, trial.acceleration, dt);
-    // The guess of another trial.
-    std::swap(state.acceleration, trial.acceleration);
-    if (is_too_long)
+    bool is_too_long = false;
+    for (unsigned int k = 0; k < state.fields.size(); ++k)
       {
-        state.estimates.mode.is_known = true;
-        state.estimates.mode.force    = trial.force;
-        throw StepRejected("accelerations show a mode of the grid that is "
-                           "too fast");
+        GridField<dim>  &field = discretization.fields()[k];
+        FieldState<dim> &kept  = state.fields[k];
+        // One that has been rejected before is taken.
+        if (state.n_rejections == 0 &&
+            step_size.shows_faster_mode(state, kept, field, dt))
+          {
+            is_too_long        = true;
+            kept.mode.is_known = true;
+            kept.mode.force    = field.force;
+          }
+        // The guess of another trial.
+        std::swap(kept.acceleration, field.acceleration);
       }
+    if (is_too_long)
+      throw StepRejected("accelerations show a mode of the grid that is "
+                         "too fast");
   }
 
 
@@ -493,31 +541,19 @@ namespace greville
   void
   CentralDifferences<dim>::advance(State<dim> &state, const double dt)
   {
+    auto &fields = discretization.fields();
     if (may_reject())
-      {
-        std::swap(state.acceleration, trial.acceleration);
-        step_size.remember(state, trial.acceleration, dt);
-      }
+      for (unsigned int k = 0; k < fields.size(); ++k)
+        {
+          FieldState<dim> &kept = state.fields[k];
+          std::swap(kept.acceleration, fields[k].acceleration);
+          step_size.remember(kept.history, fields[k].acceleration, dt);
+        }
     else
       find_acceleration(state);
     begin_row(state);
     find_new_velocity(state);
-    const VectorField<dim> *const a = &trial.acceleration;
-    const VectorField<dim> *const v = &trial.new_velocity;
-    switch (order)
-      {
-        case StressUpdate::USL:
-          update(state, a, v, v, true);
-          break;
-        case StressUpdate::USF:
-          update(state, a, v, nullptr, true);
-          break;
-        case StressUpdate::MUSL:
-          update(state, a, v, nullptr, false);
-          map_kicked_points(state);
-          update(state, nullptr, v, &work_field, true);
-          break;
-      }
+    take_points(state);
     add_work_of_point_loads(state, true);
     end_row(state);
     const std::string problem =
@@ -526,11 +562,14 @@ namespace greville
                                       trial.motion.left_surface_cells);
     fail_on_all(trial.motion.problem.empty() ? problem : trial.motion.problem,
                 discretization.communicator());
-    tell_guard(state);
+    tell_guard();
 
     state.signals = signals();
-    std::swap(state.velocity, trial.new_velocity);
-    std::swap(state.acceleration, trial.acceleration);
+    for (unsigned int k = 0; k < fields.size(); ++k)
+      {
+        std::swap(state.fields[k].velocity, fields[k].new_velocity);
+        std::swap(state.fields[k].acceleration, fields[k].acceleration);
+      }
     state.time += dt;
     state.velocity_time += trial.velocity_step;
     state.step          = dt;

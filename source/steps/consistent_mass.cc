@@ -38,10 +38,9 @@ namespace greville
   ColumnPreconditioner
   ConsistentMass<dim>::make_preconditioner()
   {
-    const std::string &method = parameters.solver.method;
-    if (method == "cg-ic0")
+    if (parameters.solver.has_factorization())
       return {};
-    if (method == "cg-p-multigrid")
+    if (parameters.solver.has_cycle())
       {
         if (!multigrid)
           multigrid = std::make_unique<ExtendedMultigrid<dim>>(
@@ -63,7 +62,7 @@ namespace greville
                   const VectorType  &r,
                   const unsigned int width,
                   const unsigned int) {
-      const bool is_scaled = parameters.solver.method == "cg-jacobi";
+      const bool is_scaled = parameters.solver.has_diagonal();
       for (unsigned int i = 0; i < r.locally_owned_size(); ++i)
         z.local_element(i) =
           r.local_element(i) /
@@ -110,7 +109,7 @@ namespace greville
     for (unsigned int i = 0; i < this->lumped_mass.locally_owned_size(); ++i)
       total_mass += this->lumped_mass.local_element(i);
     total_mass = Utilities::MPI::sum(total_mass, this->space().communicator());
-    if (parameters.solver.method == "cg-jacobi")
+    if (parameters.solver.has_diagonal())
       extended_mass.approximate_diagonal(diagonal);
     if (multigrid)
       multigrid->update(filling,

@@ -137,7 +137,7 @@ namespace greville
     std::array<double, 3> c{{1., 0., 0.}};
     if (!mass.is_exact())
       {
-        if (scheme.stress_update == StressUpdate::USL)
+        if (!scheme.deforms_by_mapped_velocity)
           c = {{2., -1., 0.}};
         else if (!scheme.apic)
           c = {{0.,
@@ -175,7 +175,7 @@ namespace greville
     GridMass<dim>                                  &mass,
     PointTransfer<dim>                             &transfer,
     const std::vector<const Body<dim> *>           &all_bodies,
-    const std::vector<Surface<dim>>                &surfaces,
+    const std::vector<const Surface<dim> *>        &surfaces,
     const std::vector<const MaterialPoints<dim> *> &mass_points,
     const StepScheme                               &scheme,
     HighestMode<dim>                               &mode)
@@ -191,8 +191,8 @@ namespace greville
         bodies.push_back(body);
         is_viscous = is_viscous || flows;
       }
-    for (const Surface<dim> &surface : surfaces)
-      is_viscous = is_viscous || surface.damping > 0.;
+    for (const Surface<dim> *surface : surfaces)
+      is_viscous = is_viscous || surface->damping > 0.;
     if (bodies.empty())
       return std::numeric_limits<double>::infinity();
 
@@ -225,13 +225,13 @@ namespace greville
             body->points, stiffness, source, target, body == bodies[0]);
         }
       // Dashpots see an extrapolated velocity, which counts twice.
-      for (const Surface<dim> &surface : surfaces)
+      for (const Surface<dim> *surface : surfaces)
         {
-          const double k = factor * (elastic * surface.stiffness +
-                                     2. * viscous * surface.damping);
+          const double k = factor * (elastic * surface->stiffness +
+                                     2. * viscous * surface->damping);
           if (k == 0.)
             continue;
-          transfer.multiply_mass({&surface.points}, source, product);
+          transfer.multiply_mass({&surface->points}, source, product);
           for (unsigned int d = 0; d < dim; ++d)
             target[d].add(k, product[d]);
         }

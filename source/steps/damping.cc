@@ -9,56 +9,61 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  Damping<dim>::Damping(const LoadParameters      &parameters,
-                        const Discretization<dim> &discretization)
+  Damping<dim>::Damping(const LoadParameters &parameters)
     : parameters(parameters)
-    , discretization(discretization)
   {}
 
 
 
   template <int dim>
-  double
-  Damping<dim>::taken(const VectorField<dim> &force,
-                      const double            alpha,
-                      const unsigned int      i,
-                      const unsigned int      d) const
+  Tensor<1, dim>
+  Damping<dim>::taken(const GridField<dim> &field,
+                      const double          alpha,
+                      const unsigned int    i) const
   {
-    const double m = discretization.lumped_mass().local_element(i);
-    const double P = discretization.momentum()[d].local_element(i);
-    if (!(m > 0.) || P == 0. ||
-        (discretization.mass().held_components(i) & (1 << d)))
-      return 0.;
-    return alpha * std::copysign(std::abs(force[d].local_element(i)) / m, P);
+    Tensor<1, dim> result;
+    const double   m = field.lumped_mass.local_element(i);
+    if (!(m > 0.))
+      return result;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double P = field.momentum[d].local_element(i);
+        if (P != 0.)
+          result[d] =
+            alpha *
+            std::copysign(std::abs(field.force[d].local_element(i)) / m, P);
+      }
+    return field.mass->free_part(i, result);
   }
 
 
 
   template <int dim>
   void
-  Damping<dim>::damp(VectorField<dim>       &acceleration,
-                     const VectorField<dim> &force) const
+  Damping<dim>::damp(GridField<dim> &field) const
   {
     const double alpha = factor();
     if (alpha == 0.)
       return;
-    for (unsigned int d = 0; d < dim; ++d)
-      for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
-        acceleration[d].local_element(i) -= taken(force, alpha, i, d);
+    for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size(); ++i)
+      {
+        const Tensor<1, dim> change = taken(field, alpha, i);
+        for (unsigned int d = 0; d < dim; ++d)
+          field.acceleration[d].local_element(i) -= change[d];
+      }
   }
 
 
 
   template <int dim>
   double
-  Damping<dim>::power(const VectorField<dim> &momenta,
-                      const VectorField<dim> &force) const
+  Damping<dim>::power(const GridField<dim>   &field,
+                      const VectorField<dim> &momenta) const
   {
     const double alpha = factor();
     double       power = 0.;
-    for (unsigned int d = 0; d < dim; ++d)
-      for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
-        power -= 0.5 * taken(force, alpha, i, d) * momenta[d].local_element(i);
+    for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size(); ++i)
+      power -= 0.5 * (taken(field, alpha, i) * values_at<dim>(momenta, i));
     return power;
   }
 

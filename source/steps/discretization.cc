@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 
 namespace greville
@@ -54,20 +55,36 @@ namespace greville
     void
     check_parameters(const SimulationParameters &parameters)
     {
-      AssertThrow(!(parameters.scheme.transfer == "APIC" &&
-                    parameters.scheme.quadrature != "points"),
+      AssertThrow(!(parameters.scheme.is_apic() &&
+                    !parameters.scheme.sums_over_points()),
                   ExcMessage("'Scheme/Transfer' = APIC goes with "
                              "'Scheme/Quadrature' = points, not <" +
                              parameters.scheme.quadrature + ">."));
-      AssertThrow(parameters.scheme.transfer != "APIC" ||
-                    parameters.scheme.mass == "lumped",
-                  ExcMessage(
-                    "'Scheme/Transfer' = APIC goes with 'Scheme/Mass' "
-                    "= lumped, not <" +
-                    parameters.scheme.mass +
-                    ">: the momentum of APIC is the right-hand side of "
-                    "a lumped solve. With the exact mass, PIC already "
-                    "is a projection that keeps linear fields."));
+      AssertThrow(
+        !parameters.scheme.is_apic() || parameters.scheme.has_lumped_mass(),
+        ExcMessage("'Scheme/Transfer' = APIC goes with 'Scheme/Mass' "
+                   "= lumped, not <" +
+                   parameters.scheme.mass +
+                   ">: the momentum of APIC is the right-hand side of "
+                   "a lumped solve. With the exact mass, PIC already "
+                   "is a projection that keeps linear fields."));
+    }
+
+
+
+    /**
+     * The orders that solvers make use of, as MultigridParameters::coarsening.
+     */
+    std::string
+    coarsening_of(const SimulationParameters &parameters)
+    {
+      // A program's own integrator may be implicit.
+      if (!is_explicit_scheme(parameters.scheme.stress_update))
+        return parameters.implicit_solver.multigrid.coarsening;
+      return parameters.scheme.has_consistent_mass() &&
+                 parameters.solver.has_cycle()
+               ? parameters.multigrid.coarsening
+               : "none";
     }
   } // namespace
 
@@ -138,30 +155,15 @@ namespace greville
   Discretization<dim>::reinit()
   {
     check_parameters(parameters);
-    sums_over_points = parameters.scheme.quadrature == "points";
+    sums_over_points = parameters.scheme.sums_over_points();
     reconstruction.emplace(parameters.grid.degree + 1,
-                           parameters.scheme.quadrature ==
-                             "taylor-least-squares",
+                           parameters.scheme.reconstructs_by_taylor(),
                            parameters.scheme.full_cell);
     stamp_of_sums = 0;
     mass_is_known = false;
     grid_walls    = Walls<dim>(parameters.walls);
-    // A program's own integrator may be implicit.
-    const std::string &scheme = parameters.scheme.stress_update;
-    const bool         is_explicit =
-      scheme == "USL" || scheme == "USF" || scheme == "MUSL";
-    orders.reinit(mesh,
-                  parameters.grid.degree,
-                  !is_explicit ? parameters.implicit_solver.multigrid.coarsening
-                  : parameters.scheme.mass == "consistent" &&
-                      parameters.solver.method == "cg-p-multigrid"
-                    ? parameters.multigrid.coarsening
-                    : "none");
-    grid_mass  = make_grid_mass<dim>(parameters.scheme.mass,
-                                    orders,
-                                    parameters,
-                                    grid_walls);
-    consistent = dynamic_cast<ConsistentMass<dim> *>(grid_mass.get());
+    orders.reinit(mesh, parameters.grid.degree, coarsening_of(parameters));
+    make_fields();
     grid_walls.reinit(space());
     // The grid of total Lagrangian steps is that of initial positions.
     grid_walls.check_paths(space(),
@@ -170,18 +172,66 @@ namespace greville
                            !parameters.scheme.is_total_lagrangian());
     point_transfer.reinit(space());
     projection.reset();
-    if (parameters.scheme.volumetric_projection != "none")
+    if (parameters.scheme.has_projection())
       {
         projection = std::make_unique<VolumeProjection<dim>>();
         projection->reinit(space(),
                            mesh,
-                           parameters.scheme.volumetric_projection ==
-                             "coarse mesh");
+                           parameters.scheme.projects_on_coarse_mesh());
       }
     point_transport.reinit(mesh, space());
-    space().initialize_vector(lumped);
-    initialize(point_momentum);
-    forces_of_surfaces.clear();
+  }
+
+
+
+  template <int dim>
+  void
+  Discretization<dim>::make_fields()
+  {
+    const unsigned int n_bodies = parameters.general.bodies.size();
+    auto               bodies   = parameters.grid.fields;
+    if (bodies.empty())
+      {
+        bodies.emplace_back(n_bodies);
+        std::iota(bodies[0].begin(), bodies[0].end(), 0);
+      }
+    std::vector<unsigned int> n_fields_of(n_bodies, 0);
+    for (const auto &of_field : bodies)
+      for (const unsigned int b : of_field)
+        {
+          AssertThrow(b < n_bodies,
+                      ExcMessage("GridParameters::fields has the body number " +
+                                 std::to_string(b) + " of " +
+                                 std::to_string(n_bodies) + "."));
+          ++n_fields_of[b];
+        }
+    for (unsigned int b = 0; b < n_bodies; ++b)
+      AssertThrow(n_fields_of[b] == 1,
+                  ExcMessage("The body '" + parameters.general.bodies[b] +
+                             "' is in " + std::to_string(n_fields_of[b]) +
+                             " of GridParameters::fields, and has to be in "
+                             "one."));
+    grid_fields.clear();
+    for (const auto &of_field : bodies)
+      {
+        bool has_points = false;
+        for (const unsigned int b : of_field)
+          has_points =
+            has_points || parameters.bodies.at(parameters.general.bodies[b])
+                            .imposed_velocity.empty();
+        AssertThrow(bodies.size() == 1 || has_points,
+                    ExcMessage("One of GridParameters::fields has no body "
+                               "without an 'Imposed velocity'."));
+        grid_fields.emplace_back();
+        GridField<dim> &field = grid_fields.back();
+        field.bodies          = of_field;
+        field.mass = make_grid_mass<dim>(orders, parameters, grid_walls);
+        field.consistent =
+          dynamic_cast<ConsistentMass<dim> *>(field.mass.get());
+        space().initialize_vector(field.lumped_mass);
+        initialize(field.momentum);
+        initialize(field.force);
+      }
   }
 
 
@@ -209,76 +259,108 @@ namespace greville
 
 
   template <int dim>
-  const std::vector<const MaterialPoints<dim> *> &
-  Discretization<dim>::quadrature_points(const State<dim> &state,
-                                         const bool        anew)
+  void
+  Discretization<dim>::initialize_fields(State<dim> &state) const
   {
-    summed.clear();
-    reconstructed.resize(state.bodies.size());
-    for (unsigned int b = 0; b < state.bodies.size(); ++b)
+    state.fields.assign(grid_fields.size(), FieldState<dim>());
+    for (FieldState<dim> &field : state.fields)
       {
-        const Body<dim> &body = state.bodies[b];
-        if (body.rigid_motion)
-          continue;
-        if (!sums_over_points && anew)
-          reconstruction->reconstruct(body.points, reconstructed[b]);
-        summed.push_back(sums_over_points ? &body.points : &reconstructed[b]);
+        initialize(field.velocity);
+        initialize(field.acceleration);
       }
-    return summed;
-  }
-
-
-
-  template <int dim>
-  const std::vector<const MaterialPoints<dim> *> &
-  Discretization<dim>::sum(const State<dim> &state, VectorField<dim> *force)
-  {
-    const bool is_current = stamp_of_sums == state.points_stamp;
-    if (is_current && !force)
-      return quadrature_points(state, false);
-    stamp_of_sums = 0;
-    {
-      const PartTimer timer(log, "points to grid");
-      // Reconstructions have stress and loads, which may have changed.
-      point_transfer.points_to_grid(quadrature_points(state, true),
-                                    is_current ? nullptr : &lumped,
-                                    is_current ? nullptr : &point_momentum,
-                                    force);
-      if (force)
-        add_surface_forces(state, *force);
-    }
-    if (!is_current)
-      {
-        // That of total Lagrangian steps never changes.
-        const PartTimer timer(log, "mass");
-        if (!mass_is_known)
-          grid_mass->update(lumped, summed, point_transfer);
-        mass_is_known = parameters.scheme.is_total_lagrangian();
-      }
-    stamp_of_sums = state.points_stamp;
-    return summed;
   }
 
 
 
   template <int dim>
   void
-  Discretization<dim>::add_surface_forces(const State<dim> &state,
-                                          VectorField<dim> &force)
+  Discretization<dim>::set_points(const State<dim> &state,
+                                  GridField<dim>   &field,
+                                  const bool        anew)
   {
-    while (forces_of_surfaces.size() < state.surfaces.size())
+    field.points.clear();
+    reconstructed.resize(state.bodies.size());
+    for (const unsigned int b : field.bodies)
       {
-        forces_of_surfaces.emplace_back();
-        initialize(forces_of_surfaces.back());
+        const Body<dim> &body = state.bodies[b];
+        if (body.rigid_motion)
+          continue;
+        if (!sums_over_points && anew)
+          reconstruction->reconstruct(body.points, reconstructed[b]);
+        field.points.push_back(sums_over_points ? &body.points
+                                                : &reconstructed[b]);
       }
+    field.surfaces.clear();
     for (unsigned int k = 0; k < state.surfaces.size(); ++k)
+      if (std::find(field.bodies.begin(),
+                    field.bodies.end(),
+                    state.surfaces[k].body) != field.bodies.end())
+        field.surfaces.push_back(k);
+  }
+
+
+
+  template <int dim>
+  void
+  Discretization<dim>::sum(const State<dim> &state, const bool with_force)
+  {
+    const bool is_current = stamp_of_sums == state.points_stamp;
+    stamp_of_sums         = is_current && !with_force ? stamp_of_sums : 0;
+    for (GridField<dim> &field : grid_fields)
       {
-        point_transfer.points_to_grid({&state.surfaces[k].points},
-                                      nullptr,
-                                      nullptr,
-                                      &forces_of_surfaces[k]);
+        if (is_current && !with_force)
+          {
+            set_points(state, field, false);
+            continue;
+          }
+        {
+          const PartTimer timer(log, "points to grid");
+          // Reconstructions have stress and loads, which may have changed.
+          set_points(state, field, true);
+          point_transfer.points_to_grid(field.points,
+                                        is_current ? nullptr
+                                                   : &field.lumped_mass,
+                                        is_current ? nullptr : &field.momentum,
+                                        with_force ? &field.force : nullptr);
+          if (with_force)
+            add_surface_forces(state, field, field.surface_forces, field.force);
+        }
+        // That of total Lagrangian steps never changes.
+        if (!is_current && !mass_is_known)
+          {
+            const PartTimer timer(log, "mass");
+            field.mass->update(field.lumped_mass, field.points, point_transfer);
+          }
+      }
+    if (!is_current)
+      mass_is_known = parameters.scheme.is_total_lagrangian();
+    stamp_of_sums = state.points_stamp;
+  }
+
+
+
+  template <int dim>
+  void
+  Discretization<dim>::add_surface_forces(
+    const State<dim>              &state,
+    const GridField<dim>          &field,
+    std::vector<VectorField<dim>> &of_surfaces,
+    VectorField<dim>              &force)
+  {
+    while (of_surfaces.size() < field.surfaces.size())
+      {
+        of_surfaces.emplace_back();
+        initialize(of_surfaces.back());
+      }
+    for (unsigned int k = 0; k < field.surfaces.size(); ++k)
+      {
+        point_transfer.points_to_grid(
+          {&state.surfaces[field.surfaces[k]].points},
+          nullptr,
+          nullptr,
+          &of_surfaces[k]);
         for (unsigned int d = 0; d < dim; ++d)
-          force[d] += forces_of_surfaces[k][d];
+          force[d] += of_surfaces[k][d];
       }
   }
 
@@ -288,17 +370,18 @@ namespace greville
   void
   Discretization<dim>::find_force(const State<dim>     &state,
                                   const Tensor<1, dim> &gravity,
+                                  const unsigned int    k,
                                   VectorField<dim>     &force)
   {
+    GridField<dim>  &field = grid_fields[k];
     VectorType       mass;
     VectorField<dim> momentum;
     space().initialize_vector(mass);
     initialize(momentum);
-    point_transfer.points_to_grid(quadrature_points(state, true),
-                                  &mass,
-                                  &momentum,
-                                  &force);
-    add_surface_forces(state, force);
+    set_points(state, field, true);
+    point_transfer.points_to_grid(field.points, &mass, &momentum, &force);
+    std::vector<VectorField<dim>> of_surfaces;
+    add_surface_forces(state, field, of_surfaces, force);
     for (unsigned int d = 0; d < dim; ++d)
       force[d].add(gravity[d], mass);
   }
@@ -307,14 +390,16 @@ namespace greville
 
   template <int dim>
   std::vector<unsigned char>
-  Discretization<dim>::cell_classes(const State<dim> &state,
-                                    const bool        is_implicit)
+  Discretization<dim>::cell_classes(const State<dim>  &state,
+                                    const bool         is_implicit,
+                                    const unsigned int field)
   {
     typename CellFilling<dim>::Walls contact_walls;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       contact_walls[w] = grid_walls.is_friction(w);
     std::vector<double> filled_part;
-    point_transfer.filling(quadrature_points(state, true), filled_part);
+    set_points(state, grid_fields[field], true);
+    point_transfer.filling(grid_fields[field].points, filled_part);
     CellFilling<dim> filling;
     filling.reinit(space(), contact_walls);
     filling.update(filled_part,
@@ -333,23 +418,28 @@ namespace greville
   {
     const PartTimer timer(log, "points to grid");
     stamp_of_sums = 0;
-    point_transfer.points_to_grid(quadrature_points(state, true),
-                                  &lumped,
-                                  &point_momentum,
-                                  nullptr);
+    for (GridField<dim> &field : grid_fields)
+      {
+        set_points(state, field, true);
+        point_transfer.points_to_grid(field.points,
+                                      &field.lumped_mass,
+                                      &field.momentum,
+                                      nullptr);
+      }
   }
 
 
 
   template <int dim>
   unsigned int
-  Discretization<dim>::solve(const std::vector<VectorField<dim> *>       &x,
+  Discretization<dim>::solve(GridField<dim>                              &field,
+                             const std::vector<VectorField<dim> *>       &x,
                              const std::vector<const VectorField<dim> *> &sums,
                              const std::vector<double> &shares)
   {
     const PartTimer timer(log, "solve");
-    fail_with([&]() { grid_mass->solve(x, sums, shares); });
-    return grid_mass->n_iterations();
+    fail_with([&]() { field.mass->solve(x, sums, shares); });
+    return field.mass->n_iterations();
   }
 
 
@@ -377,7 +467,7 @@ namespace greville
         counts[3] += result.removed_mass;
         state.n_sent += result.n_sent;
         if (result.n_removed > 0 && problem.empty() &&
-            (parameters.scheme.outside == "error" ||
+            (parameters.scheme.stops_outside() ||
              !std::isfinite(result.outside_position.norm())))
           {
             std::ostringstream message;
@@ -395,7 +485,7 @@ namespace greville
         const auto    result =
           point_transport.move(surface.points, left_surface_cells[s]);
         if (result.n_removed > 0 && problem.empty() &&
-            (parameters.scheme.outside == "error" ||
+            (parameters.scheme.stops_outside() ||
              !std::isfinite(result.outside_position.norm())))
           {
             std::ostringstream message;

@@ -55,8 +55,13 @@ namespace greville
     const PartTimer timer(log, part);
     const auto      seconds = log.seconds;
     before.emplace_back(&simulation, state);
-    GridMass<dim> &mass = simulation.discretization.mass();
-    mass.begin_trial();
+    auto &fields = simulation.discretization.fields();
+    for (GridField<dim> &field : fields)
+      field.mass->begin_trial();
+    const auto end_trial = [&]() {
+      for (GridField<dim> &field : fields)
+        field.mass->end_trial();
+    };
     std::string problem;
     try
       {
@@ -68,10 +73,10 @@ namespace greville
       }
     catch (const ExcMessage &)
       {
-        mass.end_trial();
+        end_trial();
         throw;
       }
-    mass.end_trial();
+    end_trial();
     // Of these tasks, steps have not taken more.
     for (auto &[task, sum] : log.seconds)
       {

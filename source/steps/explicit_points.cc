@@ -12,17 +12,14 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::update(State<dim>             &state,
-                                  const VectorField<dim> *kick,
-                                  const VectorField<dim> *velocity,
-                                  const VectorField<dim> *deformation,
-                                  const bool              move)
+  CentralDifferences<dim>::update(State<dim>  &state,
+                                  const Member kick,
+                                  const Member velocity,
+                                  const Member deformation,
+                                  const bool   move)
   {
     const PartTimer  timer(log, "grid to points");
     PointUpdate<dim> update;
-    update.acceleration  = kick;
-    update.velocity      = velocity;
-    update.deformation   = deformation;
     update.move          = move;
     update.velocity_step = trial.velocity_step;
     update.step          = move ? trial.step : trial.deformation_step;
@@ -30,16 +27,26 @@ namespace greville
     update.apic          = apic;
     update.projection    = discretization.volume_projection();
 
-    if (row && kick && row->watch)
+    const bool watches = row && kick && row->watch;
+    if (watches)
       row->watch(state.bodies, 1. - row->fraction, false);
-    PointMotion motion = update_points(state.bodies,
-                                       discretization.transfer(),
-                                       update,
-                                       state.time + (move ? trial.step : 0.),
-                                       row);
-    if (row && kick && row->watch)
+    PointMotion motion;
+    for (const GridField<dim> &field : discretization.fields())
+      {
+        update.acceleration = kick ? &(field.*kick) : nullptr;
+        update.velocity     = velocity ? &(field.*velocity) : nullptr;
+        update.deformation  = deformation ? &(field.*deformation) : nullptr;
+        update_points(state.bodies,
+                      field.bodies,
+                      discretization.transfer(),
+                      update,
+                      state.time + (move ? trial.step : 0.),
+                      row,
+                      motion);
+        update_surfaces(state, field, update, motion);
+      }
+    if (watches)
       row->watch(state.bodies, row->fraction, true);
-    update_surfaces(state, update, motion);
     motion.merge(trial.motion);
     trial.motion = std::move(motion);
     if (kick || move)
@@ -51,6 +58,7 @@ namespace greville
   template <int dim>
   void
   CentralDifferences<dim>::update_surfaces(State<dim>             &state,
+                                           const GridField<dim>   &field,
                                            const PointUpdate<dim> &update,
                                            PointMotion            &motion)
   {
@@ -73,26 +81,13 @@ namespace greville
         kick.velocity         = &surface_velocity;
         kick.deformation      = nullptr;
         kick.move             = false;
-        greville::update_surfaces(state.surfaces, transfer, kick, motion);
+        greville::update_surfaces(
+          state.surfaces, field.surfaces, transfer, kick, motion);
         move.acceleration = nullptr;
       }
     if (move.move || move.deformation)
-      greville::update_surfaces(state.surfaces, transfer, move, motion);
-  }
-
-
-
-  template <int dim>
-  void
-  CentralDifferences<dim>::map_kicked_points(State<dim> &state)
-  {
-    discretization.sum_momentum(state);
-    work_field = trial.new_velocity;
-    walls.hold_velocity(work_field, wall_time(state));
-    if (obstacles)
-      obstacles->set_velocity(work_field, true);
-    solve({&work_field}, {&discretization.momentum()});
-    walls.stop(work_field, discretization.lumped_mass());
+      greville::update_surfaces(
+        state.surfaces, field.surfaces, transfer, move, motion);
   }
 
 
@@ -106,17 +101,19 @@ namespace greville
                                      trial.motion.fastest_wave,
                                      0.};
     const bool points_cross_cells = !parameters.scheme.is_total_lagrangian();
-    for (unsigned int i = 0;
-         points_cross_cells && i < space.owned_functions().size();
-         ++i)
-      if (!consistent || consistent->extension()[i] == Extension<dim>::stable)
-        {
-          double rate = 0.;
-          for (unsigned int d = 0; d < dim; ++d)
-            rate += std::abs(trial.new_velocity[d].local_element(i)) /
-                    space.lattice().cell_size(d);
-          rates[2] = std::max(rates[2], rate);
-        }
+    for (const GridField<dim> &field : discretization.fields())
+      for (unsigned int i = 0;
+           points_cross_cells && i < space.owned_functions().size();
+           ++i)
+        if (!field.consistent ||
+            field.consistent->extension()[i] == Extension<dim>::stable)
+          {
+            double rate = 0.;
+            for (unsigned int d = 0; d < dim; ++d)
+              rate += std::abs(field.new_velocity[d].local_element(i)) /
+                      space.lattice().cell_size(d);
+            rates[2] = std::max(rates[2], rate);
+          }
     Utilities::MPI::max(rates, discretization.communicator(), rates);
     return {rates[0], rates[1], rates[2]};
   }

@@ -12,49 +12,59 @@ namespace greville
   CentralDifferences<dim>::add_work(State<dim> &state)
   {
     // The potential of gravity belongs to positions: its mean over the step.
-    const VectorType    &lumped = discretization.lumped_mass();
-    const Tensor<1, dim> g      = 0.5 * (loads.gravity(state.time) +
+    const Tensor<1, dim> g     = 0.5 * (loads.gravity(state.time) +
                                     loads.gravity(state.time + trial.step));
-    double               power  = 0.;
-    for (unsigned int d = 0; d < dim; ++d)
-      if (g[d] != 0.)
-        for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-          power += g[d] * lumped.local_element(i) *
-                   trial.new_velocity[d].local_element(i);
+    double               power = 0.;
+    for (const GridField<dim> &field : discretization.fields())
+      for (unsigned int d = 0; d < dim; ++d)
+        if (g[d] != 0.)
+          for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size();
+               ++i)
+            power += g[d] * field.lumped_mass.local_element(i) *
+                     field.new_velocity[d].local_element(i);
     state.energy.add_work(EnergyBalance::gravity, trial.step * power);
 
     // What their force gives to the kinetic energy.
     add_work_of_point_loads(state, false);
-    for (unsigned int k = 0; k < state.surfaces.size(); ++k)
-      {
-        const VectorField<dim> &force  = discretization.surface_forces()[k];
-        double                  before = 0., after = 0.;
-        for (unsigned int d = 0; d < dim; ++d)
-          for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-            {
-              const double impulse =
-                trial.velocity_step * force[d].local_element(i);
-              before += impulse * trial.velocity[d].local_element(i);
-              after += impulse * trial.new_velocity[d].local_element(i);
-            }
-        state.energy.add_work(EnergyBalance::surfaces + k,
-                              0.5 * (before + after));
-        if (row)
-          row->energy.add_work(EnergyBalance::surfaces + k,
-                               row->part_of_work(before, after));
-      }
+    for (const GridField<dim> &field : discretization.fields())
+      for (unsigned int k = 0; k < field.surfaces.size(); ++k)
+        {
+          const VectorField<dim> &force = field.surface_forces[k];
+          const unsigned int      source =
+            EnergyBalance::surfaces + field.surfaces[k];
+          double before = 0., after = 0.;
+          for (unsigned int d = 0; d < dim; ++d)
+            for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
+              {
+                const double impulse =
+                  trial.velocity_step * force[d].local_element(i);
+                before += impulse * field.velocity[d].local_element(i);
+                after += impulse * field.new_velocity[d].local_element(i);
+              }
+          state.energy.add_work(source, 0.5 * (before + after));
+          if (row)
+            row->energy.add_work(source, row->part_of_work(before, after));
+        }
 
-    // Walls and obstacles give what a = (v' - v) / dt' needs beyond the force.
-    if ((walls.have_moving() || obstacles) && trial.velocity_step > 0.)
+    // Walls and contacts that constrain give what a = (v' - v) / dt' needs
+    // beyond the force.
+    if ((walls.have_moving() || have_constraints) && trial.velocity_step > 0.)
       {
         double power_of_walls = 0., power_of_obstacles = 0.;
-        mass.held_residual(work_field, trial.force, trial.acceleration);
-        for (unsigned int d = 0; d < dim; ++d)
-          for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-            ((mass.held_by_walls(i) >> d) & 1 ? power_of_walls
-                                              : power_of_obstacles) -=
-              lumped.local_element(i) * work_field[d].local_element(i) *
-              trial.new_velocity[d].local_element(i);
+        for (const GridField<dim> &field : discretization.fields())
+          {
+            const GridMass<dim> &mass = *field.mass;
+            mass.held_residual(work_field, field.force, field.acceleration);
+            for (unsigned int d = 0; d < dim; ++d)
+              for (unsigned int i = 0;
+                   i < field.lumped_mass.locally_owned_size();
+                   ++i)
+                ((mass.held_by_walls(i) >> d) & 1 ? power_of_walls
+                                                  : power_of_obstacles) -=
+                  field.lumped_mass.local_element(i) *
+                  work_field[d].local_element(i) *
+                  field.new_velocity[d].local_element(i);
+          }
         state.energy.add_work(EnergyBalance::walls,
                               trial.step * power_of_walls);
         state.energy.add_work(EnergyBalance::obstacles,
@@ -92,77 +102,58 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::add_work_of_friction(State<dim> &state)
-  {
-    const VectorType &lumped = discretization.lumped_mass();
-    double            before = 0., after = 0.;
-    for (unsigned int d = 0; d < dim; ++d)
-      for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-        {
-          const double impulse =
-            lumped.local_element(i) * (trial.new_velocity[d].local_element(i) -
-                                       work_field[d].local_element(i));
-          before += impulse * trial.velocity[d].local_element(i);
-          after += impulse * trial.new_velocity[d].local_element(i);
-        }
-    state.energy.add_friction(0.5 * (before + after));
-    if (row)
-      row->energy.add_friction(row->part_of_work(before, after));
-  }
-
-
-
-  template <int dim>
-  void
   CentralDifferences<dim>::add_work_of_damping(State<dim> &state)
   {
     // It is for the guard, and costs a product with the mass matrix.
-    if (damping.factor() == 0. || parameters.scheme.energy_gain == "ignore")
+    if (damping.factor() == 0. || !parameters.scheme.looks_at_energy())
       return;
     const PartTimer timer(log, "energy");
 
     // P' of the points. That of APIC is of the grid.
     const double      dt   = trial.velocity_step;
     const double      flip = kept_share(state);
-    VectorField<dim> &sum = trial.velocity, &momenta = work_field;
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        sum[d].equ(1. - flip, trial.new_velocity[d]);
-        sum[d].add(flip * dt, trial.acceleration[d]);
-        if (apic)
-          {
-            momenta[d] = sum[d];
-            momenta[d].scale(discretization.lumped_mass());
-          }
-      }
+    VectorField<dim> &sum = surface_velocity, &momenta = work_field;
     if (!apic)
-      discretization.transfer().multiply_mass(discretization.sum(state),
-                                              sum,
-                                              momenta);
-    for (unsigned int d = 0; d < dim; ++d)
-      momenta[d].add(flip, discretization.momentum()[d]);
-    // Damping takes as much from the momenta before and after the kick.
-    const double before = 2. * dt *
-                          damping.power(discretization.momentum(), trial.force),
-                 after = 2. * dt * damping.power(momenta, trial.force);
-    state.energy.add_damping(0.5 * (before + after));
-    if (row)
-      row->energy.add_damping(row->part_of_work(before, after));
+      discretization.sum(state);
+    for (const GridField<dim> &field : discretization.fields())
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            sum[d].equ(1. - flip, field.new_velocity[d]);
+            sum[d].add(flip * dt, field.acceleration[d]);
+            if (apic)
+              {
+                momenta[d] = sum[d];
+                momenta[d].scale(field.lumped_mass);
+              }
+          }
+        if (!apic)
+          discretization.transfer().multiply_mass(field.points, sum, momenta);
+        for (unsigned int d = 0; d < dim; ++d)
+          momenta[d].add(flip, field.momentum[d]);
+        // Damping takes as much from the momenta before and after the kick.
+        const double before = 2. * dt * damping.power(field, field.momentum),
+                     after  = 2. * dt * damping.power(field, momenta);
+        state.energy.add_damping(0.5 * (before + after));
+        if (row)
+          row->energy.add_damping(row->part_of_work(before, after));
+      }
   }
 
 
 
   template <int dim>
   void
-  CentralDifferences<dim>::add_momentum_of_walls(const VectorField<dim> &x,
+  CentralDifferences<dim>::add_momentum_of_walls(GridField<dim>         &field,
+                                                 const VectorField<dim> &x,
                                                  const VectorField<dim> &b,
                                                  const unsigned int      k,
                                                  const double            factor)
   {
     if (factor == 0.)
       return;
-    mass.rows_of_held(work_field, x, b, k);
-    walls.add_held(trial.momentum_of_walls,
+    field.mass->rows_of_held(work_field, x, b, k);
+    walls.add_held(field.momentum_of_walls,
                    [&](const unsigned int c, const unsigned int i) {
                      return factor * work_field[c].local_element(i);
                    });
@@ -172,27 +163,17 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::add_momentum_of_walls(const WallSums<dim> &momentum,
-                                                 const double         factor)
-  {
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      trial.momentum_of_walls[w] += factor * momentum[w];
-  }
-
-
-
-  template <int dim>
-  void
-  CentralDifferences<dim>::tell_guard(const State<dim> &state)
+  CentralDifferences<dim>::tell_guard()
   {
     guard.set(trial.motion);
-    // Obstacles and damping take some that nobody adds up, and reconstructions
-    // are not the points.
-    if (obstacles || damping.factor() != 0. ||
-        parameters.scheme.quadrature != "points")
+    // Constraints and damping take some that nobody adds up, and
+    // reconstructions are not the points.
+    if (have_constraints || damping.factor() != 0. ||
+        !parameters.scheme.sums_over_points())
       return;
-    for (const Tensor<1, dim> &given : trial.momentum_of_walls)
-      trial.momentum.add(given);
+    for (const GridField<dim> &field : discretization.fields())
+      for (const Tensor<1, dim> &given : field.momentum_of_walls)
+        trial.momentum.add(given);
     guard.set(trial.momentum);
   }
 

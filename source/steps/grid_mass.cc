@@ -25,17 +25,73 @@ namespace greville
 
   template <int dim>
   void
-  GridMass<dim>::hold(const std::vector<unsigned char> &more)
+  GridMass<dim>::set_held(std::vector<unsigned char>              &components,
+                          std::vector<ConstrainedDirections<dim>> &directions)
   {
-    std::vector<unsigned char> now = with_ghosts(space(), more);
+    const MPI_Comm            comm = space().communicator();
+    std::vector<unsigned int> of_all{components != held ||
+                                       !(directions == oblique),
+                                     !directions.empty()};
+    Utilities::MPI::max(of_all, comm, of_all);
+    AssertThrow(of_all[1] == 0 || is_diagonal(),
+                ErrorOnAll("A contact constrains velocities along a normal "
+                           "that is not an axis of the grid, which goes with "
+                           "'Scheme/Mass' = lumped, not with the mass <" +
+                           solver() + ">."));
+    if (of_all[0] == 0)
+      return;
+    held.swap(components);
+    oblique.swap(directions);
+    change_held();
+  }
+
+
+
+  template <int dim>
+  void
+  GridMass<dim>::hold(const Constraints<dim> &more)
+  {
+    Constraints<dim>                        reduced = more;
+    std::vector<ConstrainedDirections<dim>> directions =
+      reduced.reduce(wall_held);
+    std::vector<unsigned char> now = with_ghosts(space(), reduced.components);
     for (unsigned int f = 0; f < now.size(); ++f)
       now[f] |= wall_held[f];
-    const bool has_changed =
-      Utilities::MPI::max<unsigned int>(now != held, space().communicator());
-    if (!has_changed)
-      return;
-    held = now;
-    change_held();
+    set_held(now, directions);
+  }
+
+
+
+  template <int dim>
+  void
+  GridMass<dim>::release()
+  {
+    std::vector<unsigned char>              now = wall_held;
+    std::vector<ConstrainedDirections<dim>> none;
+    set_held(now, none);
+  }
+
+
+
+  template <int dim>
+  Tensor<1, dim>
+  GridMass<dim>::free_part(const unsigned int i, Tensor<1, dim> vector) const
+  {
+    for (unsigned int c = 0; c < dim; ++c)
+      if ((held[i] >> c) & 1)
+        vector[c] = 0.;
+    if (oblique.empty())
+      return vector;
+    const auto found = std::lower_bound(oblique.begin(),
+                                        oblique.end(),
+                                        i,
+                                        [](const ConstrainedDirections<dim> &a,
+                                           const unsigned int function) {
+                                          return a.function < function;
+                                        });
+    if (found != oblique.end() && found->function == i)
+      vector -= found->part_along(vector);
+    return vector;
   }
 
 
@@ -44,7 +100,8 @@ namespace greville
   void
   GridMass<dim>::begin_trial()
   {
-    held_before_trial = held;
+    held_before_trial    = held;
+    oblique_before_trial = oblique;
   }
 
 
@@ -53,13 +110,7 @@ namespace greville
   void
   GridMass<dim>::end_trial()
   {
-    const bool has_changed =
-      Utilities::MPI::max<unsigned int>(held_before_trial != held,
-                                        space().communicator());
-    if (!has_changed)
-      return;
-    held = held_before_trial;
-    change_held();
+    set_held(held_before_trial, oblique_before_trial);
   }
 
 
@@ -99,6 +150,18 @@ namespace greville
                              ? (b[c].local_element(i) - r) / m
                              : 0.;
         }
+    for (const ConstrainedDirections<dim> &at : oblique)
+      {
+        const unsigned int i = at.function;
+        const double       m = lumped_mass.local_element(i);
+        if (!(m > 0.))
+          continue;
+        const Tensor<1, dim> part =
+          at.part_along(values_at<dim>(b, i) / m - values_at<dim>(x, i));
+        for (unsigned int c = 0; c < dim; ++c)
+          if (!((held[i] >> c) & 1))
+            residual[c].local_element(i) = part[c];
+      }
   }
 
 
@@ -117,14 +180,15 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<GridMass<dim>>
-  make_grid_mass(const std::string          &mass,
-                 const OrderHierarchy<dim>  &orders,
+  make_grid_mass(const OrderHierarchy<dim>  &orders,
                  const SimulationParameters &parameters,
                  const Walls<dim>           &walls)
   {
+    const std::string &mass = parameters.scheme.mass;
     if (const unsigned int n_terms = n_fmpm_terms(mass))
       return std::make_unique<LumpedMass<dim>>(n_terms, orders, walls);
-    Assert(mass == "consistent", ExcMessage("Unknown mass <" + mass + ">."));
+    Assert(parameters.scheme.has_consistent_mass(),
+           ExcMessage("Unknown mass <" + mass + ">."));
     return std::make_unique<ConsistentMass<dim>>(orders, parameters, walls);
   }
 

@@ -30,6 +30,9 @@ namespace greville
     refuse(parameters.time.step.empty(),
            "an empty 'Time/Step'",
            "an implicit step has no critical length; give one.");
+    refuse(discretization.fields().size() > 1,
+           "several GridParameters::fields",
+           "implicit steps have one velocity field for all bodies.");
     refuse(discretization.walls().have_friction(),
            "'Walls' = friction",
            "implicit steps have fixed, sliding and moving walls.");
@@ -44,26 +47,26 @@ namespace greville
              "has no equilibrium where something shears it; take a dynamic "
              "scheme such as backward-euler.");
     refuse(scheme.stress == StepStress::energy_consistent &&
-             parameters.scheme.volumetric_projection != "none",
+             parameters.scheme.has_projection(),
            "'Scheme/Volumetric projection' = " +
              parameters.scheme.volumetric_projection,
            "the force of the projection does not conserve energy; take another "
            "scheme.");
-    refuse(parameters.implicit_solver.method == "cg" &&
-             parameters.scheme.volumetric_projection != "none",
+    refuse(parameters.implicit_solver.always_takes_cg() &&
+             parameters.scheme.has_projection(),
            "'Implicit solver/Method' = cg and 'Scheme/Volumetric projection' "
            "= " +
              parameters.scheme.volumetric_projection,
            "the projection makes tangents that are not symmetric; take auto or "
            "fgmres.");
-    refuse(parameters.scheme.transfer == "APIC",
+    refuse(parameters.scheme.is_apic(),
            "'Scheme/Transfer' = APIC",
            "take FLIP or PIC.");
-    refuse(parameters.scheme.quadrature != "points",
+    refuse(!parameters.scheme.sums_over_points(),
            "'Scheme/Quadrature' = " + parameters.scheme.quadrature,
            "take points.");
-    refuse(parameters.scheme.mass != "consistent" &&
-             parameters.scheme.mass != "lumped",
+    refuse(!parameters.scheme.has_consistent_mass() &&
+             !parameters.scheme.has_lumped_mass(),
            "'Scheme/Mass' = " + parameters.scheme.mass,
            "take consistent or lumped.");
     refuse(parameters.loads.cundall != 0.,
@@ -124,7 +127,7 @@ namespace greville
     const OrderHierarchy<dim>  &hierarchy = system.hierarchy();
     const PMultigridParameters &cycle     = solver.multigrid;
     for (unsigned int l = 0; l < hierarchy.n_levels(); ++l)
-      if (l + 1 == hierarchy.n_levels() || solver.preconditioner != "smoother")
+      if (l + 1 == hierarchy.n_levels() || !solver.never_takes_levels())
         result.push_back({hierarchy[l].degree(),
                           dim * std::uint64_t(hierarchy[l].n_dofs()),
                           l == 0 && hierarchy.n_levels() > 1
@@ -255,7 +258,7 @@ namespace greville
     const Tensor<1, dim> new_g =
       loads.gravity(state.time + scheme.load_time * dt);
     const Tensor<1, dim> old_g     = loads.gravity(state.time);
-    const VectorType    &mass      = discretization.lumped_mass();
+    const VectorType    &mass      = field().lumped_mass;
     const auto          &held      = system.finest().held_components();
     double               on_points = 0., by_gravity = 0., by_walls = 0.;
     for (unsigned int d = 0; d < dim; ++d)

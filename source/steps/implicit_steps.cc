@@ -32,7 +32,7 @@ namespace greville
         },
         parameters.implicit_solver,
         parameters.scheme.filling_threshold(true),
-        parameters.scheme.mass == "lumped",
+        parameters.scheme.has_lumped_mass(),
         discretization.volume_projection())
   {
     check_parameters(name, parts.initial);
@@ -104,7 +104,9 @@ namespace greville
               discretization.communicator());
           },
           false);
-        discretization.sum(state, &sums);
+        discretization.sum(state, true);
+        for (unsigned int d = 0; d < dim; ++d)
+          sums[d].copy_locally_owned_data_from(field().force[d]);
       }
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -112,7 +114,7 @@ namespace greville
           sums[d] -= old_force[d];
         else
           sums[d] = 0.;
-        sums[d].add(g[d], discretization.lumped_mass());
+        sums[d].add(g[d], field().lumped_mass);
       }
   }
 
@@ -140,11 +142,13 @@ namespace greville
     // The force of the stresses at the start, with its sign in M a = F - f.
     loads.clear(state.bodies);
     loads.surfaces().clear(state.surfaces);
-    discretization.sum(state, &old_force);
+    discretization.sum(state, true);
+    for (unsigned int d = 0; d < dim; ++d)
+      old_force[d].copy_locally_owned_data_from(field().force[d]);
     sum_loads(state, state.time, true, old_loads);
     sum_loads(state, state.time + scheme.load_time * dt, false, new_loads);
 
-    velocity = state.velocity;
+    velocity = state.fields[0].velocity;
     // The velocity of walls at the start, and at the end, from displacements
     // of a small fraction of the step.
     const double   small = 1e-3 * dt, begin = parameters.time.start;
@@ -161,15 +165,15 @@ namespace greville
         start_surfaces(state, dt);
         return;
       }
-    solve_mass(velocity, discretization.momentum());
+    solve_mass(velocity, field().momentum);
     system.finest().extended().rows_of_held(held_momentum,
                                             velocity,
-                                            discretization.momentum());
+                                            field().momentum);
     start_surfaces(state, dt);
     if (scheme.needs_acceleration())
       {
-        if (scheme.keeps_acceleration && state.history.n > 0)
-          acceleration = state.history.accelerations[0];
+        if (scheme.keeps_acceleration && state.fields[0].history.n > 0)
+          acceleration = state.fields[0].history.accelerations[0];
         discretization.walls().hold_acceleration(acceleration,
                                                  before,
                                                  after,
@@ -229,14 +233,14 @@ namespace greville
   void
   ImplicitSteps<dim>::find_acceleration(State<dim> &state)
   {
-    if (scheme.keeps_acceleration && state.history.n > 0)
+    if (scheme.keeps_acceleration && state.fields[0].history.n > 0)
       {
         if (parameters.scheme.is_total_lagrangian())
           return;
         std::vector<const MaterialPoints<dim> *> points;
         for (const Body<dim> &body : state.bodies)
           points.push_back(&body.points);
-        VectorType mass = discretization.lumped_mass();
+        VectorType mass = field().lumped_mass;
         exchange_with_velocity(state.bodies);
         discretization.transfer().points_to_grid(points, &mass, &work, nullptr);
         exchange_with_velocity(state.bodies);
@@ -273,10 +277,10 @@ namespace greville
   void
   ImplicitSteps<dim>::keep_acceleration(State<dim> &state, const double dt)
   {
-    VectorField<dim> &kept = state.history.accelerations[0];
+    VectorField<dim> &kept = state.fields[0].history.accelerations[0];
     kept                   = acceleration;
     find_new_acceleration(kept, dt);
-    state.history.n = 1;
+    state.fields[0].history.n = 1;
     if (parameters.scheme.is_total_lagrangian())
       return;
     PointUpdate<dim> update;
@@ -319,136 +323,6 @@ namespace greville
 
 
   template <int dim>
-  std::string
-  ImplicitSteps<dim>::find_residual(VectorType       &r,
-                                    const VectorType &x,
-                                    const double      dt,
-                                    const bool        with_stiffness)
-  {
-    const PartTimer timer(log, with_stiffness ? "stiffness" : "residual");
-    system.extend(displacement, x);
-    std::string problem = system.evaluate(
-      bodies, displacement, dt, scheme.stress, with_stiffness, force);
-    has_stiffness = with_stiffness;
-    // Formulas may have no value where the step would bring the points.
-    if (!surfaces.empty())
-      try
-        {
-          const bool symmetric = system.add_surfaces(surfaces,
-                                                     displacement,
-                                                     surface_motion,
-                                                     with_stiffness,
-                                                     new_surface_loads);
-          if (with_stiffness)
-            surfaces_are_symmetric = symmetric;
-        }
-      catch (const ErrorOnAll &error)
-        {
-          problem = message_of(error);
-        }
-    problem = first_of_all(problem, discretization.communicator());
-    if (!problem.empty())
-      return problem;
-
-    // All loads, while the forces of stresses wait.
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        work[d] = new_loads[d];
-        if (!surfaces.empty())
-          work[d] += new_surface_loads[d];
-      }
-    system.restrict(r, work, nullptr);
-    force_scale            = std::max(system.force_scale(), r.l2_norm());
-    const double old_share = scheme.alpha_f / (1. - scheme.alpha_f);
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        force[d] -= work[d];
-        if (old_share != 0.)
-          force[d].add(-old_share, old_force[d], -old_share, old_loads[d]);
-        if (!scheme.is_static)
-          {
-            // (1 - alpha_m) a' + alpha_m a, over 1 - alpha_f
-            const double share = 1. / (1. - scheme.alpha_f);
-            const double end   = (1. - scheme.alpha_m) * share;
-            work[d].equ(end * scheme.alpha_u / (dt * dt), displacement[d]);
-            work[d].add(-end * scheme.alpha_v / dt,
-                        velocity[d],
-                        scheme.alpha_m * share - end * scheme.alpha_a,
-                        acceleration[d]);
-          }
-      }
-    system.restrict(r, force, nullptr);
-    if (!scheme.is_static)
-      {
-        last_residual = r;
-        system.restrict(r, force, &work);
-        last_residual -= r;
-        force_scale = std::max(force_scale, last_residual.l2_norm());
-      }
-    round_off = find_round_off();
-    return "";
-  }
-
-
-
-  template <int dim>
-  double
-  ImplicitSteps<dim>::find_inertia_at_begin(const double dt)
-  {
-    if (scheme.is_static)
-      return 0.;
-    const double share = 1. / (1. - scheme.alpha_f);
-    const double end   = (1. - scheme.alpha_m) * share;
-    double       sum   = 0.;
-    for (VectorType &component : force)
-      component = 0.;
-    const auto add = [&](const double factor, const VectorField<dim> &field) {
-      if (factor == 0.)
-        return;
-      system.restrict(last_residual, force, &field);
-      sum += std::abs(factor) * last_residual.l2_norm();
-    };
-    add(end * scheme.alpha_v / dt, velocity);
-    add(scheme.alpha_m * share - end * scheme.alpha_a, acceleration);
-    return sum;
-  }
-
-
-
-  template <int dim>
-  double
-  ImplicitSteps<dim>::find_round_off() const
-  {
-    constexpr double units = 16. * std::numeric_limits<double>::epsilon();
-    // The displacement of points is of the size of its mean: coefficients of
-    // functions that points hardly see may be any number.
-    const VectorType &mass    = discretization.lumped_mass();
-    double            sums[2] = {};
-    for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
-      {
-        sums[1] += mass.local_element(i);
-        for (unsigned int d = 0; d < dim; ++d)
-          sums[0] += mass.local_element(i) * displacement[d].local_element(i) *
-                     displacement[d].local_element(i);
-      }
-    Utilities::MPI::sum(ArrayView<const double>(sums, 2),
-                        discretization.communicator(),
-                        ArrayView<double>(sums, 2));
-    const double u = sums[1] > 0. ? std::sqrt(sums[0] / sums[1]) : 0.;
-    double       x = 0.;
-    for (const auto *corner : {&parameters.grid.lower, &parameters.grid.upper})
-      for (const double coordinate : *corner)
-        x = std::max(x, std::abs(coordinate));
-    const double of_surfaces =
-      surfaces.empty() ? 0. : system.surface_stiffness_scale() * x;
-    return units *
-           (system.stiffness_scale() * (1. + u / discretization.cell_size()) +
-            of_surfaces + force_scale + inertia_at_begin);
-  }
-
-
-
-  template <int dim>
   void
   ImplicitSteps<dim>::find_reactions(State<dim> &state, const double dt)
   {
@@ -486,7 +360,7 @@ namespace greville
     for (unsigned int w = 0; w < 2 * dim; ++w)
       state.reactions[w] += (is_taken ? 1. : 1. - flip) / dt * sums[w];
 
-    const VectorType &lumped = discretization.lumped_mass();
+    const VectorType &lumped = field().lumped_mass;
     const auto       &held   = system.finest().held_components();
     double            work   = 0.;
     for (unsigned int d = 0; d < dim && is_taken; ++d)
@@ -494,7 +368,7 @@ namespace greville
         if (((held[i] >> d) & 1) && lumped.local_element(i) > 0.)
           {
             const double momentum = held_momentum[d].local_element(i);
-            state.acceleration[d].local_element(i) +=
+            state.fields[0].acceleration[d].local_element(i) +=
               momentum / (dt * lumped.local_element(i));
             work += momentum * velocity[d].local_element(i);
           }
@@ -525,73 +399,7 @@ namespace greville
     system.read(x, displacement);
 
     n_linear = n_all_linear = 0;
-    NewtonProblem problem;
-    // The guess is linearized at once, and so is what follows up to the
-    // iterations of the last step: it gets both with one pass over points.
-    unsigned int n_residuals = 0;
-    VectorType   linearized;
-    problem.residual = [&](VectorType &r, const VectorType &at) {
-      const bool with_stiffness = n_residuals++ < expected_iterations;
-      if (with_stiffness)
-        linearized = at;
-      return find_residual(r, at, dt, with_stiffness);
-    };
-    // The tolerance of a residual is not below round-off.
-    problem.scale = [&]() {
-      const double tolerance = parameters.newton.tolerance;
-      return tolerance > 0. ? std::max(force_scale, round_off / tolerance)
-                            : force_scale;
-    };
-    problem.linearize = [&](const VectorType &at) -> std::string {
-      const auto is_linearized = [&]() {
-        VectorType difference = linearized;
-        difference -= at;
-        return difference.linfty_norm() == 0.;
-      };
-      if (!has_stiffness || !is_linearized())
-        {
-          VectorType r;
-          system.initialize(r);
-          linearized              = at;
-          const std::string wrong = find_residual(r, at, dt, true);
-          if (!wrong.empty())
-            return wrong;
-        }
-      const PartTimer timer(log, "set-up");
-      try
-        {
-          system.set_operator(scheme.is_static
-                                ? 0.
-                                : (1. - scheme.alpha_m) * scheme.alpha_u /
-                                    ((1. - scheme.alpha_f) * dt * dt),
-                              is_symmetric && surfaces_are_symmetric);
-        }
-      catch (const ErrorOnAll &error)
-        {
-          return "the tangent has no preconditioner: " + message_of(error);
-        }
-      return "";
-    };
-    problem.solve =
-      [&](VectorType &dx, const VectorType &r, const double tolerance) {
-        const PartTimer timer(log, "solve");
-        VectorType      b = r;
-        b *= -1.;
-        SolveResult result;
-        result.iterations = 0;
-        result.reduction  = 1.;
-        try
-          {
-            result = system.solve(dx, b, tolerance);
-          }
-        catch (const ErrorOnAll &error)
-          {
-            result.reason = "fails: " + message_of(error);
-          }
-        n_linear = std::max(n_linear, *result.iterations);
-        n_all_linear += *result.iterations;
-        return result;
-      };
+    StepProblem        problem(*this, dt);
     const NewtonResult result = solve_newton(x, problem, parameters.newton);
     print(state, dt, result);
     log.newton.push_back({state.n_steps + 1, 1, state.time, dt, result});
@@ -640,11 +448,11 @@ namespace greville
                        dt * (1. - scheme.gamma - scheme.gamma * scheme.alpha_a),
                        acceleration[d]);
           }
-        state.acceleration[d].copy_locally_owned_data_from(change);
-        state.acceleration[d] *= 1. / dt;
+        state.fields[0].acceleration[d].copy_locally_owned_data_from(change);
+        state.fields[0].acceleration[d] *= 1. / dt;
         velocity[d] += change;
         displacement[d] *= 1. / dt;
-        state.velocity[d].copy_locally_owned_data_from(
+        state.fields[0].velocity[d].copy_locally_owned_data_from(
           scheme.is_static ? displacement[d] : velocity[d]);
       }
     if (!scheme.is_static)
@@ -672,7 +480,7 @@ namespace greville
   {
     const PartTimer  timer(log, "grid to points");
     PointUpdate<dim> kick;
-    kick.acceleration  = &state.acceleration;
+    kick.acceleration  = &state.fields[0].acceleration;
     kick.velocity      = &velocity;
     kick.velocity_step = dt;
     kick.flip          = flip_share(parameters.scheme,
@@ -684,15 +492,16 @@ namespace greville
       stop_points(state);
     else
       {
-        const VectorType &lumped = discretization.lumped_mass();
-        momentum.add(discretization.momentum(), kick.flip);
-        momentum.add(lumped, state.acceleration, kick.flip * dt);
+        const VectorType &lumped = field().lumped_mass;
+        momentum.add(field().momentum, kick.flip);
+        momentum.add(lumped, state.fields[0].acceleration, kick.flip * dt);
         momentum.add(lumped, velocity, 1. - kick.flip);
         PointMotion kicked = update_points(state.bodies,
                                            discretization.transfer(),
                                            kick,
                                            state.time + dt);
         update_surfaces(state.surfaces,
+                        field().surfaces,
                         discretization.transfer(),
                         kick,
                         kicked);
@@ -707,7 +516,11 @@ namespace greville
                                        discretization.transfer(),
                                        move,
                                        state.time + dt);
-    update_surfaces(state.surfaces, discretization.transfer(), move, motion);
+    update_surfaces(state.surfaces,
+                    field().surfaces,
+                    discretization.transfer(),
+                    move,
+                    motion);
     state.points_have_changed();
     const std::string problem =
       discretization.transport_points(state,

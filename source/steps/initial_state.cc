@@ -281,7 +281,7 @@ namespace greville
       for (unsigned int k = 0; k < parameters.n_stages(); ++k)
         {
           parameters.enter_stage(k);
-          if (parameters.scheme.transfer == "APIC")
+          if (parameters.scheme.is_apic())
             layout.add("affine", dim * dim);
           const std::string &name = parameters.scheme.stress_update;
           if (is_implicit_scheme(name) &&
@@ -290,7 +290,7 @@ namespace greville
               !parameters.scheme.is_total_lagrangian())
             layout.add("acceleration", dim);
           Loads<dim>(parameters).add_fields(layout);
-          if (parameters.scheme.volumetric_projection != "none" && !is_rigid)
+          if (parameters.scheme.has_projection() && !is_rigid)
             layout.add_projected_J();
         }
     }
@@ -396,8 +396,7 @@ namespace greville
     AssertThrow(state.n_free > 0,
                 ExcMessage("All bodies have an 'Imposed velocity': there is "
                            "none that feels forces."));
-    discretization.initialize(state.velocity);
-    discretization.initialize(state.acceleration);
+    discretization.initialize_fields(state);
     state.points_have_changed();
     return state;
   }

@@ -77,18 +77,31 @@ namespace greville
     if (n_terms > 1)
       products.resize(x.size());
     for (unsigned int k = 0; k < x.size(); ++k)
-      for (unsigned int c = 0; c < dim; ++c)
-        {
-          VectorType       &solution = (*x[k])[c];
-          const VectorType &rows     = (*b[k])[c];
-          for (unsigned int i = 0; i < rows.locally_owned_size(); ++i)
-            if (!((this->held[i] >> c) & 1))
-              solution.local_element(i) =
-                inverse[c].local_element(i) * rows.local_element(i);
-          if (n_terms > 1)
-            products[k][c] =
-              add_fmpm_terms(solution, rows, *product, inverse[c], n_terms);
-        }
+      {
+        given.clear();
+        for (const auto &at : this->oblique)
+          given.push_back(at.part_along(values_at<dim>(*x[k], at.function)));
+        for (unsigned int c = 0; c < dim; ++c)
+          {
+            VectorType       &solution = (*x[k])[c];
+            const VectorType &rows     = (*b[k])[c];
+            for (unsigned int i = 0; i < rows.locally_owned_size(); ++i)
+              if (!((this->held[i] >> c) & 1))
+                solution.local_element(i) =
+                  inverse[c].local_element(i) * rows.local_element(i);
+            if (n_terms > 1)
+              products[k][c] =
+                add_fmpm_terms(solution, rows, *product, inverse[c], n_terms);
+          }
+        for (unsigned int o = 0; o < given.size(); ++o)
+          {
+            const auto          &at = this->oblique[o];
+            const Tensor<1, dim> change =
+              given[o] - at.part_along(values_at<dim>(*x[k], at.function));
+            for (unsigned int c = 0; c < dim; ++c)
+              (*x[k])[c].local_element(at.function) += change[c];
+          }
+      }
   }
 
 
@@ -108,6 +121,16 @@ namespace greville
                ? products[k][c].local_element(i)
                : this->lumped_mass.local_element(i) * x[c].local_element(i)) -
             b[c].local_element(i);
+    for (const auto &at : this->oblique)
+      {
+        const unsigned int   i   = at.function;
+        const Tensor<1, dim> row = at.part_along(
+          this->lumped_mass.local_element(i) * values_at<dim>(x, i) -
+          values_at<dim>(b, i));
+        for (unsigned int c = 0; c < dim; ++c)
+          if (!((this->held[i] >> c) & 1))
+            rows[c].local_element(i) = row[c];
+      }
   }
 
 

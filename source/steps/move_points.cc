@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace greville
 {
@@ -70,7 +71,7 @@ namespace greville
              const double            signal,
              const double            dt)
   {
-    if (scheme.transfer == "PIC" || scheme.flip == 0.)
+    if (scheme.is_pic() || scheme.flip == 0.)
       return 0.;
     if (scheme.flip == 1.)
       return 1.;
@@ -120,16 +121,17 @@ namespace greville
 
 
   template <int dim>
-  PointMotion
-  update_points(std::vector<Body<dim>> &bodies,
-                PointTransfer<dim>     &transfer,
-                PointUpdate<dim>        update,
-                const double            time,
-                LateRow<dim>           *row)
+  void
+  update_points(std::vector<Body<dim>>          &bodies,
+                const std::vector<unsigned int> &numbers,
+                PointTransfer<dim>              &transfer,
+                PointUpdate<dim>                 update,
+                const double                     time,
+                LateRow<dim>                    *row,
+                PointMotion                     &motion)
   {
-    PointMotion motion;
     motion.left_cells.resize(bodies.size());
-    for (unsigned int b = 0; b < bodies.size(); ++b)
+    for (const unsigned int b : numbers)
       {
         Body<dim>          &body = bodies[b];
         RowSums<dim> *const sums =
@@ -177,6 +179,22 @@ namespace greville
                            " of the body '" + body.name +
                            "': " + report.bad_reason;
       }
+  }
+
+
+
+  template <int dim>
+  PointMotion
+  update_points(std::vector<Body<dim>> &bodies,
+                PointTransfer<dim>     &transfer,
+                PointUpdate<dim>        update,
+                const double            time,
+                LateRow<dim>           *row)
+  {
+    std::vector<unsigned int> all(bodies.size());
+    std::iota(all.begin(), all.end(), 0);
+    PointMotion motion;
+    update_points(bodies, all, transfer, update, time, row, motion);
     return motion;
   }
 
@@ -184,17 +202,18 @@ namespace greville
 
   template <int dim>
   void
-  update_surfaces(std::vector<Surface<dim>> &surfaces,
-                  PointTransfer<dim>        &transfer,
-                  PointUpdate<dim>           update,
-                  PointMotion               &motion)
+  update_surfaces(std::vector<Surface<dim>>       &surfaces,
+                  const std::vector<unsigned int> &numbers,
+                  PointTransfer<dim>              &transfer,
+                  PointUpdate<dim>                 update,
+                  PointMotion                     &motion)
   {
     update.material   = nullptr;
     update.projection = nullptr;
     update.apic       = false;
     update.flip       = 0.;
     motion.left_surface_cells.resize(surfaces.size());
-    for (unsigned int s = 0; s < surfaces.size(); ++s)
+    for (const unsigned int s : numbers)
       {
         const PointReport report =
           transfer.grid_to_points(surfaces[s].points, update);
@@ -235,10 +254,36 @@ namespace greville
   template decltype(stop_points<3>)       stop_points<3>;
   template decltype(impose_velocities<2>) impose_velocities<2>;
   template decltype(impose_velocities<3>) impose_velocities<3>;
-  template decltype(update_points<2>)     update_points<2>;
-  template decltype(update_points<3>)     update_points<3>;
-  template decltype(update_surfaces<2>)   update_surfaces<2>;
-  template decltype(update_surfaces<3>)   update_surfaces<3>;
-  template decltype(share_volume<2>)      share_volume<2>;
-  template decltype(share_volume<3>)      share_volume<3>;
+  template void
+  update_points<2>(std::vector<Body<2>> &,
+                   const std::vector<unsigned int> &,
+                   PointTransfer<2> &,
+                   PointUpdate<2>,
+                   const double,
+                   LateRow<2> *,
+                   PointMotion &);
+  template void
+  update_points<3>(std::vector<Body<3>> &,
+                   const std::vector<unsigned int> &,
+                   PointTransfer<3> &,
+                   PointUpdate<3>,
+                   const double,
+                   LateRow<3> *,
+                   PointMotion &);
+  template PointMotion
+  update_points<2>(std::vector<Body<2>> &,
+                   PointTransfer<2> &,
+                   PointUpdate<2>,
+                   const double,
+                   LateRow<2> *);
+  template PointMotion
+                                        update_points<3>(std::vector<Body<3>> &,
+                   PointTransfer<3> &,
+                   PointUpdate<3>,
+                   const double,
+                   LateRow<3> *);
+  template decltype(update_surfaces<2>) update_surfaces<2>;
+  template decltype(update_surfaces<3>) update_surfaces<3>;
+  template decltype(share_volume<2>)    share_volume<2>;
+  template decltype(share_volume<3>)    share_volume<3>;
 } // namespace greville

@@ -47,7 +47,7 @@ namespace greville
      */
     NewtonResult
     solve_from(VectorType             &x,
-               const NewtonProblem    &problem,
+               NewtonProblem          &problem,
                const NewtonParameters &parameters)
     {
       NewtonResult result;
@@ -188,9 +188,9 @@ namespace greville
      * the residual is infinite or NaN there, or much larger.
      */
     bool
-    zero_is_better(const NewtonResult  &failed,
-                   const NewtonProblem &problem,
-                   const VectorType    &layout)
+    zero_is_better(const NewtonResult &failed,
+                   NewtonProblem      &problem,
+                   const VectorType   &layout)
     {
       constexpr double much = 10.;
       if (failed.iterations.empty())
@@ -207,7 +207,7 @@ namespace greville
 
   NewtonResult
   solve_newton(VectorType             &x,
-               const NewtonProblem    &problem,
+               NewtonProblem          &problem,
                const NewtonParameters &parameters)
   {
     NewtonResult result = solve_from(x, problem, parameters);

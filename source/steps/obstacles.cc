@@ -23,16 +23,25 @@ namespace greville
 
 
   template <int dim>
-  void
-  Obstacles<dim>::reinit(const SplineSpace<dim> &space)
+  std::unique_ptr<Contact<dim>>
+  Obstacles<dim>::make(const IntegratorParts<dim> &parts)
   {
-    spline_space = &space;
+    if (rigid_bodies(parts.initial.bodies).empty())
+      return nullptr;
+    return std::make_unique<Obstacles<dim>>(parts.discretization.space());
+  }
+
+
+
+  template <int dim>
+  Obstacles<dim>::Obstacles(const SplineSpace<dim> &space)
+    : space(space)
+  {
     space.initialize_vector(volume);
     for (auto *field : {&momentum, &gradient})
       for (VectorType &component : *field)
         space.initialize_vector(component);
     const unsigned int p = space.degree();
-    integrals.clear();
     for (const std::uint64_t position : space.owned_functions())
       {
         const auto index    = multi_index<dim>(position, space.n_functions());
@@ -50,22 +59,19 @@ namespace greville
 
   template <int dim>
   void
-  Obstacles<dim>::update(const std::vector<Body<dim>> &bodies,
-                         PointTransfer<dim>           &transfer,
-                         const double                  begin,
-                         const double                  end)
+  Obstacles<dim>::begin_step(const ContactStep<dim> &at)
   {
     using Layout         = PointLayout<dim>;
     const unsigned int n = integrals.size();
-    step                 = end - begin;
+    step                 = at.end - at.begin;
     share.assign(n, 0.);
-    touching.assign(n, 0);
+    touching.assign(at.fields.size(), std::vector<unsigned char>(n, 0));
     for (unsigned int d = 0; d < dim; ++d)
       normal[d].assign(n, 0.);
     for (auto &field : velocities)
       field.assign(n, Tensor<1, dim>());
 
-    for (const Body<dim> *body : rigid_bodies(bodies))
+    for (const Body<dim> *body : rigid_bodies(at.state.bodies))
       {
         // With the volume for mass and the pressure 1, the force of the points
         // is the sum of V_p grad N_i.
@@ -79,10 +85,10 @@ namespace greville
             for (unsigned int d = 0; d < dim; ++d)
               point[load->first + d] = 0.;
         });
-        transfer.points_to_grid({&points}, &volume, &momentum, &gradient);
+        at.transfer.points_to_grid({&points}, &volume, &momentum, &gradient);
 
-        const Tensor<1, dim> v[2] = {(*body->rigid_motion)(begin),
-                                     (*body->rigid_motion)(end)};
+        const Tensor<1, dim> v[2] = {(*body->rigid_motion)(at.begin),
+                                     (*body->rigid_motion)(at.end)};
         for (unsigned int i = 0; i < n; ++i)
           {
             const double part = volume.local_element(i) / integrals[i];
@@ -97,11 +103,11 @@ namespace greville
     // surface.
     for (unsigned int i = 0; i < n; ++i)
       {
-        const auto index = multi_index<dim>(spline_space->owned_functions()[i],
-                                            spline_space->n_functions());
+        const auto index =
+          multi_index<dim>(space.owned_functions()[i], space.n_functions());
         for (unsigned int d = 0; d < dim; ++d)
-          if (!spline_space->lattice().is_periodic(d) &&
-              (index[d] == 0 || index[d] + 1 == spline_space->n_functions()[d]))
+          if (!space.lattice().is_periodic(d) &&
+              (index[d] == 0 || index[d] + 1 == space.n_functions()[d]))
             normal[d][i] = 0.;
       }
     for (unsigned int i = 0; i < n; ++i)
@@ -114,49 +120,77 @@ namespace greville
 
   template <int dim>
   void
-  Obstacles<dim>::touch(GridMass<dim>          &grid_mass,
-                        const VectorType       &mass,
-                        const VectorField<dim> &P,
-                        const VectorField<dim> *force,
-                        const Tensor<1, dim>   &gravity)
+  Obstacles<dim>::touch(GridField<dim>             &field,
+                        std::vector<unsigned char> &touching,
+                        const ContactStep<dim>     &at) const
   {
-    constexpr unsigned char    all = (1 << dim) - 1;
-    std::vector<unsigned char> held(integrals.size(), 0);
+    constexpr unsigned char all = (1 << dim) - 1;
     for (unsigned int i = 0; i < integrals.size(); ++i)
       {
         touching[i]    = 0;
-        const double m = mass.local_element(i);
+        const double m = field.lumped_mass.local_element(i);
         if (share[i] < smallest_share || !(m > 0.))
           continue;
         double impulse = 0., size = 0.;
         for (unsigned int d = 0; d < dim; ++d)
           {
-            const double h = spline_space->lattice().cell_size(d);
-            double       f = m * gravity[d];
-            if (force)
-              f += (*force)[d].local_element(i);
-            impulse += normal[d][i] * (m * velocities[1][i][d] -
-                                       P[d].local_element(i) - step * f);
+            const double h = space.lattice().cell_size(d);
+            double       f = m * at.gravity[d];
+            if (at.knows_force)
+              f += field.force[d].local_element(i);
+            impulse +=
+              normal[d][i] * (m * velocities[1][i][d] -
+                              field.momentum[d].local_element(i) - step * f);
             size += std::pow(normal[d][i] * h, 2);
           }
         if (impulse < 0. && std::sqrt(size) > smallest_normal * share[i])
           continue;
-        touching[i] = all & ~grid_mass.held_by_walls(i);
-        held[i]     = all;
+        touching[i]                     = all & ~field.mass->held_by_walls(i);
+        field.constraints.components[i] = all;
       }
-    grid_mass.hold(held);
   }
 
 
 
   template <int dim>
   void
-  Obstacles<dim>::set_velocity(VectorField<dim> &velocity,
-                               const bool        at_end) const
+  Obstacles<dim>::constrain(ContactStep<dim> &at)
   {
-    for (unsigned int i = 0; i < touching.size(); ++i)
+    for (unsigned int k = 0; k < at.fields.size(); ++k)
+      {
+        GridField<dim> &field = at.fields[k];
+        touch(field, touching[k], at);
+        if (!at.knows_velocity)
+          set_velocity(field.velocity, k, false);
+        set_acceleration(field, k);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Obstacles<dim>::apply(ContactStep<dim> &at)
+  {
+    for (unsigned int k = 0; k < at.fields.size(); ++k)
+      {
+        set_velocity(at.fields[k].new_velocity, k, true);
+        set_acceleration(at.fields[k], k);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Obstacles<dim>::set_velocity(VectorField<dim>  &velocity,
+                               const unsigned int field,
+                               const bool         at_end) const
+  {
+    const std::vector<unsigned char> &bits = touching[field];
+    for (unsigned int i = 0; i < bits.size(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
-        if ((touching[i] >> d) & 1)
+        if ((bits[i] >> d) & 1)
           velocity[d].local_element(i) = velocities[at_end][i][d];
   }
 
@@ -164,15 +198,17 @@ namespace greville
 
   template <int dim>
   void
-  Obstacles<dim>::set_acceleration(VectorField<dim>       &acceleration,
-                                   const VectorField<dim> &velocity) const
+  Obstacles<dim>::set_acceleration(GridField<dim>    &field,
+                                   const unsigned int number) const
   {
-    for (unsigned int i = 0; i < touching.size(); ++i)
+    const std::vector<unsigned char> &bits = touching[number];
+    for (unsigned int i = 0; i < bits.size(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
-        if ((touching[i] >> d) & 1)
-          acceleration[d].local_element(i) =
+        if ((bits[i] >> d) & 1)
+          field.acceleration[d].local_element(i) =
             step > 0.
-              ? (velocities[1][i][d] - velocity[d].local_element(i)) / step
+              ? (velocities[1][i][d] - field.velocity[d].local_element(i)) /
+                  step
               : 0.;
   }
 

@@ -151,12 +151,14 @@ namespace greville
       }
     current.reactions = {};
     // What an implicit scheme keeps is part of its solution.
-    AccelerationHistory<dim> kept;
+    std::vector<AccelerationHistory<dim>> kept(current.fields.size());
     if (goes_on && is_implicit())
-      kept = current.history;
+      for (unsigned int k = 0; k < kept.size(); ++k)
+        kept[k] = current.fields[k].history;
     enter_stage(current.stage + 1);
     start_stage();
-    current.history = kept;
+    for (unsigned int k = 0; k < kept.size(); ++k)
+      current.fields[k].history = kept[k];
   }
 
 
@@ -166,18 +168,15 @@ namespace greville
   Simulation<dim>::start_stage()
   {
     // What has been found with other walls, mass or integrator.
-    discretization.initialize(current.velocity);
-    discretization.initialize(current.acceleration);
+    discretization.initialize_fields(current);
     current.step_fraction = 1.;
-    current.estimates     = StepEstimates<dim>();
-    current.history       = AccelerationHistory<dim>();
-    current.slid.clear();
+    current.estimates     = StepEstimates();
 
     loads.clear(current.bodies);
     loads.surfaces().clear(current.surfaces);
     const bool reset = !parameters.stages.empty() &&
                        parameters.stages[current.stage].reset_displacements;
-    const bool apic = parameters.scheme.transfer == "APIC";
+    const bool apic = parameters.scheme.is_apic();
     for (Surface<dim> &surface : current.surfaces)
       surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
         for (unsigned int d = 0; reset && d < dim; ++d)
@@ -236,7 +235,8 @@ namespace greville
         surface.points.set_space(discretization.space());
     if (!goes_on)
       enter_stage(state.stage);
-    discretization.mass().forget();
+    for (GridField<dim> &field : discretization.fields())
+      field.mass->forget();
     integrator->forget();
     guard.weigh(current);
     good.take(current);
@@ -320,15 +320,19 @@ namespace greville
     discretization.sum(current);
     try
       {
-        discretization.walls().hold_velocity(current.velocity,
-                                             {current.velocity_time,
-                                              current.time - current.step,
-                                              current.time});
-        const unsigned int n =
-          discretization.solve({&current.velocity},
-                               {&discretization.momentum()});
-        current.n_iterations = std::max(current.n_iterations, n);
-        current.n_all_iterations += n;
+        for (unsigned int k = 0; k < current.fields.size(); ++k)
+          {
+            GridField<dim>   &field    = discretization.fields()[k];
+            VectorField<dim> &velocity = current.fields[k].velocity;
+            discretization.walls().hold_velocity(velocity,
+                                                 {current.velocity_time,
+                                                  current.time - current.step,
+                                                  current.time});
+            const unsigned int n =
+              discretization.solve(field, {&velocity}, {&field.momentum});
+            current.n_iterations = std::max(current.n_iterations, n);
+            current.n_all_iterations += n;
+          }
       }
     catch (const StepFailed &failure)
       {
@@ -414,8 +418,11 @@ namespace greville
   {
     Statistics<dim> result = late.row;
     add_sums(result, current.bodies, late.sums, late.gravity, comm);
-    result.active    = mass().n_active();
-    result.fragments = mass().n_fragments();
+    for (const GridField<dim> &field : discretization.fields())
+      {
+        result.active += field.mass->n_active();
+        result.fragments += field.mass->n_fragments();
+      }
     // All sums over processes are one message.
     std::vector<std::pair<std::string, double>> sums;
     const auto add = [&](const std::string &name, const double own) {
@@ -457,13 +464,16 @@ namespace greville
 
   template <int dim>
   VectorField<dim>
-  Simulation<dim>::grid_force()
+  Simulation<dim>::grid_force(const unsigned int field)
   {
     run_on_all([&]() { loads.set(current.bodies, current.time); }, comm);
     loaded_surfaces();
     VectorField<dim> force;
     discretization.initialize(force);
-    discretization.find_force(current, loads.gravity(current.time), force);
+    discretization.find_force(current,
+                              loads.gravity(current.time),
+                              field,
+                              force);
     return force;
   }
 

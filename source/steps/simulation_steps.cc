@@ -288,9 +288,10 @@ namespace greville
   Simulation<dim>::check_fragments()
   {
     constexpr double most_fragments = 0.05;
-    if (!consistent_mass())
-      return;
-    const double fraction = consistent_mass()->fragment_fraction();
+    double           fraction       = 0.;
+    for (const GridField<dim> &field : discretization.fields())
+      if (field.consistent)
+        fraction = std::max(fraction, field.consistent->fragment_fraction());
     if (fraction <= most_fragments)
       return;
     std::ostringstream message;

@@ -267,7 +267,7 @@ namespace greville
            : "'Time/Step', which is <" + parameters.time.step + ">") +
         ", or a 'Velocity' of a body");
     // Who takes larger steps has been warned by the step size.
-    if (parameters.time.too_large_step == "refuse" &&
+    if (parameters.time.refuses_too_large_steps() &&
         extremes[3] * dt / h > most_cells_of_waves)
       throw StepFailed(
         "pressure waves have crossed " + text_of(extremes[3] * dt / h) +
@@ -295,7 +295,8 @@ namespace greville
                                  const double          size,
                                  const bool            is_implicit) const
   {
-    const bool   is_exact = discretization.mass().is_diagonal() && !is_implicit;
+    const bool is_exact =
+      discretization.fields()[0].mass->is_diagonal() && !is_implicit;
     const double difference = (found - expected).norm();
     if (difference <= momentum_tolerance * size)
       return;
@@ -390,7 +391,7 @@ namespace greville
                         swing_left_out *
                           Utilities::MPI::sum(swing,
                                               discretization.communicator()));
-    if (scheme.energy_gain == "ignore" ||
+    if (!scheme.looks_at_energy() ||
         !(gain > std::max(accepted_gain, 2. * state.warned_gain)))
       return;
     state.warned_gain = gain;
@@ -401,7 +402,7 @@ namespace greville
             << scheme.mass
             << ">: take 'Scheme/Mass' = lumped or fmpm-2, a larger "
                "'Scheme/Filter' or a smaller 'Time/Safety'";
-    if (scheme.energy_gain == "stop")
+    if (scheme.stops_at_energy_gain())
       throw StepFailed(message.str() +
                        " ('Scheme/Energy gain' = warn goes on)");
     log.warnings.push_back("Step " + std::to_string(state.n_steps) + ": " +

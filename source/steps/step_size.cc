@@ -106,11 +106,9 @@ namespace greville
   template <int dim>
   StepSize<dim>::StepSize(const TimeParameters &parameters,
                           Discretization<dim>  &discretization,
-                          const bool            has_obstacles,
                           StepLog              &log)
     : parameters(parameters)
     , discretization(discretization)
-    , has_obstacles(has_obstacles)
     , log(log)
   {
     if (!parameters.step.empty())
@@ -137,28 +135,34 @@ namespace greville
   void
   StepSize<dim>::estimate(State<dim> &state, const StepScheme &scheme)
   {
-    const auto                    &summed = discretization.sum(state);
-    const PartTimer                timer(log, "critical step");
-    GridMass<dim>                 &mass      = discretization.mass();
-    StepEstimates<dim>            &estimates = state.estimates;
-    std::vector<const Body<dim> *> bodies;
-    for (const Body<dim> &body : state.bodies)
-      bodies.push_back(&body);
-    if (has_obstacles)
-      mass.hold(std::vector<unsigned char>(
-        discretization.space().owned_functions().size(), 0));
-    const double last     = estimates.last.empty() ? 0. : estimates.last.back();
-    const double estimate = critical_step.estimate(mass,
+    discretization.sum(state);
+    const PartTimer timer(log, "critical step");
+    StepEstimates  &estimates = state.estimates;
+    const double    last = estimates.last.empty() ? 0. : estimates.last.back();
+    double          estimate = std::numeric_limits<double>::infinity();
+    for (unsigned int k = 0; k < state.fields.size(); ++k)
+      {
+        GridField<dim>                   &field = discretization.fields()[k];
+        std::vector<const Body<dim> *>    bodies;
+        std::vector<const Surface<dim> *> surfaces;
+        for (const unsigned int b : field.bodies)
+          bodies.push_back(&state.bodies[b]);
+        for (const unsigned int s : field.surfaces)
+          surfaces.push_back(&state.surfaces[s]);
+        field.mass->release();
+        estimate = std::min(estimate,
+                            critical_step.estimate(*field.mass,
                                                    discretization.transfer(),
                                                    bodies,
-                                                   state.surfaces,
-                                                   summed,
+                                                   surfaces,
+                                                   field.points,
                                                    scheme,
-                                                   estimates.mode);
+                                                   state.fields[k].mode));
+      }
 
     estimates.last.push_back(estimate);
     const unsigned int n_kept =
-      discretization.consistent_mass() ? n_estimates : 1;
+      discretization.fields()[0].consistent ? n_estimates : 1;
     if (estimates.last.size() > n_kept)
       estimates.last.erase(estimates.last.begin(),
                            estimates.last.end() - n_kept);
@@ -211,7 +215,7 @@ namespace greville
                 << " s is above the critical step of "
                 << state.estimates.critical << " s at t = " << state.time
                 << " s";
-        AssertThrow(parameters.too_large_step != "refuse",
+        AssertThrow(!parameters.refuses_too_large_steps(),
                     ExcMessage(message.str() +
                                " ('Time/Too large step' = warn goes on; steps "
                                "have no such limit with an implicit "
@@ -232,7 +236,7 @@ namespace greville
     double         step =
       std::min(parameters.cfl * discretization.cell_size() / signals.fastest,
                parameters.safety * state.estimates.critical);
-    if (discretization.consistent_mass() && signals.crossing_rate > 0.)
+    if (discretization.fields()[0].consistent && signals.crossing_rate > 0.)
       step = std::min(step,
                       most_crossings / (discretization.space().degree() *
                                         signals.crossing_rate));
@@ -251,7 +255,7 @@ namespace greville
     // A given step is estimated only to warn.
     const bool has_estimate =
       is_estimate_due(state) &&
-      (!formula || parameters.too_large_step != "ignore");
+      (!formula || parameters.looks_at_too_large_steps());
     if (has_estimate)
       estimate(state, scheme);
     const double step =
@@ -276,14 +280,16 @@ namespace greville
 
   template <int dim>
   bool
-  StepSize<dim>::shows_faster_mode(const State<dim>       &state,
-                                   const VectorField<dim> &acceleration,
-                                   const double            dt) const
+  StepSize<dim>::shows_faster_mode(const State<dim>      &state,
+                                   const FieldState<dim> &kept,
+                                   const GridField<dim>  &field,
+                                   const double           dt) const
   {
-    const AccelerationHistory<dim> &history = state.history;
+    const AccelerationHistory<dim> &history      = kept.history;
+    const VectorField<dim>         &acceleration = field.acceleration;
     if (history.n < 2)
       return false;
-    const VectorType   &mass = discretization.lumped_mass();
+    const VectorType   &mass = field.lumped_mass;
     std::vector<double> sums(4, 0.);
     for (unsigned int d = 0; d < dim; ++d)
       for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
@@ -313,11 +319,10 @@ namespace greville
 
   template <int dim>
   void
-  StepSize<dim>::remember(State<dim>             &state,
-                          const VectorField<dim> &acceleration,
-                          const double            dt) const
+  StepSize<dim>::remember(AccelerationHistory<dim> &history,
+                          const VectorField<dim>   &acceleration,
+                          const double              dt) const
   {
-    AccelerationHistory<dim> &history = state.history;
     std::swap(history.accelerations[0], history.accelerations[1]);
     history.accelerations[0] = acceleration;
     history.steps            = {{dt, history.steps[0]}};

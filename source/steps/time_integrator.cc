@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/steps/central_differences.h>
+#include <greville/steps/explicit_schemes.h>
 #include <greville/steps/implicit_steps.h>
 #include <greville/steps/time_integrator.h>
 
@@ -15,12 +15,12 @@ namespace greville
     template <int dim>
     using Entry = std::pair<std::string, MakeTimeIntegrator<dim>>;
 
-    template <int dim>
+    template <int dim, typename Scheme>
     Entry<dim>
-    central_differences(const std::string &name, const StressUpdate order)
+    explicit_steps(const std::string &name)
     {
-      return {name, [order](const IntegratorParts<dim> &parts) {
-                return std::make_unique<CentralDifferences<dim>>(order, parts);
+      return {name, [](const IntegratorParts<dim> &parts) {
+                return std::make_unique<Scheme>(parts);
               }};
     }
 
@@ -33,20 +33,30 @@ namespace greville
               }};
     }
 
-    // All integrators, one line each.
+    // All integrators, one line each: explicit ones, and all.
+    template <int dim>
+    std::vector<Entry<dim>>
+    explicit_integrators()
+    {
+      return {explicit_steps<dim, USL<dim>>("USL"),
+              explicit_steps<dim, USF<dim>>("USF"),
+              explicit_steps<dim, MUSL<dim>>("MUSL")};
+    }
+
     template <int dim>
     std::vector<Entry<dim>> &
     integrators()
     {
-      static std::vector<Entry<dim>> list = {
-        central_differences<dim>("USL", StressUpdate::USL),
-        central_differences<dim>("USF", StressUpdate::USF),
-        central_differences<dim>("MUSL", StressUpdate::MUSL),
-        implicit_steps<dim>("quasi-static"),
-        implicit_steps<dim>("backward-euler"),
-        implicit_steps<dim>("newmark"),
-        implicit_steps<dim>("generalized-alpha"),
-        implicit_steps<dim>("implicit-midpoint")};
+      static std::vector<Entry<dim>> list = []() {
+        auto result = explicit_integrators<dim>();
+        result.insert(result.end(),
+                      {implicit_steps<dim>("quasi-static"),
+                       implicit_steps<dim>("backward-euler"),
+                       implicit_steps<dim>("newmark"),
+                       implicit_steps<dim>("generalized-alpha"),
+                       implicit_steps<dim>("implicit-midpoint")});
+        return result;
+      }();
       return list;
     }
   } // namespace
@@ -66,6 +76,17 @@ namespace greville
     for (const auto &entry : integrators<3>())
       add(entry.first);
     return names;
+  }
+
+
+
+  bool
+  is_explicit_scheme(const std::string &name)
+  {
+    for (const auto &entry : explicit_integrators<2>())
+      if (entry.first == name)
+        return true;
+    return false;
   }
 
 

@@ -78,9 +78,8 @@ namespace greville
 
       TangentSystem &system;
     };
-    const bool with_cg =
-      parameters.method == "cg" || (parameters.method == "auto" && symmetric);
-    const auto run = [&](const unsigned int max_iterations) {
+    const bool with_cg = parameters.takes_cg(symmetric);
+    const auto run     = [&](const unsigned int max_iterations) {
       x = 0.;
       return run_krylov(
         {tolerance, max_iterations}, b, [&](SolverControl &control) {

@@ -293,9 +293,10 @@ namespace greville
   {
     if (levels_fail)
       return false;
-    if (parameters.preconditioner != "auto")
-      return parameters.preconditioner == "p-multigrid";
-    if (parameters.multigrid.coarsening == "none")
+    if (parameters.always_takes_levels())
+      return true;
+    if (parameters.never_takes_levels() ||
+        !parameters.multigrid.has_coarse_levels())
       return false;
     unsigned int n_long = 0;
     for (unsigned int d = 0; d < dim; ++d)

@@ -24,7 +24,8 @@ namespace
     for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
       if (multi_index<dim>(space.owned_functions()[i],
                            space.n_functions())[d] == 0)
-        worst = std::max(worst, -run->state().velocity[d].local_element(i));
+        worst =
+          std::max(worst, -run->state().fields[0].velocity[d].local_element(i));
     return max_all(worst);
   }
 } // namespace

@@ -112,10 +112,11 @@ namespace
     for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
       if (mass.local_element(i) > 1e-9)
         for (unsigned int d = 0; d < 2; ++d)
-          of_grid =
-            std::max({of_grid,
-                      std::abs(state.velocity[d].local_element(i) - v[d]),
-                      std::abs(state.acceleration[d].local_element(i) - g[d])});
+          of_grid = std::max(
+            {of_grid,
+             std::abs(state.fields[0].velocity[d].local_element(i) - v[d]),
+             std::abs(state.fields[0].acceleration[d].local_element(i) -
+                      g[d])});
     check(name + ": velocities lag", lagging < state.time - 1e-3);
     check(name + ": velocities of points", max_all(of_points), 1e-11);
     check(name + ": fields of the grid", max_all(of_grid), 1e-9);
@@ -303,8 +304,9 @@ namespace
             1 ==
           space.n_functions()[1])
         worst = std::max(worst,
-                         std::abs(run->state().velocity[0].local_element(i) -
-                                  0.2 * run->state().time));
+                         std::abs(
+                           run->state().fields[0].velocity[0].local_element(i) -
+                           0.2 * run->state().time));
     check("velocity of a wall", max_all(worst), 1e-6);
   }
 

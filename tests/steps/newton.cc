@@ -34,36 +34,61 @@ namespace
       return Values(vector.begin(), vector.end());
     }
 
+    struct Equations : NewtonProblem
+    {
+      explicit Equations(System &system)
+        : system(system)
+      {}
+
+      std::string
+      residual(VectorType &b, const VectorType &y) override
+      {
+        const Values result = system.residual(values(y));
+        std::copy(result.begin(), result.end(), b.begin());
+        return "";
+      }
+
+      double
+      scale() override
+      {
+        return system.scale;
+      }
+
+      std::string
+      linearize(const VectorType &y) override
+      {
+        inverse.reinit(y.size(), y.size());
+        inverse.invert(system.derivative(values(y)));
+        return "";
+      }
+
+      SolveResult
+      solve(VectorType       &dx,
+            const VectorType &b,
+            const double      tolerance) override
+      {
+        system.tolerances.push_back(tolerance);
+        Vector<double> from(b.begin(), b.end()), to(b.size());
+        inverse.vmult(to, from);
+        for (unsigned int i = 0; i < b.size(); ++i)
+          dx[i] = -to[i];
+        SolveResult solved;
+        solved.converged  = true;
+        solved.iterations = 1;
+        solved.reduction  = 0.;
+        return solved;
+      }
+
+      System            &system;
+      FullMatrix<double> inverse;
+    };
+
     void
     solve(const Values &guess)
     {
       VectorType at(guess.size());
       std::copy(guess.begin(), guess.end(), at.begin());
-      FullMatrix<double> inverse(guess.size());
-      NewtonProblem      problem;
-      problem.residual = [&](VectorType &b, const VectorType &y) {
-        const Values result = residual(values(y));
-        std::copy(result.begin(), result.end(), b.begin());
-        return std::string();
-      };
-      problem.scale     = [&]() { return scale; };
-      problem.linearize = [&](const VectorType &y) {
-        inverse.invert(derivative(values(y)));
-        return std::string();
-      };
-      problem.solve =
-        [&](VectorType &dx, const VectorType &b, const double tolerance) {
-          tolerances.push_back(tolerance);
-          Vector<double> from(b.begin(), b.end()), to(b.size());
-          inverse.vmult(to, from);
-          for (unsigned int i = 0; i < b.size(); ++i)
-            dx[i] = -to[i];
-          SolveResult solved;
-          solved.converged  = true;
-          solved.iterations = 1;
-          solved.reduction  = 0.;
-          return solved;
-        };
+      Equations problem(*this);
       result = solve_newton(at, problem, parameters);
       x      = values(at);
     }

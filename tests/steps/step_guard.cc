@@ -5,7 +5,7 @@
 // good state, from which the run goes on.
 #include <greville/materials/elastic_constants.h>
 #include <greville/run/run.h>
-#include <greville/steps/central_differences.h>
+#include <greville/steps/explicit_schemes.h>
 
 #include "simulation.h"
 #include <limits>
@@ -77,13 +77,11 @@ namespace
 
 
   // USL, until something changes the points of a process.
-  class FaultySteps : public CentralDifferences<2>
+  class FaultySteps : public USL<2>
   {
   public:
     explicit FaultySteps(const IntegratorParts<2> &parts)
-      : CentralDifferences<2>(StressUpdate::USL, parts)
-      , discretization(parts.discretization)
-      , guard(parts.guard)
+      : USL<2>(parts)
     {}
 
     void
@@ -94,9 +92,10 @@ namespace
         change_points(state.bodies[0].points);
       if (is_wrong_now)
         state.points_have_changed();
-      CentralDifferences<2>::advance(state, dt);
+      USL<2>::advance(state, dt);
       if (is_wrong_now && fault == "infinite")
-        state.acceleration[0] = std::numeric_limits<double>::infinity();
+        state.fields[0].acceleration[0] =
+          std::numeric_limits<double>::infinity();
       if (is_wrong_now && (fault == "momentum" || fault == "infinite"))
         kick_again(state, dt);
       is_wrong_now = false;
@@ -135,16 +134,13 @@ namespace
     kick_again(State<2> &state, const double dt)
     {
       PointUpdate<2> update;
-      update.acceleration  = &state.acceleration;
-      update.velocity      = &state.velocity;
+      update.acceleration  = &state.fields[0].acceleration;
+      update.velocity      = &state.fields[0].velocity;
       update.velocity_step = dt;
       update.move          = true;
       guard.set(update_points(
         state.bodies, discretization.transfer(), update, state.time));
     }
-
-    Discretization<2> &discretization;
-    StepGuard<2>      &guard;
   };
 
 

@@ -17,7 +17,7 @@ namespace
     explicit Euler(const IntegratorParts<dim> &parts)
       : discretization(parts.discretization)
     {
-      for (auto *field : {&force, &velocity, &acceleration})
+      for (auto *field : {&velocity, &acceleration})
         discretization.initialize(*field);
     }
 
@@ -38,9 +38,11 @@ namespace
     void
     advance(State<dim> &state, const double dt) override
     {
-      discretization.sum(state, &force);
-      discretization.solve({&velocity, &acceleration},
-                           {&discretization.momentum(), &force});
+      discretization.sum(state, true);
+      GridField<dim> &field = discretization.fields()[0];
+      discretization.solve(field,
+                           {&velocity, &acceleration},
+                           {&field.momentum, &field.force});
       for (unsigned int d = 0; d < dim; ++d)
         velocity[d].add(dt, acceleration[d]);
 
@@ -58,7 +60,7 @@ namespace
       const std::string problem =
         discretization.transport_points(state, motion.left_cells);
       fail_on_all(motion.problem + problem, discretization.communicator());
-      std::swap(state.velocity, velocity);
+      std::swap(state.fields[0].velocity, velocity);
       state.time += dt;
       state.step = dt;
       ++state.n_steps;
@@ -66,7 +68,7 @@ namespace
 
   private:
     Discretization<dim> &discretization;
-    VectorField<dim>     force, velocity, acceleration;
+    VectorField<dim>     velocity, acceleration;
   };
 
 

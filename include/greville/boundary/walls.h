@@ -24,6 +24,21 @@ namespace greville
 
 
   /**
+   * The kinds of WallParameters::type.
+   */
+  enum class WallType
+  {
+    free,
+    fixed,
+    sliding,
+    moving,
+    friction,
+    periodic
+  };
+
+
+
+  /**
    * A vector for each wall of the grid.
    */
   template <int dim>
@@ -116,7 +131,7 @@ namespace greville
     bool
     is_friction(const unsigned int wall) const
     {
-      return type[wall] == "friction";
+      return type[wall] == WallType::friction;
     }
 
     double
@@ -245,7 +260,7 @@ namespace greville
     void
     set_held(VectorField<dim> &field, const Value &value) const;
 
-    std::array<std::string, 2 * dim>               type;
+    std::array<WallType, 2 * dim>                  type;
     std::array<double, 2 * dim>                    friction;
     std::array<std::optional<Shape<dim>>, 2 * dim> region;
     std::array<VectorExpression<dim>, 2 * dim>     velocity;

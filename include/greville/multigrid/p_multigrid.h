@@ -30,6 +30,12 @@ namespace greville
       return "none|jacobi|lattice|gamg|boomeramg|direct";
     }
 
+    bool
+    has_coarse_levels() const
+    {
+      return coarsening != "none";
+    }
+
     std::string  coarsening            = "one by one";
     std::string  cycle                 = "V";
     std::string  prolongation          = "lumped-l2";

@@ -36,6 +36,13 @@ namespace greville
   time_integrator_names();
 
   /**
+   * Whether it is one of the library's explicit time integrators. Defined
+   * beside their list.
+   */
+  bool
+  is_explicit_scheme(const std::string &name);
+
+  /**
    * Whether make_implicit_scheme() knows the name. Defined there.
    */
   bool

@@ -50,6 +50,14 @@ namespace greville
     std::vector<unsigned int> cells    = {16, 16};
     unsigned int              degree   = 2;
     bool                      per_body = false;
+
+    /**
+     * The numbers of the bodies of each velocity field of the grid, in the
+     * order of GeneralParameters::bodies: each body in one field. Bodies of one
+     * field stick where they touch, those of two do not see one another. Empty:
+     * all bodies have one field. For programs: no parameter sets it.
+     */
+    std::vector<std::vector<unsigned int>> fields;
   };
 
 
@@ -84,6 +92,26 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
+    /// Whether the preconditioner is a factorization, or the cycle of
+    /// p-multigrid, or the diagonal: none of these is the identity.
+    bool
+    has_factorization() const
+    {
+      return method == "cg-ic0";
+    }
+
+    bool
+    has_cycle() const
+    {
+      return method == "cg-p-multigrid";
+    }
+
+    bool
+    has_diagonal() const
+    {
+      return method == "cg-jacobi";
+    }
+
     /// One of mass_solver_methods().
     std::string method = "cg-ic0";
   };
@@ -105,6 +133,12 @@ namespace greville
     void
     check(const std::string                           &section,
           const std::map<std::string, BodyParameters> &bodies) const;
+
+    bool
+    is_per_current_area() const
+    {
+      return area == "current";
+    }
 
     std::string body;
     std::string where;

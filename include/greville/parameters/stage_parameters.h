@@ -28,6 +28,24 @@ namespace greville
     std::string  velocities        = "half steps";
     unsigned int max_steps         = 0;
     double       most_displacement = 0.;
+
+    bool
+    has_half_steps() const
+    {
+      return velocities == "half steps";
+    }
+
+    bool
+    refuses_too_large_steps() const
+    {
+      return too_large_step == "refuse";
+    }
+
+    bool
+    looks_at_too_large_steps() const
+    {
+      return too_large_step != "ignore";
+    }
   };
 
 
@@ -57,6 +75,81 @@ namespace greville
     is_total_lagrangian() const
     {
       return formulation == "total Lagrangian";
+    }
+
+    bool
+    has_lumped_mass() const
+    {
+      return mass == "lumped";
+    }
+
+    bool
+    has_consistent_mass() const
+    {
+      return mass == "consistent";
+    }
+
+    bool
+    is_flip() const
+    {
+      return transfer == "FLIP";
+    }
+
+    bool
+    is_pic() const
+    {
+      return transfer == "PIC";
+    }
+
+    bool
+    is_apic() const
+    {
+      return transfer == "APIC";
+    }
+
+    bool
+    sums_over_points() const
+    {
+      return quadrature == "points";
+    }
+
+    bool
+    reconstructs_by_taylor() const
+    {
+      return quadrature == "taylor-least-squares";
+    }
+
+    bool
+    has_projection() const
+    {
+      return volumetric_projection != "none";
+    }
+
+    bool
+    projects_on_coarse_mesh() const
+    {
+      return volumetric_projection == "coarse mesh";
+    }
+
+    bool
+    looks_at_energy() const
+    {
+      return energy_gain != "ignore";
+    }
+
+    bool
+    stops_at_energy_gain() const
+    {
+      return energy_gain == "stop";
+    }
+
+    /**
+     * Whether points that leave the grid are an error.
+     */
+    bool
+    stops_outside() const
+    {
+      return outside == "error";
     }
 
     /**

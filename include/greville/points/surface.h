@@ -24,6 +24,8 @@ namespace greville
   {
     std::string         name;
     MaterialPoints<dim> points;
+    /// The number of the body that it belongs to.
+    unsigned int body = 0;
     /// At most what the load per initial area changes by displacement, Pa / m,
     /// and by velocity, Pa s / m: they bound explicit steps.
     double stiffness = 0., damping = 0.;

@@ -9,25 +9,13 @@
 namespace greville
 {
   /**
-   * When stresses are updated: with the new velocity of the grid (USL), before
-   * the forces are summed up (USF), or with the velocity of the kicked points
-   * (MUSL).
-   */
-  enum class StressUpdate
-  {
-    USL,
-    USF,
-    MUSL
-  };
-
-
-
-  /**
    * What a step does with velocities, as far as its stability depends on it.
    */
   struct StepScheme
   {
-    StressUpdate stress_update = StressUpdate::USL;
+    /// Whether the velocity whose gradient deforms the points comes from
+    /// theirs by the inverse of the mass (USF, MUSL), or is the new one (USL).
+    bool deforms_by_mapped_velocity = false;
     /// 1: FLIP, 0: PIC.
     double flip = 1.;
     bool   apic = false;
@@ -99,7 +87,7 @@ namespace greville
     estimate(GridMass<dim>                                  &mass,
              PointTransfer<dim>                             &transfer,
              const std::vector<const Body<dim> *>           &bodies,
-             const std::vector<Surface<dim>>                &surfaces,
+             const std::vector<const Surface<dim> *>        &surfaces,
              const std::vector<const MaterialPoints<dim> *> &mass_points,
              const StepScheme                               &scheme,
              HighestMode<dim>                               &mode);

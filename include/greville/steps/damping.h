@@ -22,10 +22,9 @@ namespace greville
   {
   public:
     /**
-     * Both are kept by reference.
+     * The parameters are kept by reference.
      */
-    Damping(const LoadParameters      &parameters,
-            const Discretization<dim> &discretization);
+    explicit Damping(const LoadParameters &parameters);
 
     /**
      * The factor alpha.
@@ -37,10 +36,10 @@ namespace greville
     }
 
     /**
-     * Damp the acceleration that the @p force has led to.
+     * Damp the acceleration of a field that its force has led to.
      */
     void
-    damp(VectorField<dim> &acceleration, const VectorField<dim> &force) const;
+    damp(GridField<dim> &field) const;
 
     /**
      * The power of that on this process, W (2D: W / m), where points have the
@@ -49,21 +48,19 @@ namespace greville
      * its part of a in that.
      */
     double
-    power(const VectorField<dim> &momenta, const VectorField<dim> &force) const;
+    power(const GridField<dim> &field, const VectorField<dim> &momenta) const;
 
   private:
     /**
-     * What damping with the factor @p alpha takes from component @p d of the
-     * acceleration of function @p i of this process.
+     * What damping with the factor @p alpha takes from the acceleration of
+     * function @p i of this process.
      */
-    double
-    taken(const VectorField<dim> &force,
-          const double            alpha,
-          const unsigned int      i,
-          const unsigned int      d) const;
+    dealii::Tensor<1, dim>
+    taken(const GridField<dim> &field,
+          const double          alpha,
+          const unsigned int    i) const;
 
-    const LoadParameters      &parameters;
-    const Discretization<dim> &discretization;
+    const LoadParameters &parameters;
   };
 } // namespace greville
 

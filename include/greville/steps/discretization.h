@@ -7,7 +7,7 @@
 #include <greville/points/point_transport.h>
 #include <greville/points/reconstruction.h>
 #include <greville/points/volume_projection.h>
-#include <greville/steps/consistent_mass.h>
+#include <greville/steps/grid_field.h>
 #include <greville/steps/state.h>
 #include <greville/steps/step_log.h>
 
@@ -16,9 +16,9 @@
 namespace greville
 {
   /**
-   * The grid: mesh, spaces of B-splines, walls and mass, and what goes between
-   * the grid and the points of a state. Sums over points are made once for each
-   * State::points_stamp.
+   * The grid: mesh, spaces of B-splines, walls and velocity fields with their
+   * masses, and what goes between the grid and the points of a state. Sums over
+   * points are made once for each State::points_stamp.
    */
   template <int dim>
   class Discretization
@@ -99,19 +99,20 @@ namespace greville
       return grid_walls;
     }
 
-    GridMass<dim> &
-    mass() const
+    /**
+     * The velocity fields: those of GridParameters::fields, or one for all
+     * bodies.
+     */
+    std::vector<GridField<dim>> &
+    fields()
     {
-      return *grid_mass;
+      return grid_fields;
     }
 
-    /**
-     * The mass as what it is; null with other masses.
-     */
-    ConsistentMass<dim> *
-    consistent_mass() const
+    const std::vector<GridField<dim>> &
+    fields() const
     {
-      return consistent;
+      return grid_fields;
     }
 
     PointTransfer<dim> &
@@ -148,70 +149,55 @@ namespace greville
     initialize(VectorField<dim> &field) const;
 
     /**
-     * Collective. Sum up mass and momentum of the points, and assemble the
-     * mass, unless those of State::points_stamp are there; and the @p force,
-     * with that of loads on surfaces, if it is given. Returns what has been
-     * summed over: the points of bodies that feel forces, or their
-     * reconstruction.
+     * Give a state without guesses as many FieldState as there are fields, of
+     * zeros.
      */
-    const std::vector<const MaterialPoints<dim> *> &
-    sum(const State<dim> &state, VectorField<dim> *force = nullptr);
+    void
+    initialize_fields(State<dim> &state) const;
+
+    /**
+     * Collective. Sum up mass and momentum of the points of each field, and
+     * assemble its mass, unless those of State::points_stamp are there; and
+     * @p with_force the force, with that of loads on surfaces.
+     */
+    void
+    sum(const State<dim> &state, const bool with_force = false);
 
     /**
      * Collective. The momentum of points that have been kicked where they are:
-     * the mass stays.
+     * the masses stay.
      */
     void
     sum_momentum(const State<dim> &state);
 
     /**
-     * The sums.
-     */
-    const VectorType &
-    lumped_mass() const
-    {
-      return lumped;
-    }
-
-    const VectorField<dim> &
-    momentum() const
-    {
-      return point_momentum;
-    }
-
-    /**
-     * What each load on surfaces gave to the last force.
-     */
-    const std::vector<VectorField<dim>> &
-    surface_forces() const
-    {
-      return forces_of_surfaces;
-    }
-
-    /**
-     * Collective. The force on the functions by stresses, by loads as the
-     * points have them, and by the acceleration @p gravity. It changes nothing
-     * of what sum() has found.
+     * Collective. The force on the functions of a field by stresses, by loads
+     * as the points have them, and by the acceleration @p gravity. It changes
+     * nothing of what sum() has found.
      */
     void
     find_force(const State<dim>             &state,
                const dealii::Tensor<1, dim> &gravity,
+               const unsigned int            field,
                VectorField<dim>             &force);
 
     /**
      * Collective. CellFilling::cell_class() of the owned cells, as extended
-     * B-splines have them.
+     * B-splines of a field have them.
      */
     std::vector<unsigned char>
-    cell_classes(const State<dim> &state, const bool is_implicit);
+    cell_classes(const State<dim>  &state,
+                 const bool         is_implicit,
+                 const unsigned int field = 0);
 
     /**
-     * Collective. Solve M x = sum for pairs of them, see GridMass::solve().
-     * Returns the most iterations of a field. Throws StepFailed where the
-     * solver does not converge.
+     * Collective. Solve M x = sum with the mass of a field for pairs of them,
+     * see GridMass::solve(). Returns the most iterations of a component. Throws
+     * StepFailed where the solver does not converge.
      */
     unsigned int
-    solve(const std::vector<VectorField<dim> *>       &x,
+    solve(GridField<dim>                              &field,
+          const std::vector<VectorField<dim> *>       &x,
           const std::vector<const VectorField<dim> *> &sums,
           const std::vector<double>                   &shares = {});
 
@@ -228,16 +214,25 @@ namespace greville
 
   private:
     /**
-     * Add the loads on surfaces to the force.
+     * The fields with their bodies, as the parameters have them.
      */
     void
-    add_surface_forces(const State<dim> &state, VectorField<dim> &force);
+    make_fields();
 
     /**
-     * What is summed over; reconstructed if @p anew.
+     * Add the loads on surfaces to the force, and remember each of them.
      */
-    const std::vector<const MaterialPoints<dim> *> &
-    quadrature_points(const State<dim> &state, const bool anew);
+    void
+    add_surface_forces(const State<dim>              &state,
+                       const GridField<dim>          &field,
+                       std::vector<VectorField<dim>> &of_surfaces,
+                       VectorField<dim>              &force);
+
+    /**
+     * Set what is summed over; reconstructed if @p anew.
+     */
+    void
+    set_points(const State<dim> &state, GridField<dim> &field, const bool anew);
 
     const SimulationParameters            &parameters;
     StepLog                               &log;
@@ -246,23 +241,18 @@ namespace greville
     std::shared_ptr<const Partition>       cell_partition;
     Walls<dim>                             grid_walls;
     OrderHierarchy<dim>                    orders;
-    std::unique_ptr<GridMass<dim>>         grid_mass;
-    ConsistentMass<dim>                   *consistent = nullptr; // if it is one
+    std::vector<GridField<dim>>            grid_fields;
     PointTransfer<dim>                     point_transfer;
     std::unique_ptr<VolumeProjection<dim>> projection;
     PointTransport<dim>                    point_transport;
 
     // Points that integrals are summed over.
-    bool                                     sums_over_points = true;
-    std::optional<Reconstruction<dim>>       reconstruction;
-    std::vector<MaterialPoints<dim>>         reconstructed;
-    std::vector<const MaterialPoints<dim> *> summed;
+    bool                               sums_over_points = true;
+    std::optional<Reconstruction<dim>> reconstruction;
+    std::vector<MaterialPoints<dim>>   reconstructed; // by body
 
-    VectorType                    lumped;
-    VectorField<dim>              point_momentum;
-    std::vector<VectorField<dim>> forces_of_surfaces;
-    std::uint64_t                 stamp_of_sums = 0;     // of no state
-    bool                          mass_is_known = false; // for all states
+    std::uint64_t stamp_of_sums = 0;     // of no state
+    bool          mass_is_known = false; // for all states
   };
 } // namespace greville
 

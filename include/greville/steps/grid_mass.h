@@ -3,10 +3,10 @@
 #ifndef greville_steps_grid_mass_h
 #define greville_steps_grid_mass_h
 
-#include <greville/boundary/held_functions.h>
 #include <greville/mass/extended_mass.h>
 #include <greville/points/point_transfer.h>
 #include <greville/spline/order_hierarchy.h>
+#include <greville/steps/constraints.h>
 
 namespace greville
 {
@@ -14,6 +14,10 @@ namespace greville
    * The mass of the points on the grid, and its inverse: M x = b for vector
    * fields, with coefficients at walls held. See LumpedMass and ConsistentMass.
    * Coefficients without mass are *inactive*: their x is zero.
+   *
+   * A function may be constrained along a direction n that is not an axis where
+   * the mass is diagonal: then x . n keeps its value, and the part of x across
+   * n is that of b / m.
    */
   template <int dim>
   class GridMass
@@ -78,11 +82,25 @@ namespace greville
           const std::vector<double>                   &shares = {}) = 0;
 
     /**
-     * Collective. Hold more coefficients than walls do, until the next call:
-     * bit c of @p more[i] holds component c of the owned function i.
+     * Collective. Hold more than walls do, until the next call. Throws
+     * dealii::ExcMessage for directions that are not axes where the mass is not
+     * diagonal.
      */
     void
-    hold(const std::vector<unsigned char> &more);
+    hold(const Constraints<dim> &more);
+
+    /**
+     * Collective. Hold what walls do.
+     */
+    void
+    release();
+
+    /**
+     * What is free of a vector at the owned function i: without components that
+     * are held, and without its part along constrained directions.
+     */
+    dealii::Tensor<1, dim>
+    free_part(const unsigned int i, dealii::Tensor<1, dim> vector) const;
 
     /**
      * Components (bits) that are held of a local function.
@@ -102,7 +120,8 @@ namespace greville
     /**
      * Collective. The momentum @p b of points that a velocity @p x, the
      * solution of M x = b, leaves out since it is held, as a velocity: (b - M
-     * x)_i / m_i where coefficients are held, zero elsewhere.
+     * x)_i / m_i where coefficients are held, its part along constrained
+     * directions, and zero elsewhere.
      */
     void
     held_residual(VectorField<dim>       &residual,
@@ -188,7 +207,7 @@ namespace greville
     GridMass(const OrderHierarchy<dim> &orders, const Walls<dim> &walls);
 
     /**
-     * What held_components() are has changed. Collective.
+     * What is held has changed. Collective.
      */
     virtual void
     change_held() = 0;
@@ -205,28 +224,38 @@ namespace greville
     const OrderHierarchy<dim> &orders;
     // Bits of components, by local function: all that are held, and by walls.
     std::vector<unsigned char> held, wall_held;
-    std::vector<unsigned char> held_before_trial;
-    VectorType                 lumped_mass;
-    unsigned int               iterations = 0;
+    std::vector<ConstrainedDirections<dim>>
+                 oblique; // in the order of functions
+    VectorType   lumped_mass;
+    unsigned int iterations = 0;
 
   private:
+    /**
+     * Collective. Hold these components, and the directions.
+     */
+    void
+    set_held(std::vector<unsigned char>              &components,
+             std::vector<ConstrainedDirections<dim>> &directions);
+
     /**
      * Collective. The components in which functions with mass are held.
      */
     std::array<bool, dim>
     held_meet_mass() const;
+
+    std::vector<unsigned char>              held_before_trial;
+    std::vector<ConstrainedDirections<dim>> oblique_before_trial;
   };
 
 
 
   /**
-   * Collective. Make the mass of the name @p mass, one of
-   * SchemeParameters::mass. Orders, parameters and walls are kept by reference.
+   * Collective. Make the mass of the name SchemeParameters::mass. Orders,
+   * parameters and walls are kept by reference.
    */
   template <int dim>
   std::unique_ptr<GridMass<dim>>
-  make_grid_mass(const std::string          &mass,
-                 const OrderHierarchy<dim>  &orders,
+  make_grid_mass(const OrderHierarchy<dim>  &orders,
                  const SimulationParameters &parameters,
                  const Walls<dim>           &walls);
 } // namespace greville

@@ -71,6 +71,52 @@ namespace greville
     }
 
   private:
+    /**
+     * The equations of the step at hand for the unknowns of the displacement.
+     */
+    class StepProblem : public NewtonProblem
+    {
+    public:
+      StepProblem(ImplicitSteps &steps, const double dt);
+
+      /**
+       * The guess is linearized at once, and so is what follows up to the
+       * iterations of the last step: it gets residual and stiffness with one
+       * pass over points.
+       */
+      std::string
+      residual(VectorType &r, const VectorType &x) override;
+
+      /**
+       * The tolerance of a residual is not below round-off.
+       */
+      double
+      scale() override;
+
+      std::string
+      linearize(const VectorType &x) override;
+
+      SolveResult
+      solve(VectorType       &dx,
+            const VectorType &r,
+            const double      tolerance) override;
+
+    private:
+      ImplicitSteps &steps;
+      const double   dt;
+      unsigned int   n_residuals = 0;
+      VectorType     linearized; // where the stiffness is known
+    };
+
+    /**
+     * The one velocity field of the grid.
+     */
+    GridField<dim> &
+    field() const
+    {
+      return discretization.fields()[0];
+    }
+
     void
     check_parameters(const std::string &name, const State<dim> &initial) const;
 
@@ -189,7 +235,7 @@ namespace greville
     take_held_momentum(State<dim> &state, const double dt);
 
     /**
-     * Kick the points by state.acceleration, and move them by the
+     * Kick the points by the acceleration of the state, and move them by the
      * displacement, which is divided by dt then.
      */
     void

@@ -19,8 +19,7 @@ namespace greville
   {
   public:
     /**
-     * Collective. K = @p n_terms; 1 is M_L^-1. The triangulation is kept by
-     * reference.
+     * Collective. K = @p n_terms; 1 is M_L^-1.
      */
     LumpedMass(const unsigned int         n_terms,
                const OrderHierarchy<dim> &orders,
@@ -71,6 +70,7 @@ namespace greville
 
     const unsigned int                      n_terms;
     VectorField<dim>                        inverse; // of M_L, 0 where held
+    std::vector<dealii::Tensor<1, dim>>     given;   // parts along directions
     std::optional<DensityWeights<dim>>      weights;
     std::unique_ptr<CrossMassOperator<dim>> product; // M, where K > 1
     std::vector<VectorField<dim>> products; // of the last solve(), where K > 1

@@ -59,10 +59,24 @@ namespace greville
   impose_velocities(std::vector<Body<dim>> &bodies, const double t);
 
   /**
-   * Collective. One pass over the points of all bodies, without those that the
-   * @p update does not change. Its material is that of each body, with the
-   * strength that it has at the @p time (s) to which the points come. A kick
-   * sums up the @p row that is given.
+   * Collective. One pass over the points of the bodies of the given numbers,
+   * without those that the @p update does not change. Its material is that of
+   * each body, with the strength that it has at the @p time (s) to which the
+   * points come. A kick sums up the @p row that is given. What came of the
+   * points is added to the @p motion.
+   */
+  template <int dim>
+  void
+  update_points(std::vector<Body<dim>>          &bodies,
+                const std::vector<unsigned int> &numbers,
+                PointTransfer<dim>              &transfer,
+                PointUpdate<dim>                 update,
+                const double                     time,
+                LateRow<dim>                    *row,
+                PointMotion                     &motion);
+
+  /**
+   * Collective. Likewise of all bodies.
    */
   template <int dim>
   PointMotion
@@ -73,15 +87,17 @@ namespace greville
                 LateRow<dim>           *row = nullptr);
 
   /**
-   * Collective. Likewise the points of surfaces, which have no inertia: where
-   * points are kicked, theirs take the velocity of the grid.
+   * Collective. Likewise the points of the surfaces of the given numbers, which
+   * have no inertia: where points are kicked, theirs take the velocity of the
+   * grid.
    */
   template <int dim>
   void
-  update_surfaces(std::vector<Surface<dim>> &surfaces,
-                  PointTransfer<dim>        &transfer,
-                  PointUpdate<dim>           update,
-                  PointMotion               &motion);
+  update_surfaces(std::vector<Surface<dim>>       &surfaces,
+                  const std::vector<unsigned int> &numbers,
+                  PointTransfer<dim>              &transfer,
+                  PointUpdate<dim>                 update,
+                  PointMotion                     &motion);
 
   /**
    * Collective. Points of fluids share their changes of volume, every ten steps

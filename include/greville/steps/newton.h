@@ -7,7 +7,6 @@
 #include <greville/linear_algebra/solve_result.h>
 #include <greville/parameters/stage_parameters.h>
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,18 +16,35 @@ namespace greville
    * Equations r(x) = 0 with forces r, N (2D: N / m), that Newton's method
    * solves. All calls are collective.
    */
-  struct NewtonProblem
+  class NewtonProblem
   {
-    /// Residual at x, and what is wrong there: empty if nothing is.
-    std::function<std::string(VectorType &r, const VectorType &x)> residual;
-    /// The size of the forces that the last residual is the sum of, N.
-    std::function<double()> scale;
-    /// Make the derivative at x; what is wrong with it: empty if nothing is.
-    std::function<std::string(const VectorType &x)> linearize;
-    /// Solve r'(x) dx = -r to a relative tolerance.
-    std::function<
-      SolveResult(VectorType &dx, const VectorType &r, const double tolerance)>
-      solve;
+  public:
+    virtual ~NewtonProblem() = default;
+
+    /**
+     * The residual at x. Returns what is wrong there, empty if nothing is.
+     */
+    virtual std::string
+    residual(VectorType &r, const VectorType &x) = 0;
+
+    /**
+     * The size of the forces that the last residual is the sum of, N.
+     */
+    virtual double
+    scale() = 0;
+
+    /**
+     * Make the derivative at x. Returns what is wrong with it, empty if nothing
+     * is.
+     */
+    virtual std::string
+    linearize(const VectorType &x) = 0;
+
+    /**
+     * Solve r'(x) dx = -r to a relative tolerance.
+     */
+    virtual SolveResult
+    solve(VectorType &dx, const VectorType &r, const double tolerance) = 0;
   };
 
 
@@ -78,7 +94,7 @@ namespace greville
    */
   NewtonResult
   solve_newton(VectorType             &x,
-               const NewtonProblem    &problem,
+               NewtonProblem          &problem,
                const NewtonParameters &parameters);
 } // namespace greville
 

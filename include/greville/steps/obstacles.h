@@ -3,9 +3,7 @@
 #ifndef greville_steps_obstacles_h
 #define greville_steps_obstacles_h
 
-#include <greville/points/body.h>
-#include <greville/points/point_transfer.h>
-#include <greville/steps/grid_mass.h>
+#include <greville/steps/contact.h>
 
 namespace greville
 {
@@ -18,70 +16,97 @@ namespace greville
    * f_i there, touch it where the velocity V of the obstacle would be an
    * impulse away from it, (m_i V - P_i - dt' f_i) . n_i >= 0, and where n_i is
    * negligible: inside of it. Coefficients that touch are held at V, of all
-   * components, by GridMass::hold(). So the law of contact is: inelastic,
+   * components. So the law of contact is: inelastic,
    * without slip, and no tension.
    *
    * (@ref Bardenhagen2000 "Bardenhagen, Brackbill and Sulsky, 2000", has
    * the condition and the normals.)
    */
   template <int dim>
-  class Obstacles
+  class Obstacles : public Contact<dim>
   {
   public:
     /**
+     * Null without obstacles.
+     */
+    static std::unique_ptr<Contact<dim>>
+    make(const IntegratorParts<dim> &parts);
+
+    /**
      * The space is kept by reference.
      */
-    void
-    reinit(const SplineSpace<dim> &space);
+    explicit Obstacles(const SplineSpace<dim> &space);
 
     /**
-     * Collective. The bodies as they are, for a step of the velocity from
-     * @p begin to @p end.
+     * Share, normals and velocities of the bodies as they are.
      */
     void
-    update(const std::vector<Body<dim>> &bodies,
-           PointTransfer<dim>           &transfer,
-           const double                  begin,
-           const double                  end);
+    begin_step(const ContactStep<dim> &step) override;
 
     /**
-     * Collective. Hold what touches: @p mass, @p momentum and @p force are
-     * those of the other bodies; the force may be left out.
+     * Hold what touches. Where the force of the points is not known, it is left
+     * out.
      */
     void
-    touch(GridMass<dim>                &grid_mass,
-          const VectorType             &mass,
-          const VectorField<dim>       &momentum,
-          const VectorField<dim>       *force,
-          const dealii::Tensor<1, dim> &gravity);
+    constrain(ContactStep<dim> &step) override;
+
+    /**
+     * Obstacles go before other contacts: coefficients that touch have their
+     * velocity.
+     */
+    void
+    apply(ContactStep<dim> &step) override;
+
+    void
+    set_values(VectorField<dim>  &velocity,
+               const unsigned int field) const override
+    {
+      set_velocity(velocity, field, true);
+    }
+
+    bool
+    constrains() const override
+    {
+      return true;
+    }
+
+  private:
+    /**
+     * Find the components that touch of a field.
+     */
+    void
+    touch(GridField<dim>             &field,
+          std::vector<unsigned char> &touching,
+          const ContactStep<dim>     &step) const;
 
     /**
      * Set coefficients that touch, where walls do not hold them: to the
      * velocity of the obstacle at the start or the end of the step.
      */
     void
-    set_velocity(VectorField<dim> &velocity, const bool at_end) const;
+    set_velocity(VectorField<dim>  &velocity,
+                 const unsigned int field,
+                 const bool         at_end) const;
 
     /**
-     * The acceleration that leads from @p velocity to that of the end.
+     * The acceleration that leads from the velocity to that of the end.
      */
     void
-    set_acceleration(VectorField<dim>       &acceleration,
-                     const VectorField<dim> &velocity) const;
+    set_acceleration(GridField<dim> &field, const unsigned int number) const;
 
-  private:
-    const SplineSpace<dim> *spline_space = nullptr;
-    double                  step         = 0.;
+    const SplineSpace<dim> &space;
+    double                  step = 0.; // s
 
     // By owned function: integral over the support, share, normal times its
     // size, and velocities.
     std::vector<double>                                integrals, share;
     std::array<std::vector<double>, dim>               normal;
     std::array<std::vector<dealii::Tensor<1, dim>>, 2> velocities;
-    std::vector<unsigned char>                         touching;
-    MaterialPoints<dim>                                points;
-    VectorType                                         volume;
-    VectorField<dim>                                   momentum, gradient;
+    // By field and owned function: components, as bits.
+    std::vector<std::vector<unsigned char>> touching;
+    MaterialPoints<dim>                     points;
+    VectorType                              volume;
+    VectorField<dim>                        momentum, gradient;
   };
 } // namespace greville
 

@@ -93,6 +93,12 @@ namespace greville
       return discretization;
     }
 
+    const Discretization<dim> &
+    grid() const
+    {
+      return discretization;
+    }
+
     /// Collective. One row of statistics.csv, of the state as it is.
     Statistics<dim>
     statistics() const;
@@ -126,10 +132,10 @@ namespace greville
       return complete(asked);
     }
 
-    /// Collective. The force on the functions of the grid by stresses, gravity
-    /// and loads as they are, N (2D: N / m).
+    /// Collective. The force on the functions of a velocity field of the grid
+    /// by stresses, gravity and loads as they are, N (2D: N / m).
     VectorField<dim>
-    grid_force();
+    grid_force(const unsigned int field = 0);
 
     /// Collective. The surfaces, with their loads as they are.
     const std::vector<Surface<dim>> &
@@ -157,10 +163,12 @@ namespace greville
       return discretization.space();
     }
 
+    /// The mass of the first velocity field: those of others are of the same
+    /// kind.
     const GridMass<dim> &
     mass() const
     {
-      return discretization.mass();
+      return *discretization.fields()[0].mass;
     }
 
     /// See TimeIntegrator::is_implicit().
@@ -180,13 +188,6 @@ namespace greville
     solver_levels() const
     {
       return integrator->solver_levels();
-    }
-
-    /// Null with other masses.
-    const ConsistentMass<dim> *
-    consistent_mass() const
-    {
-      return discretization.consistent_mass();
     }
 
     /// Words for messages and Newton's log, such as " of 'Body disk'".

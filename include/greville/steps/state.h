@@ -50,7 +50,6 @@ namespace greville
   /**
    * Estimates of the critical step.
    */
-  template <int dim>
   struct StepEstimates
   {
     /// The smallest of the last estimates, s.
@@ -59,8 +58,7 @@ namespace greville
     /// The step before which the next one is due, and those in between.
     unsigned int next = 0, n_between = 0;
     /// Signals::wave at the last one.
-    double           wave = 0.;
-    HighestMode<dim> mode;
+    double wave = 0.;
   };
 
 
@@ -75,6 +73,22 @@ namespace greville
     std::array<VectorField<dim>, 2> accelerations;
     std::array<double, 2>           steps{};
     unsigned int                    n = 0;
+  };
+
+
+
+  /**
+   * What steps hand on of a velocity field of the grid, see GridField.
+   */
+  template <int dim>
+  struct FieldState
+  {
+    /// Coefficients after the last step: guesses for the next one.
+    VectorField<dim> velocity, acceleration;
+
+    AccelerationHistory<dim> history;
+    HighestMode<dim>         mode;
+    std::vector<bool>        slid; // at walls, see FrictionContact
   };
 
 
@@ -120,15 +134,13 @@ namespace greville
     /// Implicit steps: the fraction of the given step that is tried.
     double step_fraction = 1.;
 
-    /// Coefficients of the grid after the last step: guesses for the next one.
-    VectorField<dim> velocity, acceleration;
+    /// One for each of Discretization::fields().
+    std::vector<FieldState<dim>> fields;
 
-    Signals                  signals;
-    double                   first_signal = 0.; // Signals::fastest initially
-    StepEstimates<dim>       estimates;
-    AccelerationHistory<dim> history;
-    std::vector<bool>        slid; // by contact, see FrictionContact
-    EnergyBalance            energy;
+    Signals       signals;
+    double        first_signal = 0.; // Signals::fastest initially
+    StepEstimates estimates;
+    EnergyBalance energy;
 
     /// Forces of walls on the bodies in the last step, the share of this
     /// process, N (2D: N / m): the momentum that they gave in the step of the

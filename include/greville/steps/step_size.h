@@ -60,12 +60,11 @@ namespace greville
   public:
     /**
      * Parameters, discretization and log are kept by reference. Throws
-     * dealii::ExcMessage for a wrong formula. What obstacles hold is released
+     * dealii::ExcMessage for a wrong formula. What contacts hold is released
      * for estimates, as they may let go before the next one.
      */
     StepSize(const TimeParameters &parameters,
              Discretization<dim>  &discretization,
-             const bool            has_obstacles,
              StepLog              &log);
 
     /**
@@ -77,24 +76,26 @@ namespace greville
     propose(State<dim> &state, const StepScheme &scheme);
 
     /**
-     * Collective. Whether @p acceleration and those of the two steps before it
-     * show a mode that the step @p dt is too long for. Undamped, a'' = -M^-1 K
-     * a, so their second difference is a step of the power method, which sees
-     * an unstable mode from its first steps on. Accelerations that change
-     * speeds by less than 1e-8 of c + |v| in a step are noise and show nothing.
+     * Collective. Whether the acceleration of a field and those of the two
+     * steps before it, which the field has @p kept, show a mode that the step
+     * @p dt is too long for. Undamped, a'' = -M^-1 K a, so their second
+     * difference is a step of the power method, which sees an unstable mode
+     * from its first steps on. Accelerations that change speeds by less than
+     * 1e-8 of c + |v| in a step are noise and show nothing.
      */
     bool
-    shows_faster_mode(const State<dim>       &state,
-                      const VectorField<dim> &acceleration,
-                      const double            dt) const;
+    shows_faster_mode(const State<dim>      &state,
+                      const FieldState<dim> &kept,
+                      const GridField<dim>  &field,
+                      const double           dt) const;
 
     /**
      * Keep @p acceleration for the next steps.
      */
     void
-    remember(State<dim>             &state,
-             const VectorField<dim> &acceleration,
-             const double            dt) const;
+    remember(AccelerationHistory<dim> &history,
+             const VectorField<dim>   &acceleration,
+             const double              dt) const;
 
   private:
     bool
@@ -120,7 +121,6 @@ namespace greville
 
     const TimeParameters     &parameters;
     Discretization<dim>      &discretization;
-    const bool                has_obstacles;
     StepLog                  &log;
     std::optional<Expression> formula;
     CriticalStep<dim>         critical_step;

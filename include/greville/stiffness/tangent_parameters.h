@@ -19,6 +19,36 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
+    /**
+     * Whether conjugate gradients solve systems of this kind.
+     */
+    bool
+    takes_cg(const bool is_symmetric) const
+    {
+      return always_takes_cg() || (method == "auto" && is_symmetric);
+    }
+
+    bool
+    always_takes_cg() const
+    {
+      return method == "cg";
+    }
+
+    /**
+     * Whether the cycle has levels: never, always, or where it pays.
+     */
+    bool
+    never_takes_levels() const
+    {
+      return preconditioner == "smoother";
+    }
+
+    bool
+    always_takes_levels() const
+    {
+      return preconditioner == "p-multigrid";
+    }
+
     std::string          method         = "auto";
     std::string          preconditioner = "auto";
     unsigned int         max_iterations = 200;

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_contact_h
+#define greville_steps_contact_h
+
+#include <greville/steps/time_integrator.h>
+
+namespace greville
+{
+  /**
+   * An explicit step as contacts see it: the state with its bodies, and all
+   * velocity fields of the grid.
+   */
+  template <int dim>
+  struct ContactStep
+  {
+    State<dim>                  &state;
+    std::vector<GridField<dim>> &fields;
+    PointTransfer<dim>          &transfer;
+    /// The times to which v and v' belong, and the length of the step between
+    /// them, s.
+    double begin = 0., end = 0., dt = 0.;
+    /// m / s^2
+    dealii::Tensor<1, dim> gravity;
+    /// Whether GridField::force has been summed up, and GridField::velocity has
+    /// been solved for.
+    bool knows_force = false, knows_velocity = false;
+    /// Iterations of all solves of contacts, and of the one that needed most.
+    unsigned int n_iterations = 0, most_iterations = 0;
+    /// The row of statistics that the step sums up, or null.
+    LateRow<dim> *row = nullptr;
+
+    /**
+     * Count the work of a contact's impulse I: @p before is I v, and @p after
+     * is I v', the share of this process, J (2D: J / m).
+     */
+    void
+    add_work(const double before, const double after)
+    {
+      state.energy.add_friction(0.5 * (before + after));
+      if (row)
+        row->energy.add_friction(row->part_of_work(before, after));
+    }
+  };
+
+
+
+  /**
+   * What acts between velocity fields of the grid, or on one of them, in
+   * explicit steps. A step calls, for all fields at once,
+   * - begin_step(), with the points at the start of the step;
+   * - constrain(), with the sums over the points, before solves: what is
+   *   constrained then keeps its value in them;
+   * - apply(), with the new velocity that the forces lead to.
+   *
+   * A new contact is a class that derives from this one, and one line in the
+   * list of source/steps/contact.cc; or a call of add_contact() in a program.
+   */
+  template <int dim>
+  class Contact
+  {
+  public:
+    virtual ~Contact() = default;
+
+    /**
+     * Collective.
+     */
+    virtual void
+    begin_step(const ContactStep<dim> &)
+    {}
+
+    /**
+     * Collective. Add to GridField::constraints, and set the velocity and the
+     * acceleration that is given there; a velocity that is known stays. Called
+     * once for each solve, in steps that solve for the velocity before the
+     * force is known twice.
+     */
+    virtual void
+    constrain(ContactStep<dim> &)
+    {}
+
+    /**
+     * Collective. Change GridField::new_velocity, and GridField::acceleration
+     * by that change over the step, which may be of no length. What walls give
+     * is added to GridField::momentum_of_walls; ContactStep::add_work() counts
+     * the work.
+     */
+    virtual void
+    apply(ContactStep<dim> &)
+    {}
+
+    /**
+     * Give a velocity of the field number @p field the values at the end of the
+     * step where constrain() constrains it: before it is found from the points
+     * once more.
+     */
+    virtual void
+    set_values(VectorField<dim> &, const unsigned int) const
+    {}
+
+    /**
+     * Take from a velocity of a field that has been found from the points what
+     * this contact does not let through. Returns the momentum that walls give.
+     */
+    virtual WallSums<dim>
+    stop(VectorField<dim> &, const GridField<dim> &) const
+    {
+      return {};
+    }
+
+    /**
+     * Whether constrain() may constrain something. What that gives to the
+     * momentum is not added up, and its work is that of obstacles.
+     */
+    virtual bool
+    constrains() const
+    {
+      return false;
+    }
+
+    /**
+     * Between these calls steps leave no trace in what later steps begin with.
+     */
+    virtual void
+    begin_trial()
+    {}
+
+    virtual void
+    end_trial()
+    {}
+
+    /**
+     * Forget what earlier steps have left, see TimeIntegrator::forget().
+     */
+    virtual void
+    forget()
+    {}
+  };
+
+
+
+  /**
+   * Makes a contact, or null where the parameters have none of its kind.
+   */
+  template <int dim>
+  using MakeContact = std::function<std::unique_ptr<Contact<dim>>(
+    const IntegratorParts<dim> &parts)>;
+
+  /**
+   * Add one to the list, before simulations are made.
+   */
+  template <int dim>
+  void
+  add_contact(const MakeContact<dim> &make);
+
+  /**
+   * All contacts that the parameters have, in the order in which they act.
+   */
+  template <int dim>
+  std::vector<std::unique_ptr<Contact<dim>>>
+  make_contacts(const IntegratorParts<dim> &parts);
+} // namespace greville
+
+#endif

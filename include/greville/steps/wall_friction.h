@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_wall_friction_h
+#define greville_steps_wall_friction_h
+
+#include <greville/steps/contact.h>
+#include <greville/steps/friction_contact.h>
+
+namespace greville
+{
+  /**
+   * Friction walls with lumped mass and FMPM: each coefficient for itself, see
+   * Walls::add_contact().
+   */
+  template <int dim>
+  class LumpedWallFriction : public Contact<dim>
+  {
+  public:
+    /**
+     * Null without friction walls, and with another mass.
+     */
+    static std::unique_ptr<Contact<dim>>
+    make(const IntegratorParts<dim> &parts);
+
+    /**
+     * The walls are kept by reference.
+     */
+    explicit LumpedWallFriction(const Walls<dim> &walls);
+
+    void
+    apply(ContactStep<dim> &step) override;
+
+    WallSums<dim>
+    stop(VectorField<dim>     &velocity,
+         const GridField<dim> &field) const override;
+
+  private:
+    const Walls<dim> &walls;
+    VectorField<dim>  before;
+  };
+
+
+
+  /**
+   * Friction walls with the consistent mass: a FrictionContact for each field.
+   */
+  template <int dim>
+  class WallFriction : public Contact<dim>
+  {
+  public:
+    /**
+     * Null without friction walls, and with another mass.
+     */
+    static std::unique_ptr<Contact<dim>>
+    make(const IntegratorParts<dim> &parts);
+
+    /**
+     * All are kept by reference.
+     */
+    WallFriction(const Walls<dim>            &walls,
+                 std::vector<GridField<dim>> &fields,
+                 StepLog                     &log);
+
+    /**
+     * Throws StepFailed where a solve does not converge.
+     */
+    void
+    apply(ContactStep<dim> &step) override;
+
+    WallSums<dim>
+    stop(VectorField<dim>     &velocity,
+         const GridField<dim> &field) const override;
+
+    void
+    begin_trial() override;
+
+    void
+    end_trial() override;
+
+    /**
+     * Where contacts slide, solves begin with the loads of the last step.
+     */
+    void
+    forget() override;
+
+  private:
+    const Walls<dim>                                &walls;
+    std::vector<FrictionContact<dim>>                of_fields;
+    std::vector<std::vector<dealii::Tensor<1, dim>>> loads_before_trial;
+    StepLog                                         &log;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/steps/obstacles.h>
+#include <greville/steps/wall_friction.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // All contacts, one line each. The last one has the last word.
+    template <int dim>
+    std::vector<MakeContact<dim>> &
+    contacts()
+    {
+      static std::vector<MakeContact<dim>> list = {
+        LumpedWallFriction<dim>::make,
+        WallFriction<dim>::make,
+        Obstacles<dim>::make};
+      return list;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  add_contact(const MakeContact<dim> &make)
+  {
+    contacts<dim>().push_back(make);
+  }
+
+
+
+  template <int dim>
+  std::vector<std::unique_ptr<Contact<dim>>>
+  make_contacts(const IntegratorParts<dim> &parts)
+  {
+    std::vector<std::unique_ptr<Contact<dim>>> result;
+    for (const MakeContact<dim> &make : contacts<dim>())
+      if (auto contact = make(parts))
+        result.push_back(std::move(contact));
+    return result;
+  }
+
+
+
+  template decltype(add_contact<2>)   add_contact<2>;
+  template decltype(add_contact<3>)   add_contact<3>;
+  template decltype(make_contacts<2>) make_contacts<2>;
+  template decltype(make_contacts<3>) make_contacts<3>;
+} // namespace greville

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/steps/explicit_schemes.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  void
+  USL<dim>::take_points(State<dim> &state)
+  {
+    this->update(state,
+                 &GridField<dim>::acceleration,
+                 &GridField<dim>::new_velocity,
+                 &GridField<dim>::new_velocity,
+                 true);
+  }
+
+
+
+  template <int dim>
+  void
+  USF<dim>::find_fields(State<dim> &state)
+  {
+    const double dt    = this->trial.velocity_step;
+    const double share = this->kept_share(state);
+    this->discretization.sum(state);
+    this->set_guesses(state);
+    this->constrain(state, false, false);
+    for (GridField<dim> &field : this->discretization.fields())
+      {
+        this->solve(field, {&field.velocity}, {&field.momentum});
+        this->add_momentum_of_walls(
+          field, field.velocity, field.momentum, 0, 1. - share);
+        const WallSums<dim> stopped = this->stop(field.velocity, field);
+        for (unsigned int w = 0; w < 2 * dim; ++w)
+          field.momentum_of_walls[w] += (1. - share) * stopped[w];
+      }
+    this->update(state, nullptr, nullptr, &GridField<dim>::velocity, false);
+    this->discretization.sum(state, true);
+    this->constrain(state, true, true);
+    this->add_gravity(state.time);
+    for (GridField<dim> &field : this->discretization.fields())
+      {
+        this->solve(field, {&field.acceleration}, {&field.force});
+        this->add_momentum_of_walls(
+          field, field.acceleration, field.force, 0, dt);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  USF<dim>::take_points(State<dim> &state)
+  {
+    this->update(state,
+                 &GridField<dim>::acceleration,
+                 &GridField<dim>::new_velocity,
+                 nullptr,
+                 true);
+  }
+
+
+
+  template <int dim>
+  void
+  MUSL<dim>::take_points(State<dim> &state)
+  {
+    this->update(state,
+                 &GridField<dim>::acceleration,
+                 &GridField<dim>::new_velocity,
+                 nullptr,
+                 false);
+    this->discretization.sum_momentum(state);
+    auto &fields = this->discretization.fields();
+    for (unsigned int k = 0; k < fields.size(); ++k)
+      {
+        GridField<dim>   &field = fields[k];
+        VectorField<dim> &w     = field.velocity;
+        w                       = field.new_velocity;
+        this->walls.hold_velocity(w, this->wall_time(state));
+        for (const auto &contact : this->contacts)
+          contact->set_values(w, k);
+        this->solve(field, {&w}, {&field.momentum});
+        this->stop(w, field);
+      }
+    this->update(state,
+                 nullptr,
+                 &GridField<dim>::new_velocity,
+                 &GridField<dim>::velocity,
+                 true);
+  }
+
+
+
+  template class USL<2>;
+  template class USL<3>;
+  template class USF<2>;
+  template class USF<3>;
+  template class MUSL<2>;
+  template class MUSL<3>;
+} // namespace greville

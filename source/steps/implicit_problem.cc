@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/steps/implicit_steps.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+// The equations of a step of ImplicitSteps.
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  ImplicitSteps<dim>::StepProblem::StepProblem(ImplicitSteps &steps,
+                                               const double   dt)
+    : steps(steps)
+    , dt(dt)
+  {}
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::StepProblem::residual(VectorType &r, const VectorType &x)
+  {
+    const bool with_stiffness = n_residuals++ < steps.expected_iterations;
+    if (with_stiffness)
+      linearized = x;
+    return steps.find_residual(r, x, dt, with_stiffness);
+  }
+
+
+
+  template <int dim>
+  double
+  ImplicitSteps<dim>::StepProblem::scale()
+  {
+    const double tolerance = steps.parameters.newton.tolerance;
+    return tolerance > 0.
+             ? std::max(steps.force_scale, steps.round_off / tolerance)
+             : steps.force_scale;
+  }
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::StepProblem::linearize(const VectorType &x)
+  {
+    const auto is_linearized = [&]() {
+      VectorType difference = linearized;
+      difference -= x;
+      return difference.linfty_norm() == 0.;
+    };
+    if (!steps.has_stiffness || !is_linearized())
+      {
+        VectorType r;
+        steps.system.initialize(r);
+        linearized              = x;
+        const std::string wrong = steps.find_residual(r, x, dt, true);
+        if (!wrong.empty())
+          return wrong;
+      }
+    const PartTimer       timer(steps.log, "set-up");
+    const ImplicitScheme &scheme = steps.scheme;
+    try
+      {
+        steps.system.set_operator(scheme.is_static
+                                    ? 0.
+                                    : (1. - scheme.alpha_m) * scheme.alpha_u /
+                                        ((1. - scheme.alpha_f) * dt * dt),
+                                  steps.is_symmetric &&
+                                    steps.surfaces_are_symmetric);
+      }
+    catch (const ErrorOnAll &error)
+      {
+        return "the tangent has no preconditioner: " + message_of(error);
+      }
+    return "";
+  }
+
+
+
+  template <int dim>
+  SolveResult
+  ImplicitSteps<dim>::StepProblem::solve(VectorType       &dx,
+                                         const VectorType &r,
+                                         const double      tolerance)
+  {
+    const PartTimer timer(steps.log, "solve");
+    VectorType      b = r;
+    b *= -1.;
+    SolveResult result;
+    result.iterations = 0;
+    result.reduction  = 1.;
+    try
+      {
+        result = steps.system.solve(dx, b, tolerance);
+      }
+    catch (const ErrorOnAll &error)
+      {
+        result.reason = "fails: " + message_of(error);
+      }
+    steps.n_linear = std::max(steps.n_linear, *result.iterations);
+    steps.n_all_linear += *result.iterations;
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::find_residual(VectorType       &r,
+                                    const VectorType &x,
+                                    const double      dt,
+                                    const bool        with_stiffness)
+  {
+    const PartTimer timer(log, with_stiffness ? "stiffness" : "residual");
+    system.extend(displacement, x);
+    std::string problem = system.evaluate(
+      bodies, displacement, dt, scheme.stress, with_stiffness, force);
+    has_stiffness = with_stiffness;
+    // Formulas may have no value where the step would bring the points.
+    if (!surfaces.empty())
+      try
+        {
+          const bool symmetric = system.add_surfaces(surfaces,
+                                                     displacement,
+                                                     surface_motion,
+                                                     with_stiffness,
+                                                     new_surface_loads);
+          if (with_stiffness)
+            surfaces_are_symmetric = symmetric;
+        }
+      catch (const ErrorOnAll &error)
+        {
+          problem = message_of(error);
+        }
+    problem = first_of_all(problem, discretization.communicator());
+    if (!problem.empty())
+      return problem;
+
+    // All loads, while the forces of stresses wait.
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        work[d] = new_loads[d];
+        if (!surfaces.empty())
+          work[d] += new_surface_loads[d];
+      }
+    system.restrict(r, work, nullptr);
+    force_scale            = std::max(system.force_scale(), r.l2_norm());
+    const double old_share = scheme.alpha_f / (1. - scheme.alpha_f);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        force[d] -= work[d];
+        if (old_share != 0.)
+          force[d].add(-old_share, old_force[d], -old_share, old_loads[d]);
+        if (!scheme.is_static)
+          {
+            // (1 - alpha_m) a' + alpha_m a, over 1 - alpha_f
+            const double share = 1. / (1. - scheme.alpha_f);
+            const double end   = (1. - scheme.alpha_m) * share;
+            work[d].equ(end * scheme.alpha_u / (dt * dt), displacement[d]);
+            work[d].add(-end * scheme.alpha_v / dt,
+                        velocity[d],
+                        scheme.alpha_m * share - end * scheme.alpha_a,
+                        acceleration[d]);
+          }
+      }
+    system.restrict(r, force, nullptr);
+    if (!scheme.is_static)
+      {
+        last_residual = r;
+        system.restrict(r, force, &work);
+        last_residual -= r;
+        force_scale = std::max(force_scale, last_residual.l2_norm());
+      }
+    round_off = find_round_off();
+    return "";
+  }
+
+
+
+  template <int dim>
+  double
+  ImplicitSteps<dim>::find_inertia_at_begin(const double dt)
+  {
+    if (scheme.is_static)
+      return 0.;
+    const double share = 1. / (1. - scheme.alpha_f);
+    const double end   = (1. - scheme.alpha_m) * share;
+    double       sum   = 0.;
+    for (VectorType &component : force)
+      component = 0.;
+    const auto add = [&](const double factor, const VectorField<dim> &field) {
+      if (factor == 0.)
+        return;
+      system.restrict(last_residual, force, &field);
+      sum += std::abs(factor) * last_residual.l2_norm();
+    };
+    add(end * scheme.alpha_v / dt, velocity);
+    add(scheme.alpha_m * share - end * scheme.alpha_a, acceleration);
+    return sum;
+  }
+
+
+
+  template <int dim>
+  double
+  ImplicitSteps<dim>::find_round_off() const
+  {
+    constexpr double units = 16. * std::numeric_limits<double>::epsilon();
+    // The displacement of points is of the size of its mean: coefficients of
+    // functions that points hardly see may be any number.
+    const VectorType &mass    = field().lumped_mass;
+    double            sums[2] = {};
+    for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
+      {
+        sums[1] += mass.local_element(i);
+        for (unsigned int d = 0; d < dim; ++d)
+          sums[0] += mass.local_element(i) * displacement[d].local_element(i) *
+                     displacement[d].local_element(i);
+      }
+    Utilities::MPI::sum(ArrayView<const double>(sums, 2),
+                        discretization.communicator(),
+                        ArrayView<double>(sums, 2));
+    const double u = sums[1] > 0. ? std::sqrt(sums[0] / sums[1]) : 0.;
+    double       x = 0.;
+    for (const auto *corner : {&parameters.grid.lower, &parameters.grid.upper})
+      for (const double coordinate : *corner)
+        x = std::max(x, std::abs(coordinate));
+    const double of_surfaces =
+      surfaces.empty() ? 0. : system.surface_stiffness_scale() * x;
+    return units *
+           (system.stiffness_scale() * (1. + u / discretization.cell_size()) +
+            of_surfaces + force_scale + inertia_at_begin);
+  }
+
+
+
+  template class ImplicitSteps<2>;
+  template class ImplicitSteps<3>;
+} // namespace greville

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/step_errors.h>
+#include <greville/steps/wall_friction.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    void
+    add_to(WallSums<dim> &sums, const WallSums<dim> &more)
+    {
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        sums[w] += more[w];
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  std::unique_ptr<Contact<dim>>
+  LumpedWallFriction<dim>::make(const IntegratorParts<dim> &parts)
+  {
+    const Walls<dim> &walls = parts.discretization.walls();
+    if (!walls.have_friction() || parts.discretization.fields()[0].consistent)
+      return nullptr;
+    return std::make_unique<LumpedWallFriction<dim>>(walls);
+  }
+
+
+
+  template <int dim>
+  LumpedWallFriction<dim>::LumpedWallFriction(const Walls<dim> &walls)
+    : walls(walls)
+  {}
+
+
+
+  template <int dim>
+  void
+  LumpedWallFriction<dim>::apply(ContactStep<dim> &step)
+  {
+    for (GridField<dim> &field : step.fields)
+      {
+        before = field.new_velocity;
+        add_to<dim>(field.momentum_of_walls,
+                    walls.add_contact(field.new_velocity,
+                                      field.acceleration,
+                                      step.dt,
+                                      field.lumped_mass));
+        // What the impulses give to the kinetic energy.
+        const VectorType &lumped      = field.lumped_mass;
+        double            work_before = 0., work_after = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+            {
+              const double impulse = lumped.local_element(i) *
+                                     (field.new_velocity[d].local_element(i) -
+                                      before[d].local_element(i));
+              work_before += impulse * field.velocity[d].local_element(i);
+              work_after += impulse * field.new_velocity[d].local_element(i);
+            }
+        step.add_work(work_before, work_after);
+      }
+  }
+
+
+
+  template <int dim>
+  WallSums<dim>
+  LumpedWallFriction<dim>::stop(VectorField<dim>     &velocity,
+                                const GridField<dim> &field) const
+  {
+    return walls.stop(velocity, field.lumped_mass);
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Contact<dim>>
+  WallFriction<dim>::make(const IntegratorParts<dim> &parts)
+  {
+    const Walls<dim> &walls = parts.discretization.walls();
+    if (!walls.have_friction() || !parts.discretization.fields()[0].consistent)
+      return nullptr;
+    return std::make_unique<WallFriction<dim>>(walls,
+                                               parts.discretization.fields(),
+                                               parts.log);
+  }
+
+
+
+  template <int dim>
+  WallFriction<dim>::WallFriction(const Walls<dim>            &walls,
+                                  std::vector<GridField<dim>> &fields,
+                                  StepLog                     &log)
+    : walls(walls)
+    , log(log)
+  {
+    for (GridField<dim> &field : fields)
+      of_fields.emplace_back(walls, *field.consistent);
+  }
+
+
+
+  template <int dim>
+  void
+  WallFriction<dim>::apply(ContactStep<dim> &step)
+  {
+    const PartTimer timer(log, "contact");
+    for (unsigned int k = 0; k < of_fields.size(); ++k)
+      {
+        GridField<dim>       &field   = step.fields[k];
+        FrictionContact<dim> &contact = of_fields[k];
+        fail_with([&]() {
+          add_to<dim>(field.momentum_of_walls,
+                      contact.add(field.new_velocity,
+                                  field.acceleration,
+                                  step.dt,
+                                  step.state.fields[k].slid));
+        });
+        step.most_iterations =
+          std::max(step.most_iterations, contact.most_iterations());
+        step.n_iterations += contact.n_iterations();
+        step.add_work(contact.work(field.velocity, field.velocity),
+                      contact.work(field.new_velocity, field.new_velocity));
+      }
+  }
+
+
+
+  template <int dim>
+  WallSums<dim>
+  WallFriction<dim>::stop(VectorField<dim>     &velocity,
+                          const GridField<dim> &field) const
+  {
+    return walls.stop(velocity, field.lumped_mass);
+  }
+
+
+
+  template <int dim>
+  void
+  WallFriction<dim>::begin_trial()
+  {
+    loads_before_trial.clear();
+    for (const FrictionContact<dim> &contact : of_fields)
+      loads_before_trial.push_back(contact.loads());
+  }
+
+
+
+  template <int dim>
+  void
+  WallFriction<dim>::end_trial()
+  {
+    for (unsigned int k = 0; k < of_fields.size(); ++k)
+      of_fields[k].set_loads(loads_before_trial[k]);
+  }
+
+
+
+  template <int dim>
+  void
+  WallFriction<dim>::forget()
+  {
+    for (FrictionContact<dim> &contact : of_fields)
+      contact.set_loads();
+  }
+
+
+
+  template class LumpedWallFriction<2>;
+  template class LumpedWallFriction<3>;
+  template class WallFriction<2>;
+  template class WallFriction<3>;
+} // namespace greville
