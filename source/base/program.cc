@@ -84,29 +84,17 @@ namespace greville
 
 
     /**
-     * The words of @p text in lines of at most 79 letters, of which all but the
-     * first are indented. The first one begins at @p column.
+     * A text in lines of at most 79 letters, of which all but the first are
+     * indented: it begins there already.
      */
     std::string
-    wrapped(const std::string &text,
-            const std::size_t  indent,
-            std::size_t        column)
+    wrapped(const std::string &text, const unsigned int indent)
     {
-      constexpr std::size_t width = 79;
-      std::string           result;
-      bool                  is_first = true;
-      std::istringstream    words(text);
-      for (std::string word; words >> word; is_first = false)
-        {
-          const bool breaks = !is_first && column + 1 + word.size() > width;
-          if (breaks)
-            column = indent;
-          result += breaks     ? "\n" + std::string(indent, ' ')
-                    : is_first ? ""
-                               : " ";
-          column += word.size() + (is_first || breaks ? 0 : 1);
-          result += word;
-        }
+      std::string result;
+      for (const std::string &line :
+           Utilities::break_text_into_lines(text, 79 - indent))
+        result +=
+          (result.empty() ? "" : "\n" + std::string(indent, ' ')) + line;
       return result + "\n";
     }
 
@@ -115,9 +103,9 @@ namespace greville
     std::string
     usage_of(const Program &program)
     {
-      constexpr std::size_t indent = 22;
-      std::string           result =
-        wrapped(program.name + ": " + program.purpose + ".", 0, 0) +
+      constexpr unsigned int indent = 22;
+      std::string            result =
+        wrapped(program.name + ": " + program.purpose + ".", 0) +
         "\nUsage: " + program.name +
         " FILE.prm [OPTION...]    run a parameter file\n       " +
         program.name + " OPTION                   something else\n\n" +
@@ -131,7 +119,7 @@ namespace greville
         words += words.size() + 2 > indent
                    ? "\n" + std::string(indent, ' ')
                    : std::string(indent - words.size(), ' ');
-        result += words + wrapped(option.meaning, indent, indent);
+        result += words + wrapped(option.meaning, indent);
       };
       add(set_option);
       for (const ProgramOption &option : program.options)

@@ -55,22 +55,6 @@ namespace greville
   namespace
   {
     /**
-     * Collective. What the first process writes is known to have failed to all.
-     */
-    void
-    write_on_first(const std::function<void()> &write)
-    {
-      run_on_all(
-        [&]() {
-          if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-            write();
-        },
-        MPI_COMM_WORLD);
-    }
-
-
-
-    /**
      * The entries of a list, or the one value where the list is empty.
      */
     std::vector<std::string>
@@ -139,10 +123,12 @@ namespace greville
                  const std::vector<std::string> &settings)
   {
     const std::string used = read(file, settings);
-    write_on_first([&]() {
-      create_folder(output_directory, "Benchmark/Output directory");
-      write_atomically(output_directory + "/parameters.prm", used);
-    });
+    run_on_first(
+      [&]() {
+        create_folder(output_directory, "Benchmark/Output directory");
+        write_atomically(output_directory + "/parameters.prm", used);
+      },
+      MPI_COMM_WORLD);
     print_header(file);
 
     const auto cells = cells_of_dimensions();
@@ -155,7 +141,7 @@ namespace greville
 
     if (parameters.throughput)
       bandwidth = measure_bandwidth(MPI_COMM_WORLD);
-    write_on_first([&]() { write_results(); });
+    run_on_first([&]() { write_results(); }, MPI_COMM_WORLD);
     bool has_result = false;
     for (const SolveRecord &record : records)
       has_result = has_result || !record.has_failed;
@@ -422,9 +408,12 @@ namespace greville
     const auto run = [&](const SolveRecord &record) {
       records.push_back(solve<dim>(problem, record));
       // Nothing is lost if a later solve fails.
-      write_on_first([&]() {
-        write_atomically(output_directory + "/solves.csv", solves_csv(records));
-      });
+      run_on_first(
+        [&]() {
+          write_atomically(output_directory + "/solves.csv",
+                           solves_csv(records));
+        },
+        MPI_COMM_WORLD);
     };
     PMultigridParameters            &m = multigrid_of(what.operator_name);
     const std::array<std::string, 4> old{

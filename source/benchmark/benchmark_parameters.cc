@@ -30,72 +30,62 @@ namespace greville
   void
   BenchmarkParameters::declare(ParameterHandler &prm)
   {
-    prm.add_parameter(
-      "Operators",
-      operators,
+    add_parameter(prm,
+                  "Operators",
+                  operators,
+                  Patterns::List(Patterns::Anything(), 1))(
       "What is solved with: the mass, the Laplacian (laplace, on the box), the "
       "stiffness of a linear-elastic body (elasticity), and 4 / dt^2 times the "
       "mass plus the stiffness (mass and elasticity): " +
-        operator_names() + ".",
-      Patterns::List(Patterns::Anything(), 1));
-    prm.add_parameter("Poisson ratios",
-                      poissons_ratios,
-                      "Poisson's ratios of elasticity, greater than -1 and "
-                      "smaller than 0.5. Unit: none.",
-                      Patterns::List(Patterns::Double(), 1));
-    prm.add_parameter(
-      "Courant numbers",
-      courant_numbers,
+      operator_names() + ".");
+    add_parameter(prm,
+                  "Poisson ratios",
+                  poissons_ratios,
+                  Patterns::List(Patterns::Double(), 1))(
+      "Poisson's ratios of elasticity, greater than -1 and smaller than 0.5. "
+      "Unit: none.");
+    add_parameter(prm,
+                  "Courant numbers",
+                  courant_numbers,
+                  Patterns::List(Patterns::Double(), 1))(
       "Courant numbers dt sqrt((lambda + 2 G) / rho) / h of mass and "
       "elasticity, greater than 0, with the smallest side h of cells and the "
-      "mean density. Unit: none.",
-      Patterns::List(Patterns::Double(), 1));
-    prm.add_parameter("Dimensions",
-                      dimensions,
-                      "Dimensions to run, one after the other.",
-                      Patterns::List(Patterns::Integer(2, 3), 1));
-    prm.add_parameter("Orders",
-                      orders,
-                      "Orders p of the splines, which are their degrees.",
-                      Patterns::List(Patterns::Integer(1, 5), 1));
-    prm.add_parameter(
-      "Cells",
-      cells,
+      "mean density. Unit: none.");
+    add_parameter(prm,
+                  "Dimensions",
+                  dimensions,
+                  Patterns::List(Patterns::Integer(2, 3), 1))(
+      "Dimensions to run, one after the other.");
+    add_parameter(prm,
+                  "Orders",
+                  orders,
+                  Patterns::List(Patterns::Integer(1, 5), 1))(
+      "Orders p of the splines, which are their degrees.");
+    add_parameter(prm, "Cells", cells)(
       "Numbers of cells per direction (times 'Cell ratio'). Lists for several "
       "dimensions are separated by ';'. Unit: cells.");
-    prm.add_parameter("Solvers",
-                      solvers,
-                      "Solvers of the mass: " + MassSolver<2>::names() +
-                        "; of the other operators: " + solvers_beside_mass() +
-                        ".");
+    add_parameter(prm, "Solvers", solvers)(
+      "Solvers of the mass: " + MassSolver<2>::names() +
+      "; of the other operators: " + solvers_beside_mass() + ".");
     for (const Variants &list : variants())
-      prm.add_parameter(list.name,
-                        list.values,
-                        list.name + " to run each p-multigrid solver with: " +
-                          list.allowed + ". Empty: the one of p-multigrid.");
-    prm.add_parameter("Published iterations",
-                      published,
-                      "Tables to compare with in the first of the dimensions: "
-                      "solver:FILE, relative to the parameter file; lines of "
-                      "FILE are cells,iterations at p1,p2,...");
-    prm.add_parameter("Repetitions",
-                      repetitions,
-                      "Each solve runs so many times; the median of each time "
-                      "is reported. Unit: solves.",
-                      Patterns::Integer(1, 1000));
-    prm.add_parameter(
-      "Operator throughput",
-      throughput,
+      add_parameter(prm, list.name, list.values)(
+        list.name + " to run each p-multigrid solver with: " + list.allowed +
+        ". Empty: the one of p-multigrid.");
+    add_parameter(prm, "Published iterations", published)(
+      "Tables to compare with in the first of the dimensions: solver:FILE, "
+      "relative to the parameter file; lines of FILE are cells,iterations at "
+      "p1,p2,...");
+    add_parameter(prm, "Repetitions", repetitions, Patterns::Integer(1, 1000))(
+      "Each solve runs so many times; the median of each time is reported. "
+      "Unit: solves.");
+    add_parameter(prm, "Operator throughput", throughput)(
       "Measure unknowns per second of the matrix-free and the assembled "
       "operator and of the tensor-product inverse, and the memory bandwidth.");
-    prm.add_parameter(
-      "Print times",
-      print_times,
+    add_parameter(prm, "Print times", print_times)(
       "Print what differs from run to run and from machine to machine: the "
       "machine, the progress line, the tables of times.");
-    prm.add_parameter("Output directory",
-                      output_directory,
-                      "Where results go. Empty: output/NAME for NAME.prm.");
+    add_parameter(prm, "Output directory", output_directory)(
+      "Where results go. Empty: output/NAME for NAME.prm.");
   }
 
 

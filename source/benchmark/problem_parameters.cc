@@ -17,75 +17,70 @@ namespace greville
   void
   ProblemParameters::declare(ParameterHandler &prm)
   {
-    prm.add_parameter("Lower corner",
-                      lower,
-                      "Corner of the box with the smallest coordinates; 2D "
-                      "takes the first two. Unit: m.",
-                      Patterns::List(Patterns::Double(), 2, 3));
-    prm.add_parameter("Upper corner",
-                      upper,
-                      "Corner with the largest coordinates. Unit: m.",
-                      Patterns::List(Patterns::Double(), 2, 3));
-    prm.add_parameter("Cell ratio",
-                      cell_ratio,
-                      "The box has this multiple of the number of cells in "
-                      "each direction. Unit: none.",
-                      Patterns::List(Patterns::Integer(1), 2, 3));
-    prm.add_parameter("Density",
-                      density,
-                      "Density as an expression of x, y, z; not negative, zero "
-                      "in holes, as in if(x<0.5,1,0). Unit: kg/m^dim.");
-    prm.add_parameter(
-      "Acceleration",
-      acceleration,
+    add_parameter(prm,
+                  "Lower corner",
+                  lower,
+                  Patterns::List(Patterns::Double(), 2, 3))(
+      "Corner of the box with the smallest coordinates; 2D takes the first "
+      "two. Unit: m.");
+    add_parameter(prm,
+                  "Upper corner",
+                  upper,
+                  Patterns::List(Patterns::Double(), 2, 3))(
+      "Corner with the largest coordinates. Unit: m.");
+    add_parameter(prm,
+                  "Cell ratio",
+                  cell_ratio,
+                  Patterns::List(Patterns::Integer(1), 2, 3))(
+      "The box has this multiple of the number of cells in each direction. "
+      "Unit: none.");
+    add_parameter(prm, "Density", density)(
+      "Density as an expression of x, y, z; not negative, zero in holes, as in "
+      "if(x<0.5,1,0). Unit: kg/m^dim.");
+    add_parameter(prm, "Acceleration", acceleration)(
       "The force is density times this expression of x, y, z, which is then "
       "the solution, up to its projection. Unit: m/s^2.");
-    prm.add_parameter("Clamped walls",
-                      clamped,
-                      "Where the solution is zero, for operators with "
-                      "derivatives: Left, Right (x), Bottom, Top (y), Back, "
-                      "Front (z). Empty: all walls for laplace, and the floor "
-                      "(the lower wall in the last direction) for elasticity.",
-                      Patterns::List(Patterns::Selection(
-                                       "Left|Right|Bottom|Top|Back|Front"),
-                                     0));
-    prm.add_parameter(
-      "Points",
-      bodies,
+    add_parameter(prm,
+                  "Clamped walls",
+                  clamped,
+                  Patterns::List(Patterns::Selection(
+                                   "Left|Right|Bottom|Top|Back|Front"),
+                                 0))(
+      "Where the solution is zero, for operators with derivatives: Left, Right "
+      "(x), Bottom, Top (y), Back, Front (z). Empty: all walls for laplace, "
+      "and the floor (the lower wall in the last direction) for elasticity.");
+    add_parameter(prm,
+                  "Points",
+                  bodies,
+                  Patterns::List(Patterns::Anything(), 0))(
       "Bodies of material points with this density, one after the other: box "
       "fills the grid, column stands on the floor (the lower wall in the last "
       "direction) away from all other walls, disk (2D) and ball (3D) are "
       "round, in the middle, and touch no wall; others have a name of "
-      "'Shapes'. Empty: the box by Gauss quadrature, without points.",
-      Patterns::List(Patterns::Anything(), 0));
-    prm.add_parameter(
-      "Shapes",
-      shapes,
+      "'Shapes'. Empty: the box by Gauss quadrature, without points.");
+    add_parameter(prm, "Shapes", shapes)(
       "Bodies of 'Points' by formulas as those of 'Shape' of a simulation: "
       "NAME: FORMULA, separated by ';'. What sticks out of the grid is cut "
       "off. Unit: m.");
-    prm.add_parameter("Points per direction",
-                      points_per_direction,
-                      "Material points per cell in each direction; several "
-                      "numbers one after the other. Unit: none.",
-                      Patterns::List(Patterns::Integer(2, 4), 1));
-    prm.add_parameter(
-      "Jitter",
-      jitter,
+    add_parameter(prm,
+                  "Points per direction",
+                  points_per_direction,
+                  Patterns::List(Patterns::Integer(2, 4), 1))(
+      "Material points per cell in each direction; several numbers one after "
+      "the other. Unit: none.");
+    add_parameter(prm, "Jitter", jitter, Patterns::Double(0., 1.))(
       "Each material point is moved at random by at most this part of half the "
-      "distance between points; 0: a lattice. Unit: none.",
-      Patterns::Double(0., 1.));
-    prm.add_parameter(
-      "Filling threshold",
-      filling_threshold,
+      "distance between points; 0: a lattice. Unit: none.");
+    add_parameter(prm,
+                  "Filling threshold",
+                  filling_threshold,
+                  Patterns::Double(0.))(
       "Cells of which material points fill this part are well-filled. "
       "B-splines without a cell that is surrounded by such cells are extended "
-      "from those with one; 0: all cells with points count. Unit: none.",
-      Patterns::Double(0.));
-    prm.add_parameter("Extension",
-                      extend,
-                      "Extended B-splines for material points; without, the "
-                      "matrix of all functions that see a point.");
+      "from those with one; 0: all cells with points count. Unit: none.");
+    add_parameter(prm, "Extension", extend)(
+      "Extended B-splines for material points; without, the matrix of all "
+      "functions that see a point.");
   }
 
 

@@ -106,8 +106,7 @@ namespace greville
   int
   PointsOfFile<dim>::find(const std::string &name) const
   {
-    const auto found = std::find(names.begin(), names.end(), name);
-    return found == names.end() ? -1 : found - names.begin();
+    return place_of(names, name);
   }
 
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/parameters.h>
 #include <greville/materials/bingham.h>
 #include <greville/materials/decoupled_neo_hookean.h>
 #include <greville/materials/drucker_prager.h>
@@ -84,10 +85,8 @@ namespace greville
   void
   Material::declare(ParameterHandler &prm)
   {
-    prm.add_parameter("Density",
-                      density,
-                      "Density in the stress-free state. Unit: kg / m^3.",
-                      positive());
+    add_parameter(prm, "Density", density, positive())(
+      "Density in the stress-free state. Unit: kg / m^3.");
   }
 
 

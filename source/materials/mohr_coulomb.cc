@@ -11,38 +11,28 @@ namespace greville
   {
     HenckyPlasticity<MohrCoulomb>::declare(prm);
     using Patterns::Double;
-    prm.add_parameter("Cohesion",
-                      cohesion,
-                      "Peak cohesion, Kirchhoff stress. Unit: Pa.",
-                      Double(0.));
-    prm.add_parameter("Residual cohesion",
-                      residual_cohesion,
-                      "Cohesion after softening; negative: the peak. Unit: Pa.",
-                      Double());
-    prm.add_parameter("Friction angle",
-                      friction_angle,
-                      "Peak angle of internal friction. Unit: degrees.",
-                      Double(0., 89.));
-    prm.add_parameter(
-      "Residual friction angle",
-      residual_friction_angle,
-      "Friction angle after softening; negative: the peak. Unit: degrees.",
-      Double(-90., 89.));
-    prm.add_parameter("Dilatancy angle",
-                      dilatancy_angle,
-                      "Angle of dilatancy, at most the residual friction "
-                      "angle. Unit: degrees.",
-                      Double(0., 89.));
-    prm.add_parameter("Softening",
-                      softening,
-                      "How cohesion and friction angle fall.",
-                      Patterns::Selection("linear|exponential"));
-    prm.add_parameter(
-      "Softening strain",
-      softening_strain,
-      "Equivalent plastic strain at which linear softening ends, or over "
-      "which exponential softening falls by the factor e. Unit: none.",
-      positive());
+    add_parameter(prm, "Cohesion", cohesion, Double(0.))(
+      "Peak cohesion, Kirchhoff stress. Unit: Pa.");
+    add_parameter(prm, "Residual cohesion", residual_cohesion, Double())(
+      "Cohesion after softening; negative: the peak. Unit: Pa.");
+    add_parameter(prm, "Friction angle", friction_angle, Double(0., 89.))(
+      "Peak angle of internal friction. Unit: degrees.");
+    add_parameter(prm,
+                  "Residual friction angle",
+                  residual_friction_angle,
+                  Double(-90., 89.))(
+      "Friction angle after softening; negative: the peak. Unit: degrees.");
+    add_parameter(prm, "Dilatancy angle", dilatancy_angle, Double(0., 89.))(
+      "Angle of dilatancy, at most the residual friction angle. Unit: "
+      "degrees.");
+    add_parameter(prm,
+                  "Softening",
+                  softening,
+                  Patterns::Selection("linear|exponential"))(
+      "How cohesion and friction angle fall.");
+    add_parameter(prm, "Softening strain", softening_strain, positive())(
+      "Equivalent plastic strain at which linear softening ends, or over which "
+      "exponential softening falls by the factor e. Unit: none.");
     reduction_of_strength.declare(prm);
   }
 

@@ -2,6 +2,7 @@
 
 #include <greville/multigrid/extended_mass_solver.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -45,8 +46,10 @@ namespace greville
     total_mass = new_total_mass;
     if (other_preconditioner)
       return;
+    const auto &alike = mass.unknowns().alike();
     if (is_due || smoother_parameters.reuse == 0 ||
-        mass.unknowns().alike() != factor_alike)
+        !std::equal(
+          alike.begin(), alike.end(), factor_alike.begin(), factor_alike.end()))
       factorize();
     else if (unknowns_changed)
       {
@@ -66,7 +69,8 @@ namespace greville
                          mass.unknowns().unknown_places().begin() +
                            mass.unknowns().n_owned_unknowns());
     factor_rows.clear();
-    factor_alike = mass.unknowns().alike();
+    factor_alike.assign(mass.unknowns().alike().begin(),
+                        mass.unknowns().alike().end());
     factors.clear();
     const auto held      = mass.unknowns().held_unknowns();
     const auto positions = mass.unknowns().unknown_positions();
@@ -148,58 +152,6 @@ namespace greville
           }
         part.cholesky.hold(of_factors, n);
       }
-  }
-
-
-
-  template <int dim>
-  struct ExtendedMassSolver<dim>::Memory
-  {
-    std::vector<std::shared_ptr<Factors>> factors;
-    std::array<unsigned int, dim>         factor_alike;
-    std::vector<unsigned int>             factor_places;
-    std::vector<int>                      factor_rows;
-    VectorType                            diagonal;
-    unsigned int                          factorizations;
-    bool                                  is_due, is_fresh;
-    unsigned int                          fresh_iterations, excess_iterations;
-  };
-
-
-
-  template <int dim>
-  std::shared_ptr<const typename ExtendedMassSolver<dim>::Memory>
-  ExtendedMassSolver<dim>::memory() const
-  {
-    return std::make_shared<const Memory>(Memory{factors,
-                                                 factor_alike,
-                                                 factor_places,
-                                                 factor_rows,
-                                                 diagonal,
-                                                 factorizations,
-                                                 is_due,
-                                                 is_fresh,
-                                                 fresh_iterations,
-                                                 excess_iterations});
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMassSolver<dim>::set_memory(const Memory &memory)
-  {
-    factors           = memory.factors;
-    factor_alike      = memory.factor_alike;
-    factor_places     = memory.factor_places;
-    factor_rows       = memory.factor_rows;
-    diagonal          = memory.diagonal;
-    factorizations    = memory.factorizations;
-    is_due            = memory.is_due;
-    is_fresh          = memory.is_fresh;
-    fresh_iterations  = memory.fresh_iterations;
-    excess_iterations = memory.excess_iterations;
-    n_holds           = 0;
   }
 
 

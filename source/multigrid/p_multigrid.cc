@@ -3,6 +3,7 @@
 #include <deal.II/lac/precondition.h>
 #include <deal.II/lac/solver_cg.h>
 
+#include <greville/base/parameters.h>
 #include <greville/multigrid/p_multigrid.h>
 
 #include <map>
@@ -43,43 +44,42 @@ namespace greville
                                 const std::string &smoothers,
                                 const std::string &coarse_preconditioners)
   {
-    prm.add_parameter(
-      "Smoother",
-      smoother,
+    add_parameter(prm, "Smoother", smoother, Patterns::Selection(smoothers))(
       std::string("The smoother of all levels but the coarsest.") +
-        (smoother == "auto" ? " auto: chebyshev-ic0, and where "
-                              "Poisson's ratio is above 0.4 or "
-                              "0.475 chebyshev-component-ic0 with a "
-                              "degree raised by 1 or 3, and a range "
-                              "of 2 or 4 times the given one."
-                            : ""),
-      Patterns::Selection(smoothers));
-    prm.add_parameter(
-      "Pre-smoothing steps",
-      pre_smoothing,
-      "nu1, smoothing steps before the coarse correction. Unit: steps.",
-      Patterns::Integer(0, 100));
-    prm.add_parameter(
-      "Post-smoothing steps",
-      post_smoothing,
-      "nu2, smoothing steps after the coarse correction. Unit: steps.",
-      Patterns::Integer(0, 100));
-    prm.add_parameter(
-      "Coarse tolerance",
-      coarse_tolerance,
+      (smoother == "auto" ? " auto: chebyshev-ic0, and where "
+                            "Poisson's ratio is above 0.4 or "
+                            "0.475 chebyshev-component-ic0 with a "
+                            "degree raised by 1 or 3, and a range "
+                            "of 2 or 4 times the given one."
+                          : ""));
+    add_parameter(prm,
+                  "Pre-smoothing steps",
+                  pre_smoothing,
+                  Patterns::Integer(0, 100))(
+      "nu1, smoothing steps before the coarse correction. Unit: steps.");
+    add_parameter(prm,
+                  "Post-smoothing steps",
+                  post_smoothing,
+                  Patterns::Integer(0, 100))(
+      "nu2, smoothing steps after the coarse correction. Unit: steps.");
+    add_parameter(prm,
+                  "Coarse tolerance",
+                  coarse_tolerance,
+                  Patterns::Double(0., 1.))(
       "Relative residual of the conjugate gradients at p = 1. Where p = 1 is "
       "the only level, the solver's tolerance applies. 1: the coarse "
-      "preconditioner is applied once. Unit: none.",
-      Patterns::Double(0., 1.));
-    prm.add_parameter("Coarse maximum iterations",
-                      coarse_max_iterations,
-                      "The conjugate gradients at p = 1 end after so many "
-                      "iterations at the latest. Unit: iterations.",
-                      Patterns::Integer(1));
-    prm.add_parameter("Coarse preconditioner",
-                      coarse_preconditioner,
-                      "Preconditioner of the conjugate gradients at p = 1.",
-                      Patterns::Selection(coarse_preconditioners));
+      "preconditioner is applied once. Unit: none.");
+    add_parameter(prm,
+                  "Coarse maximum iterations",
+                  coarse_max_iterations,
+                  Patterns::Integer(1))(
+      "The conjugate gradients at p = 1 end after so many iterations at the "
+      "latest. Unit: iterations.");
+    add_parameter(prm,
+                  "Coarse preconditioner",
+                  coarse_preconditioner,
+                  Patterns::Selection(coarse_preconditioners))(
+      "Preconditioner of the conjugate gradients at p = 1.");
   }
 
 

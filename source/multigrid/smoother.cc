@@ -3,6 +3,7 @@
 #include <deal.II/lac/precondition.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/parameters.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
 #include <greville/multigrid/smoother.h>
 
@@ -17,44 +18,33 @@ namespace greville
   void
   SmootherParameters::declare(ParameterHandler &prm, const bool with_reuse)
   {
-    prm.add_parameter("Shift",
-                      shift,
-                      "Of incomplete factorizations: added to the diagonal "
-                      "of the scaled matrix (which is 1) before the "
-                      "factorization. (ic0 raises "
-                      "pivots that fail all the same, and shifts by up to 4e-3 "
-                      "where its factors are nearly singular.) Unit: none.",
-                      Patterns::Double(0.));
+    add_parameter(prm, "Shift", shift, Patterns::Double(0.))(
+      "Of incomplete factorizations: added to the diagonal of the scaled "
+      "matrix (which is 1) before the factorization. (ic0 raises pivots that "
+      "fail all the same, and shifts by up to 4e-3 where its factors are "
+      "nearly singular.) Unit: none.");
     if (with_reuse)
-      prm.add_parameter(
-        "Reuse",
-        reuse,
-        "cg-ic0: a factorization serves following steps, too, "
-        "until the iterations that they need more than the first solve add up "
-        "to this number, or more unknowns than that have come and gone. 0: "
-        "each step factorizes. Unit: iterations.",
-        Patterns::Integer(0));
-    prm.add_parameter(
-      "Damping",
-      damping,
+      add_parameter(prm, "Reuse", reuse, Patterns::Integer(0))(
+        "cg-ic0: a factorization serves following steps, too, until the "
+        "iterations that they need more than the first solve add up to this "
+        "number, or more unknowns than that have come and gone. 0: each step "
+        "factorizes. Unit: iterations.");
+    add_parameter(prm, "Damping", damping, Patterns::Double(0.))(
       "jacobi: the factor omega in units of 1 / lambda_max(D^-1 M), which is "
-      "estimated; below 2 for convergence. Unit: none.",
-      Patterns::Double(0.));
-    prm.add_parameter("Chebyshev degree",
-                      chebyshev_degree,
-                      "chebyshev, chebyshev-ic0 and chebyshev-component-ic0: "
-                      "degree of the polynomial. Unit: none.",
-                      Patterns::Integer(1, 100));
-    prm.add_parameter(
-      "Chebyshev range",
-      chebyshev_range,
+      "estimated; below 2 for convergence. Unit: none.");
+    add_parameter(prm,
+                  "Chebyshev degree",
+                  chebyshev_degree,
+                  Patterns::Integer(1, 100))(
+      "chebyshev, chebyshev-ic0 and chebyshev-component-ic0: degree of the "
+      "polynomial. Unit: none.");
+    add_parameter(prm,
+                  "Chebyshev range",
+                  chebyshev_range,
+                  Patterns::Double(1.))(
       "The same: eigenvalues of D^-1 M (with the IC(0) in place of D) between "
-      "lambda_max / range and lambda_max are smoothed. Unit: "
-      "none.",
-      Patterns::Double(1.));
-    prm.add_parameter(
-      "PETSc options",
-      petsc_options,
+      "lambda_max / range and lambda_max are smoothed. Unit: none.");
+    add_parameter(prm, "PETSc options", petsc_options)(
       "petsc: the preconditioner, in PETSc's options without prefix.");
   }
 

@@ -196,17 +196,18 @@ namespace greville
   void
   ImplicitParameters::declare(ParameterHandler &prm)
   {
-    prm.add_parameter("Spectral radius",
-                      spectral_radius,
-                      "generalized-alpha: the factor by which a step changes "
-                      "the amplitude of the highest modes; 1 keeps them, 0 "
-                      "removes them. Unit: none.",
-                      Patterns::Double(0., 1.));
-    prm.add_parameter("Smallest step",
-                      smallest_step,
-                      "A run ends where Newton's method fails with this "
-                      "fraction of 'Time/Step'. Unit: none.",
-                      Patterns::Double(1e-12, 1.));
+    add_parameter(prm,
+                  "Spectral radius",
+                  spectral_radius,
+                  Patterns::Double(0., 1.))(
+      "generalized-alpha: the factor by which a step changes the amplitude of "
+      "the highest modes; 1 keeps them, 0 removes them. Unit: none.");
+    add_parameter(prm,
+                  "Smallest step",
+                  smallest_step,
+                  Patterns::Double(1e-12, 1.))(
+      "A run ends where Newton's method fails with this fraction of "
+      "'Time/Step'. Unit: none.");
   }
 
 
@@ -214,33 +215,29 @@ namespace greville
   void
   NewtonParameters::declare(ParameterHandler &prm)
   {
-    prm.add_parameter(
-      "Tolerance",
-      tolerance,
+    add_parameter(prm, "Tolerance", tolerance, Patterns::Double(1e-14, 1.))(
       "Newton's method ends where the residual is this fraction of the largest "
       "of the forces that it is the sum of: those of stresses, loads and "
-      "inertia; or where it is round-off. Unit: none.",
-      Patterns::Double(1e-14, 1.));
-    prm.add_parameter("Absolute tolerance",
-                      absolute_tolerance,
-                      "It ends, too, where the residual is smaller than this. "
-                      "Unit: N (2D: N / m).",
-                      Patterns::Double(0.));
-    prm.add_parameter("Maximum iterations",
-                      max_iterations,
-                      "A step that needs more is cut in halves. Unit: "
-                      "iterations.",
-                      Patterns::Integer(1));
-    prm.add_parameter("Largest linear tolerance",
-                      largest_forcing,
-                      "Linear systems are solved to this relative residual at "
-                      "least, and the more exactly the faster Newton's method "
-                      "converges. Unit: none.",
-                      Patterns::Double(0., 1.));
-    prm.add_parameter("Print iterations",
-                      log,
-                      "Whether a line is printed for each iteration.",
-                      Patterns::Bool());
+      "inertia; or where it is round-off. Unit: none.");
+    add_parameter(prm,
+                  "Absolute tolerance",
+                  absolute_tolerance,
+                  Patterns::Double(0.))(
+      "It ends, too, where the residual is smaller than this. Unit: N (2D: N / "
+      "m).");
+    add_parameter(prm,
+                  "Maximum iterations",
+                  max_iterations,
+                  Patterns::Integer(1))(
+      "A step that needs more is cut in halves. Unit: iterations.");
+    add_parameter(prm,
+                  "Largest linear tolerance",
+                  largest_forcing,
+                  Patterns::Double(0., 1.))(
+      "Linear systems are solved to this relative residual at least, and the "
+      "more exactly the faster Newton's method converges. Unit: none.");
+    add_parameter(prm, "Print iterations", log, Patterns::Bool())(
+      "Whether a line is printed for each iteration.");
   }
 
 

@@ -10,6 +10,20 @@ namespace greville
   namespace internal
   {
     /**
+     * The univariate functions of a cell at a point.
+     */
+    template <int dim, int n>
+    ShapeValues<dim, n, double>
+    evaluated(const CellGeometry<dim, n> &cell, const dealii::Point<dim> &x)
+    {
+      ShapeValues<dim, n, double> shape;
+      shape.template evaluate<true>(cell, x.begin_raw());
+      return shape;
+    }
+
+
+
+    /**
      * Gradients of the functions of a cell at a point: [direction][function].
      */
     template <int dim, int n>
@@ -18,28 +32,16 @@ namespace greville
       static constexpr int n_functions = power(n, dim);
 
       Gradients(const CellGeometry<dim, n> &cell, const dealii::Point<dim> &x)
+        : Gradients(evaluated(cell, x))
+      {}
+
+      Gradients(const ShapeValues<dim, n, double> &shape)
       {
-        double N[3][n], dN[3][n];
-        for (int d = 0; d < dim; ++d)
-          {
-            const double  t = (x[d] - cell.center[d]) * cell.inverse_h[d];
-            const double *c = cell.polynomials[d];
-            for (int a = 0; a < n; ++a)
-              {
-                double value = c[a * n + n - 1], slope = 0.;
-                for (int k = n - 2; k >= 0; --k)
-                  {
-                    slope = slope * t + value;
-                    value = value * t + c[a * n + k];
-                  }
-                N[d][a]  = value;
-                dN[d][a] = slope * cell.inverse_h[d];
-              }
-          }
+        const auto &N = shape.N, &dN = shape.dN;
         for (int a_z = 0, a = 0; a_z < (dim == 3 ? n : 1); ++a_z)
           for (int a_y = 0; a_y < n; ++a_y, a += n)
             {
-              const double N_z  = dim == 3 ? N[2][a_z] : 1.;
+              const double N_z  = dim == 3 ? N[dim - 1][a_z] : 1.;
               const double yz   = N[1][a_y] * N_z;
               const double dy_z = dN[1][a_y] * N_z;
               for (int a_x = 0; a_x < n; ++a_x)
@@ -65,24 +67,13 @@ namespace greville
     {
       ValuesAndGradients(const CellGeometry<dim, n> &cell,
                          const dealii::Point<dim>   &x)
-        : gradients(cell, x)
+        : ValuesAndGradients(evaluated(cell, x))
+      {}
+
+      ValuesAndGradients(const ShapeValues<dim, n, double> &shape)
+        : gradients(shape)
       {
-        double N[3][n];
-        for (int d = 0; d < dim; ++d)
-          {
-            const double  t = (x[d] - cell.center[d]) * cell.inverse_h[d];
-            const double *c = cell.polynomials[d];
-            for (int a = 0; a < n; ++a)
-              {
-                N[d][a] = c[a * n + n - 1];
-                for (int k = n - 2; k >= 0; --k)
-                  N[d][a] = N[d][a] * t + c[a * n + k];
-              }
-          }
-        for (int a_z = 0, a = 0; a_z < (dim == 3 ? n : 1); ++a_z)
-          for (int a_y = 0; a_y < n; ++a_y)
-            for (int a_x = 0; a_x < n; ++a_x, ++a)
-              values[a] = N[0][a_x] * N[1][a_y] * (dim == 3 ? N[2][a_z] : 1.);
+        shape.multiply(values);
       }
 
       Gradients<dim, n> gradients;

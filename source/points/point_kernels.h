@@ -44,6 +44,8 @@ namespace greville
     template <int dim, int n>
     struct CellGeometry
     {
+      CellGeometry() = default;
+
       CellGeometry(const SpacePolynomials<dim> &tables, const unsigned int cell)
       {
         const SplineSpace<dim> &space   = *tables.space;
@@ -71,25 +73,26 @@ namespace greville
 
 
     /**
-     * Values and derivatives of the univariate functions at a group of points.
+     * Values and derivatives of the univariate functions at a group of points,
+     * or at one.
      */
-    template <int dim, int n>
+    template <int dim, int n, typename Number = Simd>
     struct ShapeValues
     {
       template <bool derivatives>
       inline __attribute__((always_inline)) void
-      evaluate(const CellGeometry<dim, n> &cell, const Simd *x)
+      evaluate(const CellGeometry<dim, n> &cell, const Number *x)
       {
 #pragma GCC unroll 3
         for (int d = 0; d < dim; ++d)
           {
-            const Simd    t = (x[d] - cell.center[d]) * cell.inverse_h[d];
+            const Number  t = (x[d] - cell.center[d]) * cell.inverse_h[d];
             const double *c = cell.polynomials[d];
 #pragma GCC unroll 6
             for (int a = 0; a < n; ++a)
               {
-                Simd value = c[a * n + n - 1];
-                Simd slope = 0.;
+                Number value = c[a * n + n - 1];
+                Number slope = 0.;
 #pragma GCC unroll 6
                 for (int k = n - 2; k >= 0; --k)
                   {
@@ -104,8 +107,25 @@ namespace greville
           }
       }
 
-      Simd N[dim][n];
-      Simd dN[dim][n];
+      /**
+       * The values of all functions of the cell, in lexicographic order.
+       */
+      void
+      multiply(Number (&values)[power(n, dim)]) const
+      {
+        for (int a_z = 0, a = 0; a_z < (dim == 3 ? n : 1); ++a_z)
+          for (int a_y = 0; a_y < n; ++a_y)
+            {
+              Number N_yz = N[1][a_y];
+              if constexpr (dim == 3)
+                N_yz *= N[dim - 1][a_z];
+              for (int a_x = 0; a_x < n; ++a_x, ++a)
+                values[a] = N_yz * N[0][a_x];
+            }
+      }
+
+      Number N[dim][n];
+      Number dN[dim][n];
     };
 
 

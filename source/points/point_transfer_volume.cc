@@ -32,16 +32,7 @@ namespace greville
               ShapeValues<dim, n> shape;
               shape.template evaluate<false>(geometry, x);
               Simd N[power(n, dim)];
-              int  a = 0;
-              for (int a_z = 0; a_z < (dim == 3 ? n : 1); ++a_z)
-                for (int a_y = 0; a_y < n; ++a_y)
-                  {
-                    Simd N_yz = shape.N[1][a_y];
-                    if constexpr (dim == 3)
-                      N_yz *= shape.N[dim - 1][a_z];
-                    for (int a_x = 0; a_x < n; ++a_x)
-                      N[a++] = N_yz * shape.N[0][a_x];
-                  }
+              shape.multiply(N);
               action(points.group(g), N, geometry.functions);
             }
           finish(geometry.functions);

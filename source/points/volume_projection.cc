@@ -13,42 +13,6 @@ namespace greville
   namespace
   {
     /**
-     * The functions of a cell of the projection, n in each direction.
-     */
-    template <int dim, int n>
-    struct ProjectionCell
-    {
-      /**
-       * The values of all of them.
-       */
-      void
-      evaluate(const Point<dim> &x, double (&values)[power(n, dim)]) const
-      {
-        double N[3][n];
-        for (int d = 0; d < dim; ++d)
-          {
-            const double t = (x[d] - center[d]) * inverse_h[d];
-            for (int a = 0; a < n; ++a)
-              {
-                const double *c = polynomials[d] + a * n;
-                N[d][a]         = c[n - 1];
-                for (int k = n - 2; k >= 0; --k)
-                  N[d][a] = N[d][a] * t + c[k];
-              }
-          }
-        for (int a_z = 0, a = 0; a_z < (dim == 3 ? n : 1); ++a_z)
-          for (int a_y = 0; a_y < n; ++a_y)
-            for (int a_x = 0; a_x < n; ++a_x, ++a)
-              values[a] = N[0][a_x] * N[1][a_y] * (dim == 3 ? N[2][a_z] : 1.);
-      }
-
-      double        center[dim], inverse_h[dim];
-      const double *polynomials[dim];
-    };
-
-
-
-    /**
      * For n functions in a direction: the factors of Richardson iterations with
      * the lumped mass, whose eigenvalues lie between 0 and 1, and which leave
      * the fraction prod_k (1 - factor_k eigenvalue) of an error. The ones make
@@ -288,9 +252,10 @@ namespace greville
       weight.locally_owned_size() + weight.get_partitioner()->n_ghost_indices();
     // Call action(functions, N, number of the point, point).
     const auto for_each = [&](const auto &action) {
-      std::size_t            k = 0;
-      ProjectionCell<dim, n> geometry;
-      double                 N[n_local];
+      std::size_t                 k = 0;
+      CellGeometry<dim, n>        geometry;
+      ShapeValues<dim, n, double> shape;
+      double                      N[n_local];
       for (const unsigned int cell : points.cells())
         {
           const auto index =
@@ -307,7 +272,9 @@ namespace greville
           const unsigned int *f =
             functions.data() + std::size_t(cell) * n_local;
           points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-            geometry.evaluate(p.basis_position(layout), N);
+            const Point<dim> x = p.basis_position(layout);
+            shape.template evaluate<false>(geometry, x.begin_raw());
+            shape.multiply(N);
             action(f, N, k++, p);
           });
         }

@@ -63,6 +63,21 @@ namespace greville
         return ranges;
       }
 
+      /**
+       * A patch of one point.
+       */
+      void
+      add_point(const Point<dim> &x, const std::vector<double> &values)
+      {
+        patches.emplace_back();
+        auto &patch       = patches.back();
+        patch.vertices[0] = x;
+        patch.patch_index = patches.size() - 1;
+        patch.data.reinit(values.size(), 1);
+        for (unsigned int k = 0; k < values.size(); ++k)
+          patch.data(k, 0) = values[k];
+      }
+
       std::vector<DataOutBase::Patch<patch_dim, dim>> patches;
       std::vector<std::string>                        names;
       Ranges                                          ranges;
@@ -92,19 +107,13 @@ namespace greville
         for (unsigned int b = 0; b < bodies.size(); ++b)
           bodies[b].points.for_each(
             [&](const unsigned int, ConstPointRef<dim> p) {
-              DataOutBase::Patch<0, dim> patch;
-              patch.vertices[0] = p.position();
-              double *value     = values.data();
+              double *value = values.data();
               for (const OutputField<dim> &field : fields)
                 {
                   field.evaluate(p, bodies[b], b, value);
                   value += field.components.size();
                 }
-              patch.data.reinit(values.size(), 1);
-              for (unsigned int k = 0; k < values.size(); ++k)
-                patch.data(k, 0) = values[k];
-              patch.patch_index = this->patches.size();
-              this->patches.push_back(patch);
+              this->add_point(p.position(), values);
             });
       }
     };
@@ -133,22 +142,20 @@ namespace greville
               [&](const unsigned int, ConstPointRef<dim> p) {
                 const SurfaceState<dim> state = surface_state<dim>(p, layout);
                 const Tensor<1, dim>    area  = p.mass() * state.area_vector();
-                const std::array<Tensor<1, dim>, 4> vectors = {
-                  {state.velocity,
-                   state.x - state.X,
-                   p.vector(layout.first("load")),
-                   area}};
-                DataOutBase::Patch<0, dim> patch;
-                patch.vertices[0] = state.x;
-                patch.data.reinit(this->names.size(), 1);
-                for (unsigned int v = 0; v < vectors.size(); ++v)
-                  for (unsigned int d = 0; d < dim; ++d)
-                    patch.data(v * dim + d, 0) = vectors[v][d];
-                patch.data(4 * dim, 0)     = area.norm();
-                patch.data(4 * dim + 1, 0) = numbers[k].load;
-                patch.data(4 * dim + 2, 0) = numbers[k].body;
-                patch.patch_index          = this->patches.size();
-                this->patches.push_back(patch);
+                std::vector<double>     values;
+                for (const Tensor<1, dim> &vector :
+                     {state.velocity,
+                      Tensor<1, dim>(state.x - state.X),
+                      p.vector(layout.first("load")),
+                      area})
+                  values.insert(values.end(),
+                                vector.begin_raw(),
+                                vector.end_raw());
+                for (const double value : {area.norm(),
+                                           double(numbers[k].load),
+                                           double(numbers[k].body)})
+                  values.push_back(value);
+                this->add_point(state.x, values);
               });
           }
       }
@@ -482,21 +489,19 @@ namespace greville
         double nearest = std::numeric_limits<double>::max();
         Probe  probe{0, 0.};
         for (unsigned int b = 0; b < bodies.size(); ++b)
-          {
-            bodies[b].points.for_each(
-              [&](const unsigned int, ConstPointRef<dim> p) {
-                double square = 0.;
-                for (unsigned int d = 0; d < dim; ++d)
-                  square += std::pow(p.reference(d) - x[d], 2);
-                const double id = p.id();
-                if (square < nearest ||
-                    (square == nearest && b == probe.body && id < probe.id))
-                  {
-                    nearest = square;
-                    probe   = {b, id};
-                  }
-              });
-          }
+          bodies[b].points.for_each(
+            [&](const unsigned int, ConstPointRef<dim> p) {
+              double square = 0.;
+              for (unsigned int d = 0; d < dim; ++d)
+                square += std::pow(p.reference(d) - x[d], 2);
+              const double id = p.id();
+              if (square < nearest ||
+                  (square == nearest && b == probe.body && id < probe.id))
+                {
+                  nearest = square;
+                  probe   = {b, id};
+                }
+            });
         const double best = Utilities::MPI::min(nearest, comm);
         double       size = 0.;
         for (const Body<dim> &body : bodies)
@@ -537,24 +542,6 @@ namespace greville
           names.push_back(std::string("stress_") + components[c] + probe);
       }
     return names;
-  }
-
-
-
-  template <int dim>
-  void
-  Probes<dim>::open(const std::string &file_name)
-  {
-    file.open(file_name, columns(), 12, comm);
-  }
-
-
-
-  template <int dim>
-  void
-  Probes<dim>::go_on(const std::string &file_name, const std::uint64_t n_bytes)
-  {
-    file.go_on(file_name, columns(), 12, n_bytes, comm);
   }
 
 

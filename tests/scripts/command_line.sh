@@ -23,15 +23,17 @@ answers() {
   fi
 }
 
-scripts="run test fresh_machine stiffness_tables sanitize fuzz check_input"
-[ ! -x /usr/bin/python3 ] || scripts="$scripts picture work_precision gear kill_and_resume lint faults gallery benchmark check_docs \
-   long_runs performance \
-   cooks_membrane implicit_tables limit_loads paraview points_to_csv report slope_stability stiffness_growth"
+scripts="run test fresh_machine sanitize fuzz check_input"
+[ ! -x /usr/bin/python3 ] || scripts="$scripts picture gear kill_and_resume lint faults gallery benchmark check_docs \
+   performance paraview points_to_csv report slope_stability tables"
 for script in $scripts; do
   for option in -h --help; do
     answers 0 40 "sage: scripts/$script" "scripts/$script" $option
   done
   answers 2 5 "scripts/$script" "scripts/$script" --no-such-option
+done
+[ ! -x /usr/bin/python3 ] || for name in $(scripts/tables --list | sed 's/ .*//'); do
+  answers 0 40 "usage: scripts/tables $name" scripts/tables "$name" --help
 done
 answers 2 20 "Usage: scripts/run" scripts/run
 answers 2 1 "-np takes a number of processes." scripts/run -np

@@ -28,20 +28,17 @@ namespace greville
     declare(dealii::ParameterHandler &prm) override
     {
       TaitFluid<Bingham>::declare(prm);
-      prm.add_parameter("Yield stress",
-                        yield_stress,
-                        "Shear stress at which the fluid yields. Unit: Pa.",
-                        dealii::Patterns::Double(0.));
-      prm.add_parameter("Plastic viscosity",
-                        mu,
-                        "Growth of the shear stress with the shear rate after "
-                        "yield. Unit: Pa s.",
-                        dealii::Patterns::Double(0.));
-      prm.add_parameter("Regularization",
-                        regularization,
-                        "Time m: shear rates below 1 / m see a very viscous "
-                        "fluid instead of a rigid one. Unit: s.",
-                        positive());
+      add_parameter(prm,
+                    "Yield stress",
+                    yield_stress,
+                    dealii::Patterns::Double(0.))(
+        "Shear stress at which the fluid yields. Unit: Pa.");
+      add_parameter(prm, "Plastic viscosity", mu, dealii::Patterns::Double(0.))(
+        "Growth of the shear stress with the shear rate after yield. Unit: Pa "
+        "s.");
+      add_parameter(prm, "Regularization", regularization, positive())(
+        "Time m: shear rates below 1 / m see a very viscous fluid instead of a "
+        "rigid one. Unit: s.");
     }
 
     double

@@ -29,23 +29,11 @@ namespace greville
    * 0.5), initialize() for a stress that is not finite: one deformation has
    * each other one.
    */
-  class DecoupledNeoHookean : public MaterialLaw<DecoupledNeoHookean>
+  class DecoupledNeoHookean
+    : public ElasticMaterial<MaterialLaw<DecoupledNeoHookean>>
   {
   public:
     static constexpr const char *name = "decoupled-neo-hookean";
-
-    void
-    declare(dealii::ParameterHandler &prm) override
-    {
-      Material::declare(prm);
-      elastic.declare(prm);
-    }
-
-    void
-    reinit(const std::string &section) override
-    {
-      elastic.reinit(section);
-    }
 
     /**
      * K (J^2 - 1) = 2 J p gives J. The principal values of bbar are m + e_a
@@ -172,12 +160,6 @@ namespace greville
       return true;
     }
 
-    Moduli
-    moduli() const override
-    {
-      return elastic.moduli();
-    }
-
   private:
     /**
      * J^(-2/3), not a number where J is not positive.
@@ -196,8 +178,6 @@ namespace greville
     {
       return 0.5 * elastic.bulk * (J - 1.) * (J + 1.) / J;
     }
-
-    ElasticConstants elastic;
   };
 } // namespace greville
 

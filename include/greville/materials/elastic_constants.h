@@ -28,15 +28,13 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm)
     {
-      prm.add_parameter("Young modulus",
-                        youngs_modulus,
-                        "Young's modulus E. Unit: Pa.",
-                        positive());
-      prm.add_parameter(
-        "Poisson ratio",
-        poissons_ratio,
-        "Poisson's ratio nu, between -1 and 0.5 (both excluded). Unit: none.",
-        dealii::Patterns::Double(-1., 0.5));
+      add_parameter(prm, "Young modulus", youngs_modulus, positive())(
+        "Young's modulus E. Unit: Pa.");
+      add_parameter(prm,
+                    "Poisson ratio",
+                    poissons_ratio,
+                    dealii::Patterns::Double(-1., 0.5))(
+        "Poisson's ratio nu, between -1 and 0.5 (both excluded). Unit: none.");
     }
 
     /**
@@ -155,6 +153,38 @@ namespace greville
     double youngs_modulus = 1e6;
     double poissons_ratio = 0.3;
     double lambda = 0., bulk = 0., shear = 0.;
+  };
+
+
+
+  /**
+   * A law with elastic constants: a Material or a MaterialLaw with them.
+   */
+  template <typename Base>
+  class ElasticMaterial : public Base
+  {
+  public:
+    void
+    declare(dealii::ParameterHandler &prm) override
+    {
+      Base::declare(prm);
+      elastic.declare(prm);
+    }
+
+    void
+    reinit(const std::string &section) override
+    {
+      elastic.reinit(section);
+    }
+
+    Moduli
+    moduli() const override
+    {
+      return elastic.moduli();
+    }
+
+  protected:
+    ElasticConstants elastic;
   };
 } // namespace greville
 

@@ -55,22 +55,9 @@ namespace greville
    * which holds to round-off for values that are close or equal.
    */
   template <typename Law>
-  class HenckyLaw : public Material
+  class HenckyLaw : public ElasticMaterial<Material>
   {
   public:
-    void
-    declare(dealii::ParameterHandler &prm) override
-    {
-      Material::declare(prm);
-      elastic.declare(prm);
-    }
-
-    void
-    reinit(const std::string &section) override
-    {
-      elastic.reinit(section);
-    }
-
     void
     update(const dealii::ArrayView<MaterialPoint> &points) const final
     {
@@ -108,12 +95,6 @@ namespace greville
       return energies(MaterialLanes(point)).strain[0];
     }
 
-    Moduli
-    moduli() const override
-    {
-      return elastic.moduli();
-    }
-
   protected:
     const Law &
     law() const
@@ -121,7 +102,6 @@ namespace greville
       return static_cast<const Law &>(*this);
     }
 
-    ElasticConstants elastic;
 
   private:
     /**

@@ -30,23 +30,10 @@ namespace greville
    * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
    * 0.5), initialize() for a stress that no deformation has.
    */
-  class NeoHookean : public MaterialLaw<NeoHookean>
+  class NeoHookean : public ElasticMaterial<MaterialLaw<NeoHookean>>
   {
   public:
     static constexpr const char *name = "neo-hookean";
-
-    void
-    declare(dealii::ParameterHandler &prm) override
-    {
-      Material::declare(prm);
-      elastic.declare(prm);
-    }
-
-    void
-    reinit(const std::string &section) override
-    {
-      elastic.reinit(section);
-    }
 
     /**
      * ln J solves b_1 b_2 b_3 = J^2 with the principal values b_a = 1 + e_a,
@@ -190,15 +177,6 @@ namespace greville
     {
       return true;
     }
-
-    Moduli
-    moduli() const override
-    {
-      return elastic.moduli();
-    }
-
-  private:
-    ElasticConstants elastic;
   };
 } // namespace greville
 

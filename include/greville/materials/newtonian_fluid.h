@@ -21,10 +21,8 @@ namespace greville
     declare(dealii::ParameterHandler &prm) override
     {
       TaitFluid<NewtonianFluid>::declare(prm);
-      prm.add_parameter("Viscosity",
-                        mu,
-                        "Dynamic viscosity of shear. Unit: Pa s.",
-                        dealii::Patterns::Double(0.));
+      add_parameter(prm, "Viscosity", mu, dealii::Patterns::Double(0.))(
+        "Dynamic viscosity of shear. Unit: Pa s.");
     }
 
     double

@@ -7,6 +7,8 @@
 #include <deal.II/base/patterns.h>
 #include <deal.II/base/symmetric_tensor.h>
 
+#include <greville/base/parameters.h>
+
 #include <sstream>
 #include <string>
 

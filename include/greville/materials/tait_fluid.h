@@ -49,24 +49,21 @@ namespace greville
     declare(dealii::ParameterHandler &prm) override
     {
       Material::declare(prm);
-      prm.add_parameter("Sound speed",
-                        sound_speed,
-                        "Speed of sound in the stress-free fluid. Unit: m / s.",
-                        positive());
-      prm.add_parameter("Exponent",
-                        exponent,
-                        "Exponent gamma of Tait's equation. Unit: none.",
-                        dealii::Patterns::Double(1.));
-      prm.add_parameter(
-        "Bulk viscosity",
-        bulk_viscosity,
-        "Viscosity of changes of volume, often artificial. Unit: Pa s.",
-        dealii::Patterns::Double(0.));
-      prm.add_parameter("Allow tension",
-                        allow_tension,
-                        "Whether the pressure may be negative; else an "
-                        "expanded fluid has none.",
-                        dealii::Patterns::Bool());
+      add_parameter(prm, "Sound speed", sound_speed, positive())(
+        "Speed of sound in the stress-free fluid. Unit: m / s.");
+      add_parameter(prm, "Exponent", exponent, dealii::Patterns::Double(1.))(
+        "Exponent gamma of Tait's equation. Unit: none.");
+      add_parameter(prm,
+                    "Bulk viscosity",
+                    bulk_viscosity,
+                    dealii::Patterns::Double(0.))(
+        "Viscosity of changes of volume, often artificial. Unit: Pa s.");
+      add_parameter(prm,
+                    "Allow tension",
+                    allow_tension,
+                    dealii::Patterns::Bool())(
+        "Whether the pressure may be negative; else an expanded fluid has "
+        "none.");
     }
 
     bool

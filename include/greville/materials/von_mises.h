@@ -30,16 +30,13 @@ namespace greville
     declare(dealii::ParameterHandler &prm) override
     {
       HenckyPlasticity<VonMises>::declare(prm);
-      prm.add_parameter(
-        "Yield stress",
-        yield_stress,
-        "Yield stress in uniaxial tension, Kirchhoff stress. Unit: Pa.",
-        positive());
-      prm.add_parameter(
-        "Hardening modulus",
-        hardening_modulus,
-        "Growth of the yield stress per equivalent plastic strain. Unit: Pa.",
-        dealii::Patterns::Double(0.));
+      add_parameter(prm, "Yield stress", yield_stress, positive())(
+        "Yield stress in uniaxial tension, Kirchhoff stress. Unit: Pa.");
+      add_parameter(prm,
+                    "Hardening modulus",
+                    hardening_modulus,
+                    dealii::Patterns::Double(0.))(
+        "Growth of the yield stress per equivalent plastic strain. Unit: Pa.");
     }
 
     bool

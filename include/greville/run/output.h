@@ -158,16 +158,23 @@ namespace greville
      * header.
      */
     void
-    open(const std::string &file);
+    open(const std::string &file_name)
+    {
+      file.open(file_name, columns(), 12, comm);
+    }
 
     /**
-     * Collective. Go on with a file, see CsvWriter::go_on().
+     * Collective. Go on with the first @p n_bytes of a file, and remove what an
+     * earlier run has written behind them.
      */
     void
-    go_on(const std::string &file, const std::uint64_t n_bytes);
+    go_on(const std::string &file_name, const std::uint64_t n_bytes)
+    {
+      file.go_on(file_name, columns(), 12, n_bytes, comm);
+    }
 
     /**
-     * Collective. See CsvWriter::sync().
+     * Collective. Let all rows be on the disk. Returns the bytes of the file.
      */
     std::uint64_t
     sync()

@@ -1,0 +1,312 @@
+"""The tables of explicit steps, of scripts/tables."""
+import math
+import os
+import re
+import statistics
+import subprocess
+import time
+from pathlib import Path
+
+from greville_results import ResultsError, Run
+from tables_common import (OPTIONS, ROOT, argument, folder_of, print_head, print_row, pyplot, read_csv, run, run_to_end, save,
+                           shipped, table, write_csv)
+
+KINDS = [("updated", mass) for mass in ("lumped", "fmpm-2", "fmpm-4", "consistent")] \
+    + [("total", mass) for mass in ("lumped", "consistent")]
+COLOURS = dict(zip(KINDS, ["#0072B2", "#56B4E9", "#E69F00", "#D55E00", "#009E73", "#000000"]))
+LINES = {1: ":", 2: "--", 3: "-"}
+# A problem, its quadrature, the cells of a mesh, meshes, the end in s, and its body, whose points are Gauss points in
+# total Lagrangian steps.
+STUDIES = [("vibrating_bar", "points", "{n}, 1", [8, 16, 32, 64], 6.25, "bar"),
+           ("axis_aligned_mms_2d", "points", "{n}, {n}", [8, 16, 32], 0.02, "cube"),
+           ("axis_aligned_mms_2d", "least-squares", "{n}, {n}", [8, 16, 32], 0.02, "cube"),
+           ("twisting_disk", "points", "{n}, {n}", [12, 24, 48], 0.5, None)]
+
+
+def error_and_cost(study, kind, p, n, safety):
+    """A row; None where the run has failed."""
+    problem, quadrature, cells, _, end, body = study
+    formulation, mass = kind
+    settings = {"Sweep/Cells": "", "Sweep/Orders": "", "Sweep/Masses": "", "Sweep/Quadratures": "", "Sweep/Formulations": "",
+                "Output/Fields every": 0, "Output/Statistics every": end, "Grid/Cells": cells.format(n=n), "Grid/Order": p,
+                "Time/End": end, "Time/Step": "", "Time/CFL number": 100, "Time/Safety": safety,
+                "Scheme/Formulation": f"{formulation} Lagrangian", "Scheme/Mass": mass, "Scheme/Quadrature": quadrature,
+                "Solver/Tolerance": 1e-10}
+    if body and formulation == "total":
+        settings |= {f"Body {body}/Placement": "Gauss", f"Body {body}/Points per direction": p + 1}
+    start, whole = (run(shipped(problem), folder_of("run"), {**settings, "Time/Maximum steps": steps}) for steps in (1, 0))
+    if start.has_failed or whole.has_failed:
+        return None
+    # The time of the start of a program varies by 0.05 s.
+    return {"problem": problem, "quadrature": quadrature, "formulation": formulation, "mass": mass, "p": p, "cells": n,
+            "safety": safety, "steps": re.search(r"(\d+) steps to", whole.out).group(1),
+            "seconds": f"{max(whole.cpu - start.cpu, 0.05):.3f}",
+            "error_l2": re.search(r"error of displacement: L2 (\S+),", whole.out).group(1)}
+
+
+def front_of(rows, *wanted):
+    """Seconds and errors of runs of a problem, quadrature, formulation, mass and order that no cheaper one undercuts."""
+    runs = sorted((float(row["seconds"]), float(row["error_l2"])) for row in rows
+                  if (row["problem"], row["quadrature"], row["formulation"], row["mass"], int(row["p"])) == wanted)
+    front, best = [], float("inf")
+    for seconds, error in runs:
+        if error < best:
+            front.append((seconds, error))
+            best = error
+    return front
+
+
+@table("work_precision", argument("--draw", action="store_true", help="run nothing, draw doc/data/work_precision.csv"))
+def work_precision(given):
+    """error against CPU time, for each formulation and mass
+
+    Runs the vibrating bar, the axis-aligned manufactured solution and the twisting disk in updated Lagrangian steps with
+    lumped mass, FMPM(2), FMPM(4) and the consistent mass, and in total Lagrangian steps with lumped and consistent mass,
+    orders 1 to 3, on several meshes, each with 0.9 of its own critical step and with a quarter of that; the manufactured
+    solution with integrals by points and by least squares. Times are CPU times on one core, without those of a run of one
+    step, and 0.05 s at least. Draws work_precision.png and a short form of it, order_pays.png, and prints the cheapest run
+    below some errors.
+    """
+    plt = pyplot()
+    if given.draw:
+        rows = read_csv(ROOT / "doc/data/work_precision.csv")
+    else:
+        rows = []
+        for study in STUDIES:
+            for kind in KINDS if study[1] == "points" else KINDS[:4]:
+                for case in [(p, n, safety) for p in LINES for n in study[3] for safety in (0.9, 0.225)]:
+                    row = error_and_cost(study, kind, *case)
+                    if row:
+                        rows.append(row)
+                    else:
+                        print(f"{study[:2]}, {kind}, p, cells and safety {case} failed", flush=True)
+                print(*study[:2], *kind, "done", flush=True)
+        write_csv(rows)
+    figure, axes = plt.subplots(1, len(STUDIES), figsize=(18, 4.5))
+    for axis, (problem, quadrature, *_) in zip(axes, STUDIES):
+        for kind, p in [(kind, p) for kind in KINDS for p in LINES]:
+            front = front_of(rows, problem, quadrature, *kind, p)
+            if front:
+                axis.loglog(*zip(*front), LINES[p], color=COLOURS[kind], marker="o", markersize=3, label=f"{' '.join(kind)}, p = {p}")
+        axis.set(title=f"{problem.replace('_', ' ')}, {quadrature}", xlabel="CPU time, s", ylabel="relative error of displacement, L2")
+        axis.grid(alpha=0.3)
+    axes[-1].legend(fontsize=7, frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))
+    save(figure, dpi=110)
+
+    # Total Lagrangian steps with the consistent mass beside lumped updated Lagrangian ones.
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), dpi=130, sharey=True)
+    problems = {"axis_aligned_mms_2d": "Large strains, exact solution", "twisting_disk": "Twisting disk, free curved surface"}
+    for axis, (problem, title) in zip(axes, problems.items()):
+        axis.loglog(*zip(*front_of(rows, problem, "points", "updated", "lumped", 2)), "s-", color="#D55E00", linewidth=2,
+                    label="points move through the grid,\nlumped mass, p = 2")
+        for p, colour in zip(LINES, ("#9ecae1", "#4292c6", "#08306b")):
+            axis.loglog(*zip(*front_of(rows, problem, "points", "total", "consistent", p)), "o-", color=colour, linewidth=2,
+                        label=f"total Lagrangian,\nconsistent mass, p = {p}" if p == 1 else f"the same, p = {p}")
+        axis.set_title(title, fontsize=11)
+        axis.set_xlabel("CPU time, s")
+        axis.grid(True, color="0.92")
+        axis.spines[["top", "right"]].set_visible(False)
+    axes[0].set_ylabel("relative error of displacement")
+    axes[1].legend(frameon=False, fontsize=9, loc="center left", bbox_to_anchor=(1, 0.5))
+    save(figure, "order_pays")
+
+    for problem in ("vibrating_bar", *problems):
+        for level in (1e-2, 1e-3, 1e-4):
+            found = []
+            for formulation in ("updated", "total"):
+                good = [row for row in rows if (row["problem"], row["formulation"]) == (problem, formulation)
+                        and float(row["error_l2"]) < level]
+                best = min(good, key=lambda row: float(row["seconds"]), default=None)
+                found.append(f"{formulation} {best['seconds']} s ({best['mass']}, {best['quadrature']}, p = {best['p']}, "
+                             f"{best['cells']} cells)" if best else f"{formulation} none")
+            print(f"{problem}, error below {level:g}:", "; ".join(found))
+
+
+@table("load_balance",
+       argument("files", nargs="*", default=["prm/simulation/dam_break.prm", "prm/simulation/granular_collapse.prm"]),
+       argument("--processes", default="2,4"), argument("--rounds", type=int, default=1),
+       argument("--steps", type=int, default=0, help="0: all"), argument("--cells", help="'Grid/Cells'"))
+def load_balance(given):
+    """runs with and without load balance while running
+
+    Runs the parameter files with 'Load balance/Threshold' = 0 and with the default, in turns, --rounds times on each
+    number of processes, and prints a table: the imbalance (largest work of a process over the mean, from the rows of
+    statistics.csv) at the worst and its mean over time, which is the time of a step in a model in which points and cells
+    are all the work; how often cells were shared anew and the seconds that took; and the wall and CPU times with it over
+    those without, as medians of the ratios of rounds. Times mean something only where each process has a core and nothing
+    else runs.
+    """
+    print_head("file", "processes", "imbalance without: mean, largest", "with: mean, largest", "largest work without, with (points)",
+               "partitions", "s for them, of all", "wall, with / without", "CPU, with / without")
+    settings = {"Output/Load": "true", "Output/Fields every": 0, "Checkpoints/Every minutes": 0, "Time/Maximum steps": given.steps}
+    if given.cells:
+        settings["Grid/Cells"] = given.cells
+    for file in given.files:
+        for n_processes in map(int, given.processes.split(",")):
+            walls, cpus, seconds = [], [], []
+            for k in range(given.rounds):
+                runs, tables = {}, {}
+                for balanced in (False, True) if k % 2 == 0 else (True, False):
+                    runs[balanced] = run_to_end(ROOT / file, folder_of("run"), {**settings, "Load balance/Threshold": 1.2 if balanced else 0},
+                                                processes=n_processes)
+                    tables[balanced] = Run(folder_of("run")).statistics
+                    if balanced:
+                        summary = Run(folder_of("run")).summary
+                walls.append(runs[True].wall / runs[False].wall)
+                cpus.append(runs[True].cpu / runs[False].cpu)
+                seconds.append((summary["parts"].get("load balance", 0.0), summary["wall_time"]))
+
+            def imbalance(balanced):
+                values = tables[balanced]["imbalance"]
+                return f"{statistics.mean(values):.2f}, {max(values):.2f}"
+            print_row(Path(file).stem, n_processes, imbalance(False), imbalance(True),
+                      ", ".join(f"{max(tables[balanced]['largest_load']):.0f}" for balanced in (False, True)),
+                      f"{tables[True]['partitions'][-1]:.0f}",
+                      f"{statistics.median(s[0] for s in seconds):.3f}, {statistics.median(s[1] for s in seconds):.1f}",
+                      f"{statistics.median(walls):.2f} ({min(walls):.2f} to {max(walls):.2f})", f"{statistics.median(cpus):.2f}")
+
+
+@table("cost_of_rows")
+def cost_of_rows(_):
+    """what a row of statistics in each step costs
+
+    The CPU time of runs with rows over that of the same runs without, both less the time of a run of one step, which is
+    that of the set-up. Medians of five pairs, one process.
+    """
+    print_head("", "mass", "cost of a row / step")
+    for name, mass, steps in (("elastic_block_2d", "lumped", 200), ("elastic_block_2d", "consistent", 60),
+                              ("bouncing_ball_3d", "lumped", 150), ("bouncing_ball_3d", "consistent", 40),
+                              ("granular_collapse", "lumped", 150)):
+        def cpu(n_steps, every):
+            settings = {"Scheme/Mass": mass, "Time/Maximum steps": n_steps, "Output/Statistics every": every,
+                        "Output/Fields every": 0, "Output/Grid fields": "false"}
+            return run_to_end(shipped(name), folder_of("run"), settings).cpu
+        costs = []
+        for _ in range(5):
+            setup, none, rows = cpu(1, 1e9), cpu(steps, 1e9), cpu(steps, 0)
+            costs.append((rows - none) / (none - setup))
+        print_row(f"`{name}`", mass, f"{statistics.median(costs):.3f}")
+
+
+SCHEMES = {"consistent": {"Mass": "consistent"},
+           "consistent, Filter 0": {"Mass": "consistent", "Filter": 0},
+           "consistent, Filter 1": {"Mass": "consistent", "Filter": 1},
+           "consistent, Safety 0.35": {"Mass": "consistent", "Time/Safety": 0.35},
+           "fmpm-2": {"Mass": "fmpm-2"},
+           "lumped": {"Mass": "lumped", "Stress update": "MUSL"},
+           "lumped USL": {"Mass": "lumped", "Stress update": "USL"},
+           "lumped, FLIP share 1": {"Mass": "lumped", "Stress update": "MUSL", "FLIP share": 1}}
+LONG_RUNS = {f"beam, {formulation}, {scheme}": ("beam", {"Formulation": f"{formulation} Lagrangian", **SCHEMES[scheme]})
+             for formulation, scheme in [("total", "consistent"), ("total", "lumped USL")]
+             + [("updated", scheme) for scheme in ("consistent", "consistent, Filter 0", "consistent, Filter 1",
+                                                   "consistent, Safety 0.35", "fmpm-2", "lumped USL", "lumped")]}
+LONG_RUNS |= {f"pile, {scheme}": ("pile", {"Stress update": "USL", **SCHEMES[scheme]})
+              for scheme in ("lumped", "lumped, FLIP share 1", "lumped USL", "consistent")}
+FREE_FALL = math.sqrt(2 * 9.81 * 1.0)  # m / s, from the height of the pile
+
+
+def last_time(file):
+    """The time in the last whole line of a table."""
+    try:
+        with open(file, "rb") as stream:
+            stream.seek(0, os.SEEK_END)
+            stream.seek(max(0, stream.tell() - 4000))
+            lines = stream.read().decode().split("\n")[:-1]
+            return float(lines[-1].split(",")[0]) if len(lines) > 1 else None
+    except (OSError, ValueError):
+        return None
+
+
+def run_long(name):
+    """Run to the end; memory.csv has the resident memory over the time of the run."""
+    kind, settings = LONG_RUNS[name]
+    folder = folder_of(re.sub(r"\W+", "_", name))
+    folder.mkdir(parents=True, exist_ok=True)
+    command = [OPTIONS.build / "greville", ROOT / "benchmarks" / "long_runs" / f"{kind}.prm"]
+    for key, value in {**settings, "Output/Directory": folder / "run", "Output/Earlier results": "remove"}.items():
+        command += ["--set", f"{key if '/' in key else 'Scheme/' + key}={value}"]
+    environment = dict(os.environ, OMP_NUM_THREADS="1", DEAL_II_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
+                       OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+    samples = []
+    with open(folder / "log.txt", "w") as log:
+        process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, env=environment)
+        while True:
+            pid, _, usage = os.wait4(process.pid, os.WNOHANG)
+            if pid != 0:
+                break
+            status = Path(f"/proc/{process.pid}/status").read_text()
+            memory, t = re.search(r"VmRSS:\s+(\d+) kB", status), last_time(folder / "run" / "statistics.csv")
+            if memory and t is not None:
+                samples.append((t, memory.group(1)))
+            time.sleep(0.2)
+    (folder / "memory.csv").write_text("time,resident_kb\n" + "".join(f"{t},{memory}\n" for t, memory in samples))
+    (folder / "seconds.txt").write_text(f"{usage.ru_utime:.1f}\n")
+
+
+def results_of(name):
+    folder = folder_of(re.sub(r"\W+", "_", name))
+    rows, memory = ([{key: float(value) for key, value in row.items()} for row in read_csv(file)]
+                    for file in (folder / "run" / "statistics.csv", folder / "memory.csv"))
+    return folder, rows, memory
+
+
+def measure(name):
+    folder, rows, memory = results_of(name)
+    log = (folder / "log.txt").read_text()
+    # The balance of energy may have stopped it.
+    steps = re.search(r"(\d+) steps to", log) or re.search(r"The state of step (\d+)", log)
+    if steps is None:
+        raise ResultsError(f"{name} failed:\n{log}")
+    energies = [row["total"] / rows[0]["total"] for row in rows]
+    speeds = [row["largest_speed"] for row in rows if row.get("stage") == 3]
+    is_beam = name.startswith("beam")
+    late = [row for row in memory if row["time"] >= 0.2 * rows[-1]["time"]]
+    return {"run": name, "steps": steps.group(1), "seconds": (folder / "seconds.txt").read_text().strip(),
+            "end": f"{rows[-1]['time']:.4g}",
+            "mass_change": f"{max(abs(row['mass'] / rows[0]['mass'] - 1) for row in rows):.1e}",
+            "least_energy": f"{min(energies):.4f}" if is_beam else "", "largest_energy": f"{max(energies):.4f}" if is_beam else "",
+            "largest_speed": "" if is_beam else f"{max(speeds) / FREE_FALL:.1e}" if speeds else "none",
+            "memory_fifth_kb": int(late[0]["resident_kb"]), "memory_end_kb": int(late[-1]["resident_kb"]),
+            "memory_largest_kb": int(max(row["resident_kb"] for row in memory))}
+
+
+@table("long_runs", argument("runs", nargs="*", metavar="RUN", help="the first column of the table; all if there is none"))
+def long_runs(given):
+    """100000 steps and more of a beam and of a pile: energy, mass, memory
+
+    A beam that swings without damping, in total and updated Lagrangian steps with several masses, and a pile of soil at
+    rest (benchmarks/long_runs/beam.prm, pile.prm). For each run: the largest change of the mass, and the smallest and
+    largest energy (kinetic and strain energy over the initial sum), of the beam; the largest speed of the pile in its
+    last stage, over the speed of a free fall from its height; the resident memory of the program after a fifth of the run
+    and at its end, and the largest in between; the CPU time. Rows of other runs stay as they are in the table.
+    """
+    for name in given.runs:
+        if name not in LONG_RUNS:
+            raise ResultsError(f"there is no run <{name}>; there are: " + "; ".join(LONG_RUNS))
+    plt = pyplot()
+    for name in given.runs or LONG_RUNS:
+        run_long(name)
+        print(measure(name), flush=True)
+    done = [name for name in LONG_RUNS if (folder_of(re.sub(r"\W+", "_", name)) / "seconds.txt").exists()]
+    rows = {row["run"]: row for row in read_csv(ROOT / "doc/data/long_runs.csv")} | {name: measure(name) for name in done}
+    write_csv([rows[name] for name in LONG_RUNS if name in rows])
+    figure, axes = plt.subplots(1, 3, figsize=(15, 4))
+    for name in done:
+        _, rows, memory = results_of(name)
+        label, some = name.split(", ", 1)[1], rows[::max(1, len(rows) // 400)]
+        if name.startswith("beam"):
+            axes[0].plot([row["time"] for row in some], [row["total"] / rows[0]["total"] for row in some], label=label, linewidth=1)
+        else:
+            axes[1].semilogy([row["time"] for row in some[1:]], [row["largest_speed"] / FREE_FALL for row in some[1:]], label=label,
+                             linewidth=1)
+        axes[2].plot([row["time"] / rows[-1]["time"] for row in memory], [row["resident_kb"] / 1024 for row in memory],
+                     label=name, linewidth=1)
+    axes[0].set(title="Swinging beam", xlabel="time, s", ylabel="kinetic and strain energy over the initial one")
+    axes[1].set(title="Pile of soil", xlabel="time, s", ylabel="largest speed over that of a free fall")
+    axes[1].axhline(1e-6, color="grey", linestyle=":")
+    axes[2].set(title="Memory", xlabel="part of the run", ylabel="resident memory, MB")
+    axes[2].set_ylim(bottom=0)
+    for axis in axes:
+        axis.grid(alpha=0.3)
+        axis.legend(fontsize=7, frameon=False)
+    save(figure, dpi=80)
