@@ -56,7 +56,8 @@ namespace greville
     }
 
     /**
-     * Collective.
+     * Collective. Begin with the cells of another space, none of which has a
+     * class before update().
      */
     void
     reinit(const SplineSpace<dim> &space, const Walls &contact_walls = {});

@@ -95,7 +95,7 @@ namespace greville
         std::vector<double>        &weights) const;
 
     /**
-     * Collective.
+     * Collective. The numbers of functions of all processes, by what they are.
      */
     Counts
     counts() const;
