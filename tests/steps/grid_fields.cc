@@ -39,8 +39,8 @@ namespace
       .add("Material solid",
            {"Model = linear-elastic",
             "Density = 1",
-            "Youngs modulus = 100",
-            "Poissons ratio = 0.3"})
+            "Young modulus = 100",
+            "Poisson ratio = 0.3"})
       .add("Loads", {"Gravity = 0; -3"})
       .add("Time", {"End = 0.05", "Step = 0.0025"});
   }
