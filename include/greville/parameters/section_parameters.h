@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_parameters_section_parameters_h
+#define greville_parameters_section_parameters_h
+
+#include <greville/points/body.h>
+#include <greville/stiffness/tangent_system.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * What is simulated.
+   */
+  struct GeneralParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string              name;
+    unsigned int             dimension = 2;
+    std::vector<std::string> bodies;
+    std::vector<std::string> materials;
+    std::vector<std::string> surface_loads;
+    std::vector<std::string> stages;
+  };
+
+
+
+  /**
+   * The background grid.
+   */
+  struct GridParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::vector<double>       lower    = {0., 0.};
+    std::vector<double>       upper    = {1., 1.};
+    std::vector<unsigned int> cells    = {16, 16};
+    unsigned int              degree   = 2;
+    bool                      per_body = false;
+
+    /**
+     * The numbers of the bodies of each velocity field of the grid, in the
+     * order of GeneralParameters::bodies: each body in one field. Bodies of one
+     * field stick where they touch, those of two do not see one another. Empty:
+     * all bodies have one field. For programs: no parameter sets it.
+     */
+    std::vector<std::vector<unsigned int>> fields;
+  };
+
+
+
+  /**
+   * The grid of a body: what is empty, or zero, is that of GridParameters.
+   */
+  struct BodyGridParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    bool
+    is_given() const
+    {
+      return !lower.empty() || !upper.empty() || !cells.empty() || degree > 0;
+    }
+
+    std::vector<double>       lower;
+    std::vector<double>       upper;
+    std::vector<unsigned int> cells;
+    unsigned int              degree = 0;
+  };
+
+
+
+  /**
+   * The solver of the consistent mass.
+   */
+  struct ConsistentSolverParameters : SolverParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    /// Whether the preconditioner is a factorization, or the cycle of
+    /// p-multigrid, or the diagonal: none of these is the identity.
+    bool
+    has_factorization() const
+    {
+      return method == "cg-ic0";
+    }
+
+    bool
+    has_cycle() const
+    {
+      return method == "cg-p-multigrid";
+    }
+
+    bool
+    has_diagonal() const
+    {
+      return method == "cg-jacobi";
+    }
+
+    /// One of mass_solver_methods().
+    std::string method = "cg-ic0";
+  };
+
+
+
+  /**
+   * A load on the surface of a body with fitted points.
+   */
+  struct SurfaceLoadParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    /**
+     * Throw dealii::ExcMessage where the parameters of the @p section do not go
+     * with the kind of the load or with the @p bodies.
+     */
+    void
+    check(const std::string                           &section,
+          const std::map<std::string, BodyParameters> &bodies) const;
+
+    bool
+    is_per_current_area() const
+    {
+      return area == "current";
+    }
+
+    std::string body;
+    std::string where;
+    std::string kind = "traction";
+    std::string traction;
+    std::string area = "initial";
+    std::string pressure;
+    double      stiffness = 0.;
+    std::string displacement;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_run_run_options_h
+#define greville_run_run_options_h
+
+#include <greville/run/comparison.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * What a run found.
+   */
+  struct RunSummary
+  {
+    double wall_time = 0.; // s
+    double front     = 0.; // the largest, m
+    double front_99  = 0.; // likewise
+    /// EnergyBalance::loss() of all parts, J (2D: J / m), and its fraction of
+    /// the largest energy or work so far.
+    double                  numerical_loss = 0., relative_loss = 0.;
+    ExactErrors             errors;
+    std::optional<Distance> surface, series;
+    std::optional<double>   failure_line; // mean distance, m
+  };
+
+
+
+  /**
+   * How runs begin.
+   */
+  struct RunOptions
+  {
+    /// Go on from the last checkpoint in the folder of the run.
+    bool resumes = false;
+    /// Not empty: the folder of another run, from whose last checkpoint bodies
+    /// and surfaces are taken.
+    std::string from;
+    /// Parameters that take the place of those of the file, see
+    /// read_parameter_lines().
+    std::vector<std::string> settings;
+    /// What is to be done in the folder before the first file is written, when
+    /// parameters and checkpoints have been accepted; all processes call it.
+    std::function<void()> prepare_folder;
+  };
+
+
+
+  /**
+   * Thrown where a signal has ended a run.
+   */
+  class RunStopped : public dealii::ExcMessage
+  {
+  public:
+    using dealii::ExcMessage::ExcMessage;
+  };
+} // namespace greville
+
+#endif
