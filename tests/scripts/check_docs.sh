@@ -48,6 +48,7 @@ finds "no parameter Scheme/Masses" $user/choosing.md 's|`Scheme/Mass`|`Scheme/Ma
 finds "no message" $user/troubleshooting.md 's/is a folder, not a/is a folder and no/'
 finds "no row for kinetic" $user/output.md '/^| `kinetic`/d'
 finds "in no file that the page links to" doc/developer/adding_a_law.md 's/2\. + e\.norm()/3. + e.norm()/'
+finds "has a function sum_up" doc/developer/adding_a_field.md 's/`add_sums()`/`sum_up()`/'
 rooms=doc/developer/architecture.md
 finds "no arrows lead from mass to spline" $rooms '/^  mass --> spline/d'
 finds "no file of materials includes one of spline" $rooms 's/^  materials --> base/&\n  materials --> spline/'
