@@ -147,7 +147,16 @@ namespace greville
   {
     for (const Entry &material : materials())
       if (name == material.name)
-        return material.make();
+        {
+          auto              result = material.make();
+          const std::size_t n      = result->state_names().size();
+          AssertThrow(n <= MaterialPoint::max_state,
+                      ExcMessage("The history of the law '" + name + "' has " +
+                                 std::to_string(n) + " names; it may have " +
+                                 std::to_string(MaterialPoint::max_state) +
+                                 " (MaterialPoint::max_state)."));
+          return result;
+        }
     AssertThrow(false,
                 ExcMessage("The parameter '" + parameter + "' is '" + name +
                            "'; it has to be one of " + material_names() + "."));

@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
+#include <greville/steps/contact.h>
 #include <greville/steps/implicit_steps.h>
 
 #include <algorithm>
@@ -17,8 +18,8 @@ namespace greville
 
   template <int dim>
   void
-  ImplicitSteps<dim>::check_parameters(const std::string &name,
-                                       const State<dim>  &initial) const
+  ImplicitSteps<dim>::check_parameters(const std::string          &name,
+                                       const IntegratorParts<dim> &parts) const
   {
     const auto refuse = [&](const bool         wrong,
                             const std::string &parameter,
@@ -36,10 +37,16 @@ namespace greville
     refuse(discretization.walls().have_friction(),
            "'Walls' = friction",
            "implicit steps have fixed, sliding and moving walls.");
-    refuse(!rigid_bodies(initial.bodies).empty(),
+    const std::vector<Body<dim>> &initial = parts.initial.bodies;
+    refuse(!rigid_bodies(initial).empty(),
            "'Imposed velocity' of a body",
            "implicit steps do not know obstacles.");
-    for (const Body<dim> &body : initial.bodies)
+    // Those of the library are the ones above.
+    refuse(
+      !make_contacts(parts).empty(),
+      "a contact of add_contact()",
+      "contacts act in explicit steps; its maker has to return null here.");
+    for (const Body<dim> &body : initial)
       refuse(scheme.is_static && body.material->moduli().shear == 0.,
              "the material '" + body.parameters->material + "' of the body '" +
                body.name + "'",

@@ -35,7 +35,7 @@ namespace greville
         parameters.scheme.has_lumped_mass(),
         discretization.volume_projection())
   {
-    check_parameters(name, parts.initial);
+    check_parameters(name, parts);
     step_formula.emplace(parameters.time.step,
                          "Time/Step",
                          std::vector<std::string>{"h", "p"});

@@ -4,6 +4,8 @@
 // The list of materials, messages for wrong input, and that every parameter
 // of every material changes what the material does.
 
+#include <greville/materials/neo_hookean.h>
+
 #include "materials.h"
 #include <sstream>
 
@@ -72,6 +74,23 @@ namespace
         check("  " + change + " has an effect", differ);
       }
   }
+
+
+
+  // A law with a history of so many numbers.
+  template <unsigned int n>
+  class Remembering : public NeoHookean
+  {
+  public:
+    std::vector<std::string>
+    state_names() const override
+    {
+      std::vector<std::string> names;
+      for (unsigned int k = 0; k < n; ++k)
+        names.push_back("number_" + std::to_string(k));
+      return names;
+    }
+  };
 
 
 
@@ -177,6 +196,16 @@ test_main()
 
   // Wrong input.
   print_message([]() { make_material("jelly", "Law"); });
+  constexpr unsigned int most = MaterialPoint::max_state;
+  add_material("long", []() -> std::unique_ptr<Material> {
+    return std::make_unique<Remembering<most>>();
+  });
+  add_material("too-long", []() -> std::unique_ptr<Material> {
+    return std::make_unique<Remembering<most + 1>>();
+  });
+  check("the longest history",
+        make_material("long", "Law")->state_names().size() == most);
+  print_message([]() { make_material("too-long", "Law"); });
   bad("linear-elastic", {"Poisson ratio = 0.5"});
   bad("neo-hookean", {"Poisson ratio = -1"});
   bad("decoupled-neo-hookean", {"Poisson ratio = 0.5"});

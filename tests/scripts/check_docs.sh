@@ -48,12 +48,13 @@ finds "no parameter Scheme/Masses" $user/choosing.md 's|`Scheme/Mass`|`Scheme/Ma
 finds "no message" $user/troubleshooting.md 's/is a folder, not a/is a folder and no/'
 finds "no row for kinetic" $user/output.md '/^| `kinetic`/d'
 finds "in no file that the page links to" doc/developer/adding_a_law.md 's/2\. + e\.norm()/3. + e.norm()/'
+finds "has a function compute_statistics" doc/developer/adding_a_field.md 's/`add_sums()`/`compute_statistics()`/'
 rooms=doc/developer/architecture.md
 finds "no arrows lead from mass to spline" $rooms '/^  mass --> spline/d'
 finds "no file of materials includes one of spline" $rooms 's/^  materials --> base/&\n  materials --> spline/'
 dox=doc/developer/step.dox
 finds "no header declares EnergyGuard::check" $dox 's/StepGuard::check/EnergyGuard::check/'
 finds "no header declares GridMass::renew" $dox 's/GridMass::update/GridMass::renew/'
-finds "no parameter Stress updates" $dox 's/Stress update = USL/Stress updates = USL/'
+finds "no parameter Stress updates" $dox '1s,$, <code>Stress updates = USL</code>,'
 finds "there is no file tests/paper/level.cc" doc/step-greville/doc/results.dox 's|level_operator.cc|level.cc|'
 exit $status

@@ -321,6 +321,13 @@ test_main()
                   message_of_run(falls.with("Scheme", {"Mass = " + mass}), {}),
                   "along a normal that is not an axis");
 
+  check_refused("implicit steps with a contact",
+                message_of_run(falls.with("Scheme",
+                                          {"Stress update = newmark",
+                                           "Mass = lumped"}),
+                               {}),
+                "a contact of add_contact()");
+
   // An axis is a component, for all masses.
   Rail::normal = Point<2>(0., 1.);
   for (const std::string mass : {"lumped", "fmpm-2", "consistent"})

@@ -62,7 +62,8 @@ namespace
       fail_on_all(motion.problem + problem, discretization.communicator());
       std::swap(state.fields[0].velocity, velocity);
       state.time += dt;
-      state.step = dt;
+      state.velocity_time = state.time;
+      state.step          = dt;
       ++state.n_steps;
     }
 

@@ -51,7 +51,8 @@ namespace greville
 
     /**
      * Add the acceleration at time @p t (s) to the number @p first and the
-     * following of all @p points, m / s^2. Called once per body and step.
+     * following of all @p points, m / s^2. It may be called several times for
+     * the same time: for steps that are tried again, and for output.
      */
     virtual void
     add_acceleration(MaterialPoints<dim> &points,

@@ -106,7 +106,8 @@ namespace greville
 
     /**
      * The names of history variables; MaterialPoint::state holds them in this
-     * order.
+     * order. They do not depend on parameters, and are at most
+     * MaterialPoint::max_state.
      */
     virtual std::vector<std::string>
     state_names() const
@@ -284,7 +285,8 @@ namespace greville
 
   /**
    * A material by name. Throws dealii::ExcMessage with material_names() for an
-   * unknown @p name; @p parameter is the parameter that the message names.
+   * unknown @p name, where @p parameter is the parameter that the message
+   * names, and for a law whose history is longer than MaterialPoint::max_state.
    */
   std::unique_ptr<Material>
   make_material(const std::string &name, const std::string &parameter);

@@ -55,6 +55,7 @@ namespace greville
    *
    * A new contact is a class that derives from this one, and one line in the
    * list of source/steps/contact.cc; or a call of add_contact() in a program.
+   * Implicit steps refuse to be made where make_contacts() gives any.
    */
   template <int dim>
   class Contact

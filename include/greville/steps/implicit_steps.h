@@ -118,7 +118,8 @@ namespace greville
     }
 
     void
-    check_parameters(const std::string &name, const State<dim> &initial) const;
+    check_parameters(const std::string          &name,
+                     const IntegratorParts<dim> &parts) const;
 
     /**
      * Where neither walls nor springs hold a static body.
