@@ -102,7 +102,6 @@ namespace greville
       return static_cast<const Law &>(*this);
     }
 
-
   private:
     /**
      * The trial tensors of @p count points, and J with NaN in place of

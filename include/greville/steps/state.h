@@ -121,7 +121,6 @@ namespace greville
     /// before the last step, and in it, kg (2D: kg / m).
     double mass = 0., removed_mass = 0., mass_removed_last = 0.;
 
-
     /// Most iterations of a solve of the last step, and those of all solves.
     unsigned int  n_iterations     = 0;
     std::uint64_t n_all_iterations = 0;
