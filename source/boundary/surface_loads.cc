@@ -246,6 +246,13 @@ namespace greville
                                        *all.materials.at(body.material),
                                        all.grid));
       }
+    for (const std::string &name : all.general.contacts)
+      for (const auto &side : all.contacts.at(name).sides())
+        for (const std::string &body : side)
+          if (std::count(all.general.bodies.begin(),
+                         all.general.bodies.end(),
+                         body) > 0)
+            contacts.emplace_back(name, body);
   }
 
 
@@ -283,31 +290,40 @@ namespace greville
   {
     std::map<std::string, std::vector<SurfacePoint<dim>>> placed;
     std::vector<Surface<dim>>                             result;
+    const auto add = [&](const std::string &name,
+                         const std::string &section,
+                         const std::string &where,
+                         const std::string &body_name,
+                         const bool         has_contact) {
+      const auto body =
+        std::find_if(bodies.begin(), bodies.end(), [&](const auto &body) {
+          return body.name == body_name;
+        });
+      Assert(body != bodies.end(), ExcInternalError());
+      if (placed.count(body_name) == 0)
+        run_on_all(
+          [&]() {
+            placed[body_name] = place_surface_points<dim>(*body->parameters,
+                                                          "Body " + body_name,
+                                                          space);
+          },
+          space.communicator());
+      result.push_back(make_surface<dim>(
+        name, section, where, *body, placed[body_name], space, has_contact));
+      result.back().body = body - bodies.begin();
+    };
     for (unsigned int k = 0; k < loads.size(); ++k)
       {
-        const auto body =
-          std::find_if(bodies.begin(), bodies.end(), [&](const auto &body) {
-            return body.name == parameters[k].body;
-          });
-        Assert(body != bodies.end(), ExcInternalError());
-        const std::string section = "Body " + body->name;
-        if (placed.count(body->name) == 0)
-          run_on_all(
-            [&]() {
-              placed[body->name] =
-                place_surface_points<dim>(*body->parameters, section, space);
-            },
-            space.communicator());
-        result.push_back(make_surface<dim>(names[k],
-                                           "Surface load " + names[k],
-                                           parameters[k].where,
-                                           *body,
-                                           placed[body->name],
-                                           space));
-        result.back().body      = body - bodies.begin();
+        add(names[k],
+            "Surface load " + names[k],
+            parameters[k].where,
+            parameters[k].body,
+            false);
         result.back().stiffness = loads[k]->stiffness();
         result.back().damping   = loads[k]->damping();
       }
+    for (const auto &[name, body] : contacts)
+      add(name, "Contact " + name, "", body, true);
     return result;
   }
 
@@ -344,11 +360,12 @@ namespace greville
 
   template <int dim>
   void
-  SurfaceLoads<dim>::clear(std::vector<Surface<dim>> &surfaces)
+  SurfaceLoads<dim>::clear(std::vector<Surface<dim>> &surfaces) const
   {
-    for (Surface<dim> &surface : surfaces)
+    for (unsigned int k = 0; k < loads.size(); ++k)
       {
-        const unsigned int first = surface.points.layout().first("load");
+        Surface<dim>      &surface = surfaces[k];
+        const unsigned int first   = surface.points.layout().first("load");
         surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
             p[first + d] = 0.;

@@ -5,6 +5,7 @@
 #include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>
 
+#include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 #include <cmath>
 #include <filesystem>
@@ -82,6 +83,7 @@ namespace greville
     load_balance.check();
     for (const auto &load : surface_loads)
       load.second.check("Surface load " + load.first, bodies);
+    check_contacts();
     for (const auto &body : bodies)
       AssertThrow((body.second.K0 >= 0.) == !body.second.surface.empty(),
                   ExcMessage("'Body " + body.first +
@@ -146,6 +148,52 @@ namespace greville
                         ExcMessage(stage_text(k) + message_of(exception)));
           }
       }
+  }
+
+
+
+  void
+  SimulationParameters::check_contacts() const
+  {
+    for (const auto &[name, body] : rigid_bodies)
+      {
+        body.check("Rigid body " + name, general.dimension);
+        AssertThrow(bodies.count(name) == 0,
+                    ExcMessage("The name <" + name +
+                               "> is among 'Simulation/Bodies' and 'Rigid "
+                               "bodies'."));
+        const auto is_met = [&name = name](const auto &contact) {
+          return contact.second.sides()[1] == std::vector<std::string>{name};
+        };
+        AssertThrow(std::any_of(contacts.begin(), contacts.end(), is_met),
+                    ExcMessage("'Rigid body " + name +
+                               "' is in no contact: nothing meets it. Name it "
+                               "as the second one of 'Contact NAME/Bodies'."));
+      }
+    for (const auto &[name, contact] : contacts)
+      contact.check("Contact " + name, bodies, rigid_bodies);
+    const auto groups = body_groups();
+    for (const auto &[name, contact] : contacts)
+      for (const auto &group : groups)
+        {
+          const auto has = [&](const unsigned int side) {
+            return std::count(group.begin(),
+                              group.end(),
+                              contact.sides()[side][0]) > 0;
+          };
+          AssertThrow(!has(0) || !has(1),
+                      ExcMessage("'Contact " + name + "/Bodies' is <" +
+                                 contact.bodies +
+                                 ">, but another contact joins them by '+': "
+                                 "bodies that stick have no contact."));
+        }
+    for (unsigned int w = 0; w < 2 * general.dimension && !contacts.empty();
+         ++w)
+      AssertThrow(walls.type[w] != "periodic",
+                  ExcMessage("'Walls/" + WallParameters::names[w] +
+                             "' is periodic, which does not go with "
+                             "'Simulation/Contacts': surfaces do not meet "
+                             "across periodic walls."));
   }
 
 

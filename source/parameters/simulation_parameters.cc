@@ -217,9 +217,11 @@ namespace greville
                              const std::vector<ParameterLine> &lines)
   {
     check_tractions(lines);
-    const auto body_names = names_of(lines, "Bodies"),
-               law_names  = names_of(lines, "Materials"),
-               load_names = names_of(lines, "Surface loads");
+    const auto body_names    = names_of(lines, "Bodies"),
+               law_names     = names_of(lines, "Materials"),
+               load_names    = names_of(lines, "Surface loads"),
+               rigid_names   = names_of(lines, "Rigid bodies"),
+               contact_names = names_of(lines, "Contacts");
     if (body_names.empty())
       for (const ParameterLine &line : lines)
         {
@@ -234,6 +236,8 @@ namespace greville
     check_sections(lines, "Body", "Bodies", body_names);
     check_sections(lines, "Material", "Materials", law_names);
     check_sections(lines, "Surface load", "Surface loads", load_names);
+    check_sections(lines, "Rigid body", "Rigid bodies", rigid_names);
+    check_sections(lines, "Contact", "Contacts", contact_names);
     check_sections(lines, "Stage", "Stages", names_of(lines, "Stages"));
     for (const std::string &name : body_names)
       {
@@ -242,6 +246,10 @@ namespace greville
       }
     for (const std::string &name : load_names)
       surface_loads[name];
+    for (const std::string &name : rigid_names)
+      rigid_bodies[name];
+    for (const std::string &name : contact_names)
+      contacts[name];
     make_stages(lines);
 
     ParameterHandler prm;
@@ -311,6 +319,8 @@ namespace greville
         locate("Body " + body.first, "Points file", body.second.points_file);
         locate("Body " + body.first, "Shape file", body.second.shape_file);
       }
+    for (auto &[name, body] : rigid_bodies)
+      locate("Rigid body " + name, "Shape file", body.shape_file);
     std::ostringstream text;
     prm.print_parameters(text, ParameterHandler::PRM);
     used_text = text.str();
@@ -423,6 +433,10 @@ namespace greville
       }
     for (auto &load : surface_loads)
       declare_section(prm, "Surface load " + load.first, load.second);
+    for (auto &[name, body] : rigid_bodies)
+      declare_section(prm, "Rigid body " + name, body);
+    for (auto &[name, contact] : contacts)
+      declare_section(prm, "Contact " + name, contact);
     for (StageParameters &stage : stages)
       {
         const std::string section = "Stage " + stage.name;
@@ -441,6 +455,8 @@ namespace greville
     SimulationParameters parameters;
     parameters.bodies["NAME"];
     parameters.surface_loads["NAME"];
+    parameters.rigid_bodies["NAME"];
+    parameters.contacts["NAME"];
     ParameterHandler prm;
     parameters.declare(prm);
     StageParameters stage;

@@ -79,14 +79,19 @@ namespace greville
                const std::string                    &where,
                const Body<dim>                      &body,
                const std::vector<SurfacePoint<dim>> &placed,
-               const SplineSpace<dim>               &space)
+               const SplineSpace<dim>               &space,
+               const bool                            has_contact)
   {
     PointLayout<dim> layout;
     layout.basis_position = body.points.layout().basis_position;
     layout.add("load", dim);
     layout.add("normal", dim);
+    for (const std::string field : {"slip", "new_slip", "before"})
+      if (has_contact)
+        layout.add(field, dim);
     Surface<dim> surface;
-    surface.name = name;
+    surface.name        = name;
+    surface.has_contact = has_contact;
     surface.points.reinit(space, layout);
     run_on_all(
       [&]() {

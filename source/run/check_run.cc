@@ -238,7 +238,7 @@ namespace greville
             const double            end      = parameters.end_of_run();
             const auto              first = loads.resultants(surfaces, t, comm);
             const auto last = loads.resultants(surfaces, end, comm);
-            for (unsigned int s = 0; s < surfaces.size(); ++s)
+            for (unsigned int s = 0; s < first.size(); ++s)
               {
                 double area = 0.;
                 surfaces[s].points.for_each(

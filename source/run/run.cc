@@ -120,7 +120,9 @@ namespace greville
   SimulationRun<dim>::columns() const
   {
     auto columns = Statistics<dim>::names(parameters.general.surface_loads,
-                                          parameters.general.bodies);
+                                          parameters.general.bodies,
+                                          parameters.general.contacts,
+                                          parameters.general.rigid_bodies);
     for (const auto &[wall, component] : reactions)
       columns.push_back(reaction_name(wall, component));
     if (!parameters.stages.empty())
@@ -334,12 +336,15 @@ namespace greville
       return unsigned(std::find(names.begin(), names.end(), name) -
                       names.begin());
     };
+    const auto                 &loads = parameters.general.surface_loads;
     std::vector<SurfaceNumbers> numbers;
     for (const Surface<dim> &surface : part.state().surfaces)
       numbers.push_back(
-        {place(parameters.general.surface_loads, surface.name),
-         place(parameters.general.bodies,
-               parameters.surface_loads.at(surface.name).body)});
+        {surface.has_contact
+           ? unsigned(loads.size()) +
+               place(parameters.general.contacts, surface.name)
+           : place(loads, surface.name),
+         place(parameters.general.bodies, part.bodies()[surface.body].name)});
     return numbers;
   }
 
@@ -362,7 +367,7 @@ namespace greville
         Simulation<dim>  &part  = ensemble.part(k);
         const State<dim> &state = part.state();
         const std::string body =
-          parameters.has_body_grids() ? state.bodies[0].name : "";
+          ensemble.n_parts() > 1 ? state.bodies[0].name : "";
         fields.write_surfaces(
           time, part.loaded_surfaces(), numbers_of_surfaces(part), comm, body);
         if (!output.grid_fields)

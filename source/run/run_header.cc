@@ -71,7 +71,7 @@ namespace greville
       out << "  " << std::left << std::setw(16) << body.name << " "
           << std::setw(16) << body.parameters->material << std::right
           << std::setw(7) << body.n_points << '\n';
-    if (parameters.has_body_grids())
+    if (ensemble.n_parts() > 1)
       {
         out << "\n  grid of          cells            order\n";
         for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
@@ -87,7 +87,16 @@ namespace greville
     else
       out << "\n  grid: " << cells_text(parameters.grid.cells)
           << " cells, order " << parameters.grid.degree << '\n';
-    if (parameters.scheme.is_total_lagrangian() && ensemble.bodies().size() > 1)
+    for (const std::string &name : parameters.general.contacts)
+      {
+        const ContactParameters &contact = parameters.contacts.at(name);
+        out << "  contact " << name << ": " << contact.bodies << ", "
+            << (contact.friction == "rough" ? "rough"
+                                            : "friction " + contact.friction)
+            << '\n';
+      }
+    if (parameters.scheme.is_total_lagrangian() &&
+        ensemble.bodies().size() > 1 && parameters.contacts.empty())
       out << "  Bodies do not see one another in total Lagrangian steps.\n";
     print_stage(out, ensemble, parameters);
   }
@@ -113,7 +122,7 @@ namespace greville
         << ", quadrature by " << scheme.quadrature << "\n\n";
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
-        if (parameters.has_body_grids())
+        if (ensemble.n_parts() > 1)
           out << "  grid of " << ensemble.part(k).bodies()[0].name << ":\n";
         print_levels(out, ensemble.part(k), parameters);
       }

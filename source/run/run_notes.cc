@@ -55,6 +55,8 @@ namespace greville
       {"statistics.csv", "height", "m", "m"},
       {"statistics.csv", "largest_speed", "m / s", "m / s"},
       {"statistics.csv", "load", "N", "N / m"},
+      {"statistics.csv", "contact", "N", "N / m"},
+      {"statistics.csv", "rigid", "m", "m"},
       {"statistics.csv", "reaction", "N", "N / m"},
       {"statistics.csv", "iterations", "1", "1"},
       {"statistics.csv", "active", "1", "1"},

@@ -27,6 +27,16 @@ namespace greville
       Lattice<dim> lattice;
       /// The cells from first to before end hold all points.
       MultiIndex<dim> first, end;
+
+      void
+      join(const BodyOnGrid &other)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            first[d] = std::min(first[d], other.first[d]);
+            end[d]   = std::max(end[d], other.end[d]);
+          }
+      }
     };
 
 
@@ -219,17 +229,24 @@ namespace greville
   void
   SimulationParameters::check_body_grids() const
   {
-    const unsigned int dim = general.dimension;
+    const unsigned int dim      = general.dimension;
+    const auto         is_alone = [&](const std::string &name) {
+      for (const auto &group : body_groups())
+        if (group == std::vector<std::string>{name})
+          return !contacts.empty();
+      return false;
+    };
     for (const auto &[name, own] : body_grids)
       {
         const std::string section = "Body " + name + "/Grid";
-        AssertThrow(scheme.is_total_lagrangian() || !own.is_given(),
+        AssertThrow(scheme.is_total_lagrangian() || !own.is_given() ||
+                      is_alone(name),
                     ExcMessage("There is a section '" + section +
                                "', but 'Scheme/Formulation' is " +
                                scheme.formulation +
-                               ": bodies have grids of their own in total "
-                               "Lagrangian steps only. In updated Lagrangian "
-                               "ones they meet on one grid."));
+                               ": in updated Lagrangian steps, bodies that "
+                               "contacts name have grids of their own; all "
+                               "others meet on one grid."));
         const auto needs = [&](const std::size_t  size,
                                const std::string &entry) {
           AssertThrow(size == 0 || size == dim,
@@ -277,13 +294,53 @@ namespace greville
                                    " or more, so that none meets itself."));
           }
       }
-    AssertThrow(scheme.is_total_lagrangian(),
+    AssertThrow(scheme.is_total_lagrangian() || !grid.per_body,
                 ExcMessage("'Grid/Per body' = true does not go with "
                            "'Scheme/Formulation' = " +
                            scheme.formulation +
                            ": bodies have grids of their own in total "
                            "Lagrangian steps only. In updated Lagrangian ones "
-                           "they meet on one grid."));
+                           "they meet on one grid, or in 'Contacts'."));
+  }
+
+
+
+  std::vector<std::vector<std::string>>
+  SimulationParameters::body_groups() const
+  {
+    // The group of each body that a contact names, or that has its own grid.
+    std::map<std::string, unsigned int> group_of;
+    unsigned int                        n_groups = 1; // 0: all others
+    const auto join = [&](const std::vector<std::string> &names) {
+      const unsigned int group = n_groups++;
+      for (const std::string &name : names)
+        {
+          const unsigned int before = group_of[name];
+          group_of[name]            = group;
+          for (auto &other : group_of)
+            if (before > 0 && other.second == before)
+              other.second = group;
+        }
+    };
+    for (const std::string &name : general.contacts)
+      for (const auto &side : contacts.at(name).sides())
+        if (!side.empty() && rigid_bodies.count(side[0]) == 0)
+          join(side);
+    for (const std::string &name : general.bodies)
+      if (has_body_grids() && group_of[name] == 0)
+        join({name});
+
+    std::vector<std::vector<std::string>> result;
+    std::map<unsigned int, std::size_t>   place;
+    for (const std::string &name : general.bodies)
+      {
+        const unsigned int group = group_of[name];
+        const auto         where = place.emplace(group, result.size());
+        if (where.second)
+          result.emplace_back();
+        result[where.first->second].push_back(name);
+      }
+    return result;
   }
 
 
@@ -292,31 +349,38 @@ namespace greville
   std::vector<SimulationParameters>
   split_by_grids(const SimulationParameters &parameters, const MPI_Comm comm)
   {
-    if (!parameters.has_body_grids())
+    if (!parameters.has_body_grids() && parameters.contacts.empty())
       return {parameters};
-    std::vector<BodyOnGrid<dim>> bodies;
-    for (const std::string &name : parameters.general.bodies)
-      bodies.push_back(
-        place_body<dim>(parameters, name, parameters.grid_of(name), comm));
-
     std::vector<SimulationParameters> parts;
-    for (unsigned int b = 0; b < bodies.size(); ++b)
+    for (const std::vector<std::string> &group : parameters.body_groups())
       {
-        const std::string   &name = parameters.general.bodies[b];
         SimulationParameters part = parameters;
-        part.general.bodies       = {name};
-        cut_out(part, bodies[b], parameters.grid_of(name));
+        part.general.bodies       = group;
+        const GridParameters grid = parameters.grid_of(group[0]);
+        if (parameters.scheme.is_total_lagrangian())
+          {
+            BodyOnGrid<dim> place =
+              place_body<dim>(parameters, group[0], grid, comm);
+            for (const std::string &name : group)
+              place.join(place_body<dim>(parameters, name, grid, comm));
+            cut_out(part, place, grid);
+          }
+        else
+          part.grid = grid;
         part.grid.per_body = false;
         part.grid.fields.clear();
         part.body_grids.clear();
 
         auto &loads = part.general.surface_loads;
-        loads.erase(std::remove_if(
-                      loads.begin(),
-                      loads.end(),
-                      [&](const std::string &load) {
-                        return parameters.surface_loads.at(load).body != name;
-                      }),
+        loads.erase(std::remove_if(loads.begin(),
+                                   loads.end(),
+                                   [&](const std::string &load) {
+                                     const auto &body =
+                                       parameters.surface_loads.at(load).body;
+                                     return std::count(group.begin(),
+                                                       group.end(),
+                                                       body) == 0;
+                                   }),
                     loads.end());
         parts.push_back(part);
       }

@@ -14,6 +14,7 @@ namespace greville
   EndOfStep<dim>::EndOfStep(Ensemble<dim> &ensemble)
     : EndOfStep()
   {
+    ensemble.find_contact();
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       add(ensemble.part(k), "output");
   }

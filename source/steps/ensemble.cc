@@ -23,6 +23,31 @@ namespace greville
     for (const auto &part : parts)
       if (parts.size() > 1)
         part->set_label(" of 'Body " + part->state().bodies[0].name + "'");
+    if (!parameters.contacts.empty())
+      contacts =
+        std::make_unique<BodyContacts<dim>>(parameters, pointers(), comm);
+  }
+
+
+
+  template <int dim>
+  std::vector<Simulation<dim> *>
+  Ensemble<dim>::pointers() const
+  {
+    std::vector<Simulation<dim> *> result;
+    for (const auto &part : parts)
+      result.push_back(part.get());
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  Ensemble<dim>::find_contact()
+  {
+    if (contacts)
+      contacts->act();
   }
 
 
@@ -41,10 +66,7 @@ namespace greville
   void
   Ensemble<dim>::step()
   {
-    std::vector<Simulation<dim> *> all;
-    for (const auto &part : parts)
-      all.push_back(part.get());
-    Simulation<dim>::step_together(all);
+    Simulation<dim>::step_together(pointers(), contacts.get());
   }
 
 
@@ -174,14 +196,17 @@ namespace greville
 
   template <int dim>
   Statistics<dim>
-  Ensemble<dim>::statistics() const
+  Ensemble<dim>::statistics()
   {
+    find_contact();
     Statistics<dim> result = first().statistics();
     for (unsigned int k = 1; k < parts.size(); ++k)
       result.add(part(k).statistics());
     if (parts.size() > 1)
       result.front_99 = front_quantile(bodies(), comm, front_above);
     sort_loads(result);
+    if (contacts)
+      contacts->add_to(result, false);
     return result;
   }
 
@@ -238,6 +263,8 @@ namespace greville
         result.front_99 = front_quantile(sums, comm);
       }
     sort_loads(result);
+    if (contacts)
+      contacts->add_to(result, true);
     return result;
   }
 

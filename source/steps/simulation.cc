@@ -28,11 +28,12 @@ namespace greville
     SimulationParameters
     first_stage_of(SimulationParameters parameters)
     {
-      AssertThrow(!parameters.has_body_grids(),
+      const bool has_groups = parameters.body_groups().size() > 1;
+      AssertThrow(!parameters.has_body_grids() && !has_groups,
                   ExcMessage("Bodies have grids of their own ('Grid/Per body' "
-                             "or a section 'Grid' of a body): they are "
-                             "simulations of their own, and greville::Ensemble "
-                             "takes their common steps."));
+                             "or a section 'Grid' of a body) or 'Contacts': "
+                             "they are simulations of their own, and "
+                             "greville::Ensemble takes their common steps."));
       parameters.enter_stage(0);
       return parameters;
     }
@@ -452,7 +453,13 @@ namespace greville
     result.work.friction  = energy.at("friction");
     result.work.damping   = energy.at("damping");
     for (unsigned int k = 0; k < current.surfaces.size(); ++k)
-      result.work.surfaces.push_back(work(EnergyBalance::surfaces + k));
+      {
+        const double of_surface = work(EnergyBalance::surfaces + k);
+        if (current.surfaces[k].has_contact)
+          result.work.contacts[current.surfaces[k].name] += of_surface;
+        else
+          result.work.surfaces.push_back(of_surface);
+      }
     auto value = values.end() - 2 * dim * dim;
     for (Tensor<1, dim> &reaction : result.reactions)
       for (unsigned int d = 0; d < dim; ++d)

@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
+#include <greville/steps/body_contacts.h>
 #include <greville/steps/move_points.h>
 #include <greville/steps/simulation.h>
 #include <greville/steps/step_size.h>
@@ -169,6 +170,10 @@ namespace greville
   void
   Simulation<dim>::step()
   {
+    AssertThrow(parameters.contacts.empty(),
+                ExcMessage("There are 'Simulation/Contacts': "
+                           "greville::Ensemble takes the steps of bodies "
+                           "that meet."));
     step_together({this});
   }
 
@@ -176,7 +181,8 @@ namespace greville
 
   template <int dim>
   void
-  Simulation<dim>::step_together(const std::vector<Simulation *> &simulations)
+  Simulation<dim>::step_together(const std::vector<Simulation *> &simulations,
+                                 BodyContacts<dim>               *contacts)
   {
     bool is_shared = false;
     for (Simulation *simulation : simulations)
@@ -205,6 +211,9 @@ namespace greville
     };
     try
       {
+        // The end of a stage needs it, too.
+        if (contacts)
+          contacts->act();
         const bool enters_stage = simulations.front()->is_stage_finished();
         for_each([](Simulation &simulation) { simulation.begin_step(); });
         // All of them, or none.
@@ -229,6 +238,8 @@ namespace greville
                 at_hand->propose_again(rejection);
               }
           }
+        if (contacts)
+          contacts->begin_step(dt);
         for_each([&](Simulation &simulation) { simulation.take_step(dt); });
       }
     catch (const StepFailed &failure)

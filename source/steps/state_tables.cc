@@ -26,6 +26,28 @@ namespace greville
 
 
     /**
+     * Call @p all(name, number) for each number of the position of a rigid
+     * body.
+     */
+    template <int dim, typename Position, typename All>
+    void
+    visit_position(const std::string &of, Position &position, const All &all)
+    {
+      const auto each = [&](const std::string &name, auto &numbers) {
+        for (unsigned int d = 0; d < numbers.dimension; ++d)
+          all(of + name + std::to_string(d), numbers[d]);
+      };
+      each("reference_", position.reference);
+      each("displacement_", position.displacement);
+      each("velocity_", position.velocity);
+      each("spin_", position.spin);
+      for (unsigned int d = 0; d < dim; ++d)
+        each("rotation_" + std::to_string(d), position.rotation[d]);
+    }
+
+
+
+    /**
      * Call @p all(name, number) for each number that all processes share, and
      * @p sum(name, number) for those of which each has its part.
      */
@@ -72,6 +94,14 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           sum("reaction_" + std::to_string(w) + "_" + std::to_string(d),
               state.reactions[w][d]);
+      for (unsigned int k = 0; k < state.rigid_bodies.size(); ++k)
+        {
+          const std::string of = "rigid_body_" + std::to_string(k) + "_";
+          visit_position<dim>(of, state.rigid_bodies[k].now, all);
+          visit_position<dim>(of + "before_",
+                              state.rigid_bodies[k].before,
+                              all);
+        }
       all("n_partitions", state.n_partitions);
       all("imbalance", state.imbalance);
       all("warned_gain", state.warned_gain);
@@ -152,7 +182,9 @@ namespace greville
     std::string
     name_of(const Surface<dim> &surface)
     {
-      return "surface " + surface.name;
+      return "surface " + surface.name +
+             (surface.has_contact ? " of body " + std::to_string(surface.body)
+                                  : "");
     }
 
 

@@ -51,6 +51,27 @@ namespace greville
     for (unsigned int k = 0; k < loads.size(); ++k)
       result.emplace_back("work_load_" + loads[k].first,
                           k < work.surfaces.size() ? work.surfaces[k] : 0.);
+    for (const auto &[name, contact] : contacts)
+      {
+        const std::string begin = "contact_" + name;
+        add(begin, contact.force);
+        if (dim == 2)
+          result.emplace_back(begin + "_moment", contact.moment[0]);
+        else
+          add(begin + "_moment", contact.moment);
+        result.emplace_back(begin + "_gap", contact.gap);
+        result.emplace_back(begin + "_area", contact.area);
+        const auto found = work.contacts.find(name);
+        result.emplace_back("work_" + begin,
+                            found == work.contacts.end() ? 0. : found->second);
+      }
+    for (const auto &[name, body] : rigid_bodies)
+      {
+        const std::string begin = "rigid_" + name;
+        add(begin, body.position(body.reference));
+        for (unsigned int d = 0; d < dim; ++d)
+          result.emplace_back(begin + "_v" + "xyz"[d], body.velocity[d]);
+      }
     if (bodies.size() < 2)
       return result;
     for (const BodyStatistics<dim> &body : bodies)
@@ -70,9 +91,15 @@ namespace greville
   template <int dim>
   std::vector<std::string>
   Statistics<dim>::names(const std::vector<std::string> &loads,
-                         const std::vector<std::string> &bodies)
+                         const std::vector<std::string> &bodies,
+                         const std::vector<std::string> &contacts,
+                         const std::vector<std::string> &rigid_bodies)
   {
     Statistics statistics;
+    for (const std::string &contact : contacts)
+      statistics.contacts.emplace_back(contact, ContactResult<dim>());
+    for (const std::string &body : rigid_bodies)
+      statistics.rigid_bodies.emplace_back(body, RigidPosition<dim>());
     for (const std::string &load : loads)
       statistics.loads.emplace_back(load, Tensor<1, dim>());
     for (const std::string &body : bodies)
@@ -131,6 +158,8 @@ namespace greville
     work.surfaces.insert(work.surfaces.end(),
                          other.work.surfaces.begin(),
                          other.work.surfaces.end());
+    for (const auto &[name, amount] : other.work.contacts)
+      work.contacts[name] += amount;
     bodies.insert(bodies.end(), other.bodies.begin(), other.bodies.end());
     n_points += other.n_points;
     for (unsigned int w = 0; w < 2 * dim; ++w)

@@ -48,7 +48,8 @@ namespace greville
 
   /**
    * The loads on the surfaces of bodies, see SurfaceLoadParameters. Each has a
-   * Surface in the State, in the same order.
+   * Surface in the State, in the same order; behind them are those of bodies
+   * that contacts name, whose loads others set.
    */
   template <int dim>
   class SurfaceLoads
@@ -63,6 +64,12 @@ namespace greville
     empty() const
     {
       return loads.empty();
+    }
+
+    unsigned int
+    n_loads() const
+    {
+      return loads.size();
     }
 
     /**
@@ -89,8 +96,8 @@ namespace greville
     /**
      * Set them to zero.
      */
-    static void
-    clear(std::vector<Surface<dim>> &surfaces);
+    void
+    clear(std::vector<Surface<dim>> &surfaces) const;
 
     /**
      * The @p surfaces with their loads at time @p t, for TangentSystem. What it
@@ -109,9 +116,11 @@ namespace greville
                const MPI_Comm                   comm) const;
 
   private:
-    std::vector<std::string>                       names;
-    std::vector<SurfaceLoadParameters>             parameters;
-    std::vector<std::unique_ptr<SurfaceLoad<dim>>> loads;
+    std::vector<std::string>           names;
+    std::vector<SurfaceLoadParameters> parameters;
+    /// Contacts, and the body of the surface.
+    std::vector<std::pair<std::string, std::string>> contacts;
+    std::vector<std::unique_ptr<SurfaceLoad<dim>>>   loads;
   };
 } // namespace greville
 

@@ -6,6 +6,7 @@
 #include <greville/points/body.h>
 #include <greville/stiffness/tangent_system.h>
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ namespace greville
     std::vector<std::string> bodies;
     std::vector<std::string> materials;
     std::vector<std::string> surface_loads;
+    std::vector<std::string> rigid_bodies;
+    std::vector<std::string> contacts;
     std::vector<std::string> stages;
   };
 
@@ -141,6 +144,70 @@ namespace greville
     std::string pressure;
     double      stiffness = 0.;
     std::string displacement;
+  };
+
+
+
+  /**
+   * A body that does not deform, and moves as it is told.
+   */
+  struct RigidBodyParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    /**
+     * Throw dealii::ExcMessage where the parameters of the @p section do not go
+     * together.
+     */
+    void
+    check(const std::string &section, const unsigned int dim) const;
+
+    std::string         shape;
+    std::string         shape_file;
+    double              shape_file_unit = 1.;
+    std::vector<double> reference_point;
+    std::string         velocity;
+    std::string         rotation;
+  };
+
+
+
+  /**
+   * Contact of two sides, each of which is a body, several bodies that stick to
+   * one another, or (the second one) a rigid body.
+   */
+  struct ContactParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    /**
+     * The names of the bodies of both sides.
+     */
+    std::array<std::vector<std::string>, 2>
+    sides() const;
+
+    /**
+     * Throw dealii::ExcMessage where the parameters of the @p section do not go
+     * with the bodies.
+     */
+    void
+    check(const std::string                                &section,
+          const std::map<std::string, BodyParameters>      &bodies,
+          const std::map<std::string, RigidBodyParameters> &rigid) const;
+
+    /**
+     * The coefficient of friction, infinite where the surfaces are rough.
+     */
+    double
+    friction_coefficient(const std::string &section) const;
+
+    std::string bodies;
+    std::string friction = "0";
+    double      adhesion = 0.;
+    double      penalty  = 1.;
+    double      damping  = 0.1;
   };
 } // namespace greville
 

@@ -77,12 +77,22 @@ namespace greville
     std::map<std::string, BodyGridParameters>              body_grids;
     std::map<std::string, std::shared_ptr<const Material>> materials;
     std::map<std::string, SurfaceLoadParameters>           surface_loads;
+    std::map<std::string, RigidBodyParameters>             rigid_bodies;
+    std::map<std::string, ContactParameters>               contacts;
 
     /**
      * Whether bodies have grids of their own, see Ensemble.
      */
     bool
     has_body_grids() const;
+
+    /**
+     * The bodies that share a velocity field, and stick where they touch: each
+     * side of a contact, and all others. Bodies with grids of their own have a
+     * field each.
+     */
+    std::vector<std::vector<std::string>>
+    body_groups() const;
 
     /**
      * The grid that is meant for a body.
@@ -169,6 +179,12 @@ namespace greville
      */
     void
     check_body_grids() const;
+
+    /**
+     * check() of contacts and rigid bodies.
+     */
+    void
+    check_contacts() const;
 
     /**
      * check() of the parameters of one stage.

@@ -26,6 +26,10 @@ namespace greville
     MaterialPoints<dim> points;
     /// The number of the body that it belongs to.
     unsigned int body = 0;
+    /// Whether its load is that of the contact of this name, and kept at the
+    /// points. These have the fields "slip", "new_slip" (see ContactPoint) and
+    /// "before", the position at the start of the last step, too.
+    bool has_contact = false;
     /// At most what the load per initial area changes by displacement, Pa / m,
     /// and by velocity, Pa s / m: they bound explicit steps.
     double stiffness = 0., damping = 0.;
@@ -76,7 +80,7 @@ namespace greville
   /**
    * Collective. The surface of those of the @p placed points of @p body that
    * lie in the shape @p where (empty: all). They have the initial displacement
-   * and velocity of the body. @p section names the load. Throws
+   * and velocity of the body. @p section names the load, or the contact. Throws
    * dealii::ExcMessage where there are none.
    */
   template <int dim>
@@ -86,7 +90,8 @@ namespace greville
                const std::string                    &where,
                const Body<dim>                      &body,
                const std::vector<SurfacePoint<dim>> &placed,
-               const SplineSpace<dim>               &space);
+               const SplineSpace<dim>               &space,
+               const bool                            has_contact = false);
 } // namespace greville
 
 #endif

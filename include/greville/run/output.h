@@ -20,6 +20,7 @@ namespace greville
    */
   struct SurfaceNumbers
   {
+    /// Contacts are counted behind loads.
     unsigned int load = 0, body = 0;
   };
 

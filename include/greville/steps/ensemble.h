@@ -4,13 +4,14 @@
 #define greville_steps_ensemble_h
 
 #include <greville/points/body_list.h>
-#include <greville/steps/simulation.h>
+#include <greville/steps/body_contacts.h>
 
 namespace greville
 {
   /**
-   * What a parameter file describes: one Simulation, or one of each body where
-   * bodies have grids of their own. These do not see one another, and go in
+   * What a parameter file describes: one Simulation, or one of each group of
+   * bodies that share a velocity field, where bodies have grids of their own or
+   * there are contacts. These see one another by contacts only, and go in
    * common steps.
    */
   template <int dim>
@@ -112,10 +113,17 @@ namespace greville
     bodies() const;
 
     /**
-     * Collective. Sums and extremes over all parts.
+     * Collective. Contact as the states are: loads of surfaces.
+     */
+    void
+    find_contact();
+
+    /**
+     * Collective. Sums and extremes over all parts. Contacts are those of
+     * find_contact().
      */
     Statistics<dim>
-    statistics() const;
+    statistics();
 
     /**
      * Whether rows lag, see Simulation.
@@ -183,6 +191,9 @@ namespace greville
     std::string
     prefix(const unsigned int part) const;
 
+    std::vector<Simulation<dim> *>
+    pointers() const;
+
     /**
      * Put the loads of parts into the order of the columns of files.
      */
@@ -193,6 +204,7 @@ namespace greville
     const double   front_above;
     // They stay where they are, as what they consist of refers to them.
     std::vector<std::unique_ptr<Simulation<dim>>> parts;
+    std::unique_ptr<BodyContacts<dim>>            contacts;
     std::vector<std::string>                      load_names;
   };
 } // namespace greville

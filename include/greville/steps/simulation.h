@@ -12,6 +12,9 @@
 
 namespace greville
 {
+  template <int dim>
+  class BodyContacts;
+
   /**
    * The material point method on a grid of B-splines: a State on a
    * Discretization, which a TimeIntegrator takes from step to step. Each stage
@@ -42,9 +45,11 @@ namespace greville
 
     /// Collective. step() of several simulations of the same times and stages,
     /// as long as the shortest that one proposes. Where one rejects it, all try
-    /// a shorter one; where one fails, all go back.
+    /// a shorter one; where one fails, all go back. The @p contacts of their
+    /// bodies act at the start of the step.
     static void
-    step_together(const std::vector<Simulation *> &simulations);
+    step_together(const std::vector<Simulation *> &simulations,
+                  BodyContacts<dim>               *contacts = nullptr);
 
     bool
     is_finished() const;
@@ -227,6 +232,7 @@ namespace greville
     points_memory() const;
 
   private:
+    friend class BodyContacts<dim>;
     friend class EndOfStep<dim>;
 
     // Collective. A row before points are summed up, and with the sums.

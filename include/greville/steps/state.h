@@ -3,6 +3,7 @@
 #ifndef greville_steps_state_h
 #define greville_steps_state_h
 
+#include <greville/geometry/rigid_motion.h>
 #include <greville/points/body.h>
 #include <greville/points/point_transfer.h>
 #include <greville/points/points_copy.h>
@@ -94,6 +95,17 @@ namespace greville
 
 
   /**
+   * Where a rigid body is, and where it was at the start of the last step.
+   */
+  template <int dim>
+  struct RigidBodyState
+  {
+    RigidPosition<dim> now, before;
+  };
+
+
+
+  /**
    * All that a step changes besides the bodies.
    */
   template <int dim>
@@ -135,6 +147,10 @@ namespace greville
 
     /// One for each of Discretization::fields().
     std::vector<FieldState<dim>> fields;
+
+    /// Those of GeneralParameters::rigid_bodies, the same in all simulations of
+    /// an Ensemble.
+    std::vector<RigidBodyState<dim>> rigid_bodies;
 
     Signals       signals;
     double        first_signal = 0.; // Signals::fastest initially

@@ -3,10 +3,13 @@
 #ifndef greville_steps_statistics_h
 #define greville_steps_statistics_h
 
+#include <greville/contact/averaged_contact.h>
+#include <greville/geometry/rigid_motion.h>
 #include <greville/points/body_list.h>
 #include <greville/points/point_transfer.h>
 #include <greville/points/row_sums.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -25,6 +28,8 @@ namespace greville
     double damping   = 0.; // Cundall's and kinetic
     /// In the order of Statistics::loads.
     std::vector<double> surfaces;
+    /// By name, on both sides.
+    std::map<std::string, double> contacts;
   };
 
 
@@ -83,6 +88,8 @@ namespace greville
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
     /// Loads on surfaces with their forces, N (2D: N / m).
     std::vector<std::pair<std::string, dealii::Tensor<1, dim>>> loads;
+    std::vector<std::pair<std::string, ContactResult<dim>>>     contacts;
+    std::vector<std::pair<std::string, RigidPosition<dim>>>     rigid_bodies;
     /// Among the columns() where there are several.
     std::vector<BodyStatistics<dim>> bodies;
 
@@ -93,12 +100,14 @@ namespace greville
     columns() const;
 
     /**
-     * The names, with those of the @p loads on surfaces and those of the @p
-     * bodies.
+     * The names, with those of the @p loads on surfaces, of @p contacts, of @p
+     * rigid_bodies, and of the @p bodies.
      */
     static std::vector<std::string>
-    names(const std::vector<std::string> &loads  = {},
-          const std::vector<std::string> &bodies = {});
+    names(const std::vector<std::string> &loads        = {},
+          const std::vector<std::string> &bodies       = {},
+          const std::vector<std::string> &contacts     = {},
+          const std::vector<std::string> &rigid_bodies = {});
 
     std::vector<double>
     values() const;

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_contact_averaged_contact_h
+#define greville_contact_averaged_contact_h
+
+#include <deal.II/base/mpi.h>
+
+#include <greville/contact/contact_point.h>
+
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The numbers of a contact, see AveragedContact.
+   */
+  struct ContactLaw
+  {
+    /// Of the pressure by the gap, and of the shear stress by slip, Pa / m.
+    double stiffness = 0., shear_stiffness = 0.;
+    /// Of both by the speed, Pa s / m.
+    double viscosity = 0.;
+    /// The coefficient, infinite for rough surfaces, and the adhesion, Pa.
+    double friction = 0., adhesion = 0.;
+    /// Whether both sides deform; otherwise only points of side 0 are given.
+    bool has_two_sides = true;
+  };
+
+
+
+  /**
+   * What a contact did, of all processes.
+   */
+  template <int dim>
+  struct ContactResult
+  {
+    /// The force on side 0, N (2D: N / m), and its moment about a point.
+    dealii::Tensor<1, dim>                force;
+    dealii::Tensor<1, dim == 2 ? 1 : dim> moment;
+    /// The smallest gap of a point, infinite where none faces the other side,
+    /// m; and the area under pressure, m^2 (2D: m).
+    double gap = 0., area = 0.;
+  };
+
+
+
+  /**
+   * Contact with friction by averages of the gap. With the hat functions
+   * @f$\psi_i@f$ (degree 1) of a grid, at the positions of the points x_s of
+   * both surfaces with areas a_s, gaps g_s and oriented normals n_s (outwards
+   * from side 1), each key k, a function i together with a sector of normals,
+   * has
+   * @f[
+   *   w^A_k = \sum_{s \in A} a_s \psi_k(x_s), \qquad
+   *   w_k = \frac{2 w^A_k w^B_k}{w^A_k + w^B_k}, \qquad
+   *   \bar g_k = \frac{\sum_{s \in A \cup B} a_s \psi_k(x_s) g_s}
+   *                   {w^A_k + w^B_k}, \qquad
+   *   t_k = \max(0, -\epsilon \bar g_k - \zeta \dot{\bar g}_k),
+   * @f]
+   * and the velocity of the gap is that of the mean of A against the mean of B.
+   * The force @f$w_k t_k \bar n_k@f$ of a key goes to the points of A as
+   * @f$a_s \psi_k(x_s) / w^A_k@f$ of it, and its opposite likewise to those of
+   * B: momentum is kept to round-off. Each surface has as many conditions as
+   * the grid has hats, which splines of any degree can meet; with a condition
+   * at each point the pressure of splines of degree 2 and more oscillates.
+   * Without the sectors, opposite faces of a thin body would share an average.
+   *
+   * The slip is averaged likewise. The shear stress of a key,
+   * @f$-\epsilon_T \bar e_k - \zeta \dot{\bar e}_k@f$ with the mean elastic
+   * slip, is at most @f$\mu t_k + c@f$; beyond that the elastic slip of its
+   * points is set back by the mean.
+   */
+  template <int dim>
+  class AveragedContact
+  {
+  public:
+    /**
+     * The lattice of hat functions: one of its corners, and the size of its
+     * cells, m.
+     */
+    AveragedContact(const ContactLaw             &law,
+                    const dealii::Point<dim>     &corner,
+                    const dealii::Tensor<1, dim> &cell_size,
+                    const MPI_Comm                comm);
+
+    /**
+     * Collective. Set the force and the slip of all points, which know their
+     * gaps. @p dt is the length of the step of their motion, s: 0 if there is
+     * none.
+     */
+    ContactResult<dim>
+    act(std::vector<ContactPoint<dim>> &points,
+        const double                    dt,
+        const dealii::Point<dim>       &about) const;
+
+    const ContactLaw &
+    law() const
+    {
+      return contact_law;
+    }
+
+  private:
+    ContactLaw             contact_law;
+    dealii::Point<dim>     corner;
+    dealii::Tensor<1, dim> cell_size;
+    MPI_Comm               comm;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_contact_contact_point_h
+#define greville_contact_contact_point_h
+
+#include <deal.II/base/point.h>
+
+namespace greville
+{
+  /**
+   * A point of a surface in a contact of two sides, which are numbered 0 and 1.
+   */
+  template <int dim>
+  struct ContactPoint
+  {
+    unsigned int side = 0;
+    /// Where it is, and the normal there, of length 1, outwards.
+    dealii::Point<dim>     x;
+    dealii::Tensor<1, dim> normal;
+    /// The present area, m^2 (in 2D m).
+    double area = 0.;
+    /// The displacement in the last step, m.
+    dealii::Tensor<1, dim> motion;
+    /// The elastic part of the slip of side 0 along side 1, m: history.
+    dealii::Tensor<1, dim> slip;
+
+    /// Whether the other side is in front of it, or it is a little way inside.
+    bool is_facing = false;
+    /// The distance from the other side, negative inside, m.
+    double gap = 0.;
+    /// The normal of the other side at the closest point, outwards from it.
+    dealii::Tensor<1, dim> target_normal;
+    /// The displacement in the last step of the other side's material that is
+    /// the closest point now; of rigid bodies only, m.
+    dealii::Tensor<1, dim> target_motion;
+
+    /// What contact gives to it: N (2D: N / m), and the slip after the step.
+    dealii::Tensor<1, dim> force, new_slip;
+  };
+} // namespace greville
+
+#endif

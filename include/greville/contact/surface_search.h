@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_contact_surface_search_h
+#define greville_contact_surface_search_h
+
+#include <deal.II/base/mpi.h>
+
+#include <greville/contact/contact_point.h>
+
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Finds the gap between the points of two surfaces, each of which is known by
+   * its points x_k with normals n_k and areas a_k only: the implicit surface of
+   * moving least squares
+   * @f[
+   *   \varphi(y) = \frac{1}{2} \sum_k w_k (y - x_k) \cdot n_k
+   *     + \frac{1}{2} (y - \sum_k w_k x_k) \cdot n, \qquad
+   *   n = \frac{\sum_k w_k n_k}{|\sum_k w_k n_k|}, \qquad
+   *   w_k = \frac{a_k \omega(|y - x_k| / r)}{\sum_l a_l \omega(|y - x_l| / r)},
+   * @f]
+   * with @f$\omega(s) = (1 - s^2)^2@f$ and r of two spacings of points. (The
+   * first term alone lies outside of a curved surface by the mean of its
+   * sagitta, the second one alone inside by the same: the mean of both has an
+   * error of fourth order in r.) A point x is projected onto it along n. Only
+   * points whose normals are within 60 degrees of that of the nearest one that
+   * faces x count, so that edges are not rounded, and only places on which
+   * there are points, so that a surface ends where its points end.
+   */
+  template <int dim>
+  class SurfaceSearch
+  {
+  public:
+    explicit SurfaceSearch(const MPI_Comm comm)
+      : comm(comm)
+    {}
+
+    /**
+     * Collective. Set ContactPoint::is_facing, gap and target_normal of the
+     * points of both sides, on whatever processes these are: the other side is
+     * looked for up to the distance @p reach, m. Points that may meet come
+     * together on the process to which a box of space belongs; nothing is sent
+     * where the sides are further apart.
+     */
+    void
+    find_gaps(std::vector<ContactPoint<dim>> &points, const double reach) const;
+
+  private:
+    const MPI_Comm comm;
+  };
+} // namespace greville
+
+#endif

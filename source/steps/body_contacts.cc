@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/step_errors.h>
+#include <greville/steps/body_contacts.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Of the larger cell size: how far away the other side is looked for, how
+    // far a point may move in a step, and how deep bodies may overlap
+    // initially.
+    constexpr double reach_in_cells = 0.5, longest_motion = 0.25,
+                     deepest_overlap = 0.05;
+
+    // The stiffness against slip, over that against overlap.
+    constexpr double shear_share = 0.5;
+
+
+
+    /**
+     * The modulus of plane strain E / (1 - nu^2), Pa: of fluids the bulk
+     * modulus.
+     */
+    double
+    contact_modulus(const Material &material)
+    {
+      const Moduli moduli = material.moduli();
+      if (moduli.shear == 0.)
+        return moduli.bulk;
+      const double lambda = moduli.bulk - 2. / 3. * moduli.shear;
+      return 4. * moduli.shear * (lambda + moduli.shear) /
+             (lambda + 2. * moduli.shear);
+    }
+
+
+
+    double
+    impedance(const Material &material)
+    {
+      const Moduli moduli = material.moduli();
+      return std::sqrt(material.density *
+                       (moduli.bulk + 4. / 3. * moduli.shear));
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  BodyContacts<dim>::BodyContacts(const SimulationParameters &parameters,
+                                  const std::vector<Simulation<dim> *> &parts,
+                                  const MPI_Comm                        comm)
+    : parts(parts)
+    , comm(comm)
+    , search(comm)
+  {
+    std::vector<RigidBodyState<dim>> positions;
+    for (const std::string &name : parameters.general.rigid_bodies)
+      {
+        rigid_bodies.emplace_back(name, parameters.rigid_bodies.at(name));
+        const auto position =
+          rigid_bodies.back().initial_position(parameters.time.start);
+        positions.push_back({position, position});
+      }
+    for (const std::string &name : parameters.general.contacts)
+      make_contact(parameters, name);
+    for (Simulation<dim> *part : parts)
+      {
+        part->current.rigid_bodies = positions;
+        part->good.take(part->current);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::make_contact(const SimulationParameters &parameters,
+                                  const std::string          &name)
+  {
+    const ContactParameters &given = parameters.contacts.at(name);
+    Contact                  contact;
+    contact.name   = name;
+    contact.bodies = given.bodies;
+
+    ContactLaw law;
+    double     compliance = 0., h = 0.;
+    law.viscosity               = std::numeric_limits<double>::max();
+    unsigned int        n_sides = 0;
+    const Lattice<dim> *lattice = nullptr;
+    for (unsigned int side = 0; side < 2; ++side)
+      {
+        double modulus = std::numeric_limits<double>::max();
+        for (const std::string &body : given.sides()[side])
+          for (Simulation<dim> *part : parts)
+            {
+              auto &surfaces = part->current.surfaces;
+              for (unsigned int s = 0; s < surfaces.size(); ++s)
+                {
+                  const Body<dim> &owner =
+                    part->current.bodies[surfaces[s].body];
+                  if (!surfaces[s].has_contact || surfaces[s].name != name ||
+                      owner.name != body)
+                    continue;
+                  contact.sides[side].push_back({part, s});
+                  modulus = std::min(modulus, contact_modulus(*owner.material));
+                  law.viscosity =
+                    std::min(law.viscosity, impedance(*owner.material));
+                  if (part->grid().cell_size() > h)
+                    {
+                      h       = part->grid().cell_size();
+                      lattice = &part->space().lattice();
+                    }
+                }
+            }
+        if (contact.sides[side].empty())
+          continue;
+        ++n_sides;
+        compliance += 1. / modulus;
+      }
+    const auto &names = parameters.general.rigid_bodies;
+    if (n_sides == 1)
+      contact.rigid =
+        std::find(names.begin(), names.end(), given.sides()[1][0]) -
+        names.begin();
+    law.has_two_sides   = n_sides == 2;
+    law.stiffness       = given.penalty * n_sides / compliance / h;
+    law.shear_stiffness = shear_share * law.stiffness;
+    law.viscosity *= given.damping;
+    law.friction  = given.friction_coefficient("Contact " + name);
+    law.adhesion  = given.adhesion;
+    contact.reach = reach_in_cells * h;
+    Tensor<1, dim> sizes;
+    for (unsigned int d = 0; d < dim; ++d)
+      sizes[d] = lattice->cell_size(d);
+    contact.average = std::make_unique<AveragedContact<dim>>(
+      law, lattice->cell_corner(MultiIndex<dim>()), sizes, comm);
+    // Of each side against one that moves the other way.
+    for (const auto &side : contact.sides)
+      for (const Place &place : side)
+        {
+          Surface<dim> &surface = place.part->current.surfaces[place.surface];
+          surface.stiffness     = n_sides * law.stiffness;
+          surface.damping       = n_sides * law.viscosity;
+        }
+    contacts.push_back(std::move(contact));
+  }
+
+
+
+  template <int dim>
+  std::vector<ContactPoint<dim>>
+  BodyContacts<dim>::collect(const Contact &contact) const
+  {
+    std::vector<ContactPoint<dim>> points;
+    for (unsigned int side = 0; side < 2; ++side)
+      for (const Place &place : contact.sides[side])
+        {
+          const State<dim>   &state   = place.part->current;
+          const Surface<dim> &surface = state.surfaces[place.surface];
+          const auto         &layout  = surface.points.layout();
+          const unsigned int  slip    = layout.first("slip"),
+                             before   = layout.first("before");
+          surface.points.for_each(
+            [&](const unsigned int, ConstPointRef<dim> p) {
+              const SurfaceState<dim> at   = surface_state<dim>(p, layout);
+              const Tensor<1, dim>    area = p.mass() * at.area_vector();
+              ContactPoint<dim>       point;
+              point.side   = side;
+              point.x      = at.x;
+              point.area   = area.norm();
+              point.normal = area / point.area;
+              point.slip   = p.vector(slip);
+              if (state.step > 0.)
+                point.motion = at.x - Point<dim>(p.vector(before));
+              points.push_back(point);
+            });
+        }
+    return points;
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::check(const Contact                        &contact,
+                           const std::vector<ContactPoint<dim>> &points) const
+  {
+    const double longest = longest_motion / reach_in_cells * contact.reach;
+    const double deepest = deepest_overlap / reach_in_cells * contact.reach;
+    const bool   is_new  = parts.front()->current.n_steps == 0;
+    std::string  problem;
+    double       depth = 0.;
+    for (const ContactPoint<dim> &point : points)
+      {
+        if (point.motion.norm() > longest && problem.empty())
+          {
+            std::ostringstream message;
+            message << "a point of the surface at (" << point.x << ") m in "
+                    << "'Contact " << contact.name << "' has moved by "
+                    << point.motion.norm()
+                    << " m in a step, more than a quarter of a cell: surfaces "
+                       "may pass through one another. Take a shorter 'Time/"
+                       "Step', or a smaller 'Time/CFL number'";
+            problem = message.str();
+          }
+        if (is_new && point.is_facing)
+          depth = std::max(depth, -point.gap);
+      }
+    fail_on_all(problem, comm);
+    depth = Utilities::MPI::max(depth, comm);
+    AssertThrow(depth <= deepest,
+                ErrorOnAll("The bodies of 'Contact " + contact.name + "', <" +
+                           contact.bodies + ">, overlap by " + text_of(depth) +
+                           " m at the start: leave a gap between them, or let "
+                           "them touch."));
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::act()
+  {
+    std::vector<std::uint64_t> stamps_now;
+    for (const Simulation<dim> *part : parts)
+      stamps_now.push_back(part->current.points_stamp);
+    if (stamps_now == stamps)
+      return;
+    const State<dim> &state = parts.front()->current;
+    const PartTimer   timer(parts.front()->log, "contact");
+    now.contacts.clear();
+    now.rigid_bodies.clear();
+    for (const RigidBodyState<dim> &body : state.rigid_bodies)
+      now.rigid_bodies.push_back(body.now);
+    for (const Contact &contact : contacts)
+      {
+        std::vector<ContactPoint<dim>> points = collect(contact);
+        Point<dim>                     about;
+        if (contact.rigid >= 0)
+          {
+            const RigidBodyState<dim> &body = state.rigid_bodies[contact.rigid];
+            about = body.now.position(body.now.reference);
+            rigid_bodies[contact.rigid].find_gaps(points,
+                                                  contact.reach,
+                                                  body.now,
+                                                  body.before);
+          }
+        else
+          search.find_gaps(points, contact.reach);
+        check(contact, points);
+        now.contacts.push_back(contact.average->act(points, state.step, about));
+        give(contact, points);
+      }
+    stamps = stamps_now;
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::give(const Contact                        &contact,
+                          const std::vector<ContactPoint<dim>> &points)
+  {
+    auto point = points.begin();
+    for (const auto &side : contact.sides)
+      for (const Place &place : side)
+        {
+          Surface<dim> &surface   = place.part->current.surfaces[place.surface];
+          const auto   &layout    = surface.points.layout();
+          const unsigned int load = layout.first("load"),
+                             slip = layout.first("new_slip");
+          surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                p[load + d] = point->force[d] / p.mass();
+                p[slip + d] = point->new_slip[d];
+              }
+            ++point;
+          });
+        }
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::begin_step(const double dt)
+  {
+    at_start = now;
+    for (const Contact &contact : contacts)
+      for (const auto &side : contact.sides)
+        for (const Place &place : side)
+          {
+            Surface<dim> &surface = place.part->current.surfaces[place.surface];
+            const auto   &layout  = surface.points.layout();
+            const unsigned int slip   = layout.first("slip"),
+                               after  = layout.first("new_slip"),
+                               before = layout.first("before");
+            surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+              for (unsigned int d = 0; d < dim; ++d)
+                {
+                  p[slip + d]   = p[after + d];
+                  p[before + d] = p.position(d);
+                }
+            });
+          }
+    std::vector<RigidBodyState<dim>> positions =
+      parts.front()->current.rigid_bodies;
+    const double t = parts.front()->current.time;
+    for (unsigned int k = 0; k < positions.size(); ++k)
+      fail_with(
+        [&]() {
+          run_on_all(
+            [&]() {
+              positions[k].before = positions[k].now;
+              positions[k].now =
+                rigid_bodies[k].next_position(positions[k].before, t, dt);
+            },
+            comm);
+        },
+        false);
+    for (Simulation<dim> *part : parts)
+      part->current.rigid_bodies = positions;
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::add_to(Statistics<dim> &row,
+                            const bool       at_start_of_step) const
+  {
+    const Results &results = at_start_of_step ? at_start : now;
+    for (unsigned int k = 0; k < contacts.size(); ++k)
+      row.contacts.push_back({contacts[k].name, results.contacts[k]});
+    for (unsigned int k = 0; k < rigid_bodies.size(); ++k)
+      row.rigid_bodies.push_back(
+        {rigid_bodies[k].name(), results.rigid_bodies[k]});
+  }
+
+
+
+  template class BodyContacts<2>;
+  template class BodyContacts<3>;
+} // namespace greville

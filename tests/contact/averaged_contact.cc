@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3
+
+// Gaps between surfaces that are known by points only, and contact by averages:
+// - projection onto curved surfaces has an error of fourth order in the spacing
+//   of points, onto planes none, with ends and edges;
+// - a uniform overlap has the exact pressure, whatever the grid; momentum is
+//   kept to round-off where surfaces cut the grid, and have other spacings;
+// - friction: stick, slip at mu times the pressure, and the way back;
+// - opposite faces of a plate do not see one another.
+
+#include <greville/contact/averaged_contact.h>
+#include <greville/contact/surface_search.h>
+
+#include <cmath>
+#include <tests.h>
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+// The points of which this process has its share.
+template <int dim>
+struct Points
+{
+  std::vector<ContactPoint<dim>> points;
+  unsigned int                   n = 0;
+
+  void
+  add(const unsigned int    side,
+      const Point<dim>     &x,
+      const Tensor<1, dim> &normal,
+      const double          area)
+  {
+    if (n++ % Utilities::MPI::n_mpi_processes(comm) !=
+        Utilities::MPI::this_mpi_process(comm))
+      return;
+    ContactPoint<dim> point;
+    point.side   = side;
+    point.x      = x;
+    point.normal = normal / normal.norm();
+    point.area   = area;
+    points.push_back(point);
+  }
+};
+
+
+
+template <int dim>
+double
+largest(const Points<dim>                                           &all,
+        const std::function<double(const ContactPoint<dim> &point)> &value)
+{
+  double result = 0.;
+  for (const auto &point : all.points)
+    result = std::max(result, value(point));
+  return Utilities::MPI::max(result, comm);
+}
+
+
+
+// The error of the gap between two circles, or spheres, about one center.
+template <int dim>
+double
+error_of_gap(const unsigned int n)
+{
+  constexpr double gap = 0.01;
+  Points<dim>      all;
+  for (unsigned int side = 0; side < 2; ++side)
+    {
+      const double r = side == 0 ? 1. : 1. + gap, sign = side == 0 ? 1. : -1.;
+      const unsigned int m = n + 3 * side;
+      if constexpr (dim == 2)
+        for (unsigned int k = 0; k < m; ++k)
+          {
+            const double         angle = 2. * numbers::PI * k / m;
+            const Tensor<1, dim> e({std::cos(angle), std::sin(angle)});
+            all.add(side,
+                    Point<dim>(r * e),
+                    sign * e,
+                    2. * numbers::PI * r / m);
+          }
+      else
+        // The spiral of Fibonacci has equal areas.
+        for (unsigned int k = 0; k < m * m; ++k)
+          {
+            const double         z     = 1. - (2. * k + 1.) / (m * m);
+            const double         angle = k * numbers::PI * (3. - std::sqrt(5.));
+            const double         rho   = std::sqrt(1. - z * z);
+            const Tensor<1, dim> e(
+              {rho * std::cos(angle), rho * std::sin(angle), z});
+            all.add(side,
+                    Point<dim>(r * e),
+                    sign * e,
+                    4. * numbers::PI * r * r / (m * m));
+          }
+    }
+  SurfaceSearch<dim>(comm).find_gaps(all.points, 0.05);
+  check("All points face the other circle.",
+        largest<dim>(all, [](const auto &point) { return !point.is_facing; }) ==
+          0.);
+  return largest<dim>(all, [&](const auto &point) {
+    return std::abs(point.gap - gap);
+  });
+}
+
+
+
+// A plate of thickness d along x from 0 to 1, with its points at a slope, above
+// another surface by @p gap.
+template <int dim>
+Points<dim>
+plates(const double slope, const double gap, const unsigned int n)
+{
+  const Tensor<1, dim> t =
+    dim == 2 ? Tensor<1, dim>({std::cos(slope), std::sin(slope)})
+             : Tensor<1, dim>();
+  Tensor<1, dim> normal;
+  normal[0] = -t[1];
+  normal[1] = t[0];
+  Points<dim> all;
+  for (unsigned int side = 0; side < 2; ++side)
+    {
+      const unsigned int m = n + 5 * side;
+      for (unsigned int k = 0; k < m; ++k)
+        all.add(side,
+                Point<dim>((k + 0.5) / m * t + (1 - side) * gap * normal),
+                side == 0 ? -normal : normal,
+                1. / m);
+    }
+  return all;
+}
+
+
+
+void
+test_pressure()
+{
+  constexpr double depth = 1e-3;
+  ContactLaw       law;
+  law.stiffness       = 1e4;
+  law.shear_stiffness = 5e3;
+  law.friction        = 0.3;
+  for (const double slope : {0., 0.3, 2.2})
+    {
+      Points<2> all = plates<2>(slope, -depth, 64);
+      SurfaceSearch<2>(comm).find_gaps(all.points, 0.05);
+      const Tensor<1, 2>       n({-std::sin(slope), std::cos(slope)});
+      const Tensor<1, 2>       t({std::cos(slope), std::sin(slope)});
+      const AveragedContact<2> contact(law,
+                                       Point<2>(-0.013, 0.007),
+                                       Tensor<1, 2>({0.11, 0.09}),
+                                       comm);
+      check("The gap of planes is exact.",
+            largest<2>(all, [&](const auto &point) {
+              return point.is_facing ? std::abs(point.gap + depth) : 0.;
+            }) < 1e-15);
+      double missing = 0.;
+      for (const auto &point : all.points)
+        missing += point.is_facing ? 0. : point.area;
+      check("Surfaces face one another up to their ends.",
+            Utilities::MPI::sum(missing, comm) < 0.05);
+      auto result = contact.act(all.points, 0., Point<2>());
+      check("The pressure is the stiffness times the depth.",
+            std::abs(result.force * n / (10. * result.area) - 1.) < 1e-12);
+      check("There is no shear.", std::abs(result.force * t) < 1e-12);
+      check("The area is that of a plate.", std::abs(result.area - 1.) < 0.03);
+      const auto sum_of_forces = [&]() {
+        Tensor<1, 2> sum;
+        for (const auto &point : all.points)
+          sum += point.force;
+        return Utilities::MPI::sum(sum, comm);
+      };
+      check("Momentum is kept.", sum_of_forces().norm() < 1e-13);
+      const double pressure = result.force * n / result.area;
+
+      // Slip by a tenth of what friction bears, ten times: then it slides.
+      const double stick = law.friction * pressure / law.shear_stiffness;
+      for (unsigned int k = 1; k <= 20; ++k)
+        {
+          for (auto &point : all.points)
+            {
+              point.motion = (point.side == 0 ? 0.1 * stick : 0.) * t;
+              point.slip   = point.new_slip;
+            }
+          result = contact.act(all.points, 0., Point<2>());
+          check("Friction grows with slip up to its limit.",
+                std::abs(-result.force * t / result.area /
+                           (law.friction * pressure) -
+                         std::min(1., 0.1 * k)) < (k < 10 ? 1e-10 : 1e-3));
+          check("Friction keeps momentum.", sum_of_forces().norm() < 1e-13);
+        }
+      // Back by twice what it bears: the other way.
+      for (auto &point : all.points)
+        {
+          point.motion = (point.side == 0 ? -2. * stick : 0.) * t;
+          point.slip   = point.new_slip;
+        }
+      result = contact.act(all.points, 0., Point<2>());
+      check("Friction turns round.",
+            std::abs(
+              result.force * t / result.area / (law.friction * pressure) - 1.) <
+              1e-3);
+      // Apart: no force, and the slip is forgotten.
+      for (auto &point : all.points)
+        point.gap = 1e-9;
+      result = contact.act(all.points, 0., Point<2>());
+      check("An open contact has no force.",
+            result.force.norm() == 0. && result.area == 0. &&
+              largest<2>(all, [](const auto &point) {
+                return point.new_slip.norm();
+              }) == 0.);
+    }
+}
+
+
+
+// Two plates that lie on both sides of a thin one, all within a cell.
+void
+test_thin_plate()
+{
+  ContactLaw law;
+  law.stiffness = 1.;
+  Points<2> all;
+  for (unsigned int k = 0; k < 50; ++k)
+    for (const int face : {-1, 1})
+      {
+        Tensor<1, 2> n;
+        n[1] = face;
+        all.add(0, Point<2>((k + 0.5) / 50., 0.01 * face), n, 0.02);
+        all.add(1,
+                Point<2>((k + 0.5) / 50., face == 1 ? 0.009 : -0.012),
+                -n,
+                0.02);
+      }
+  SurfaceSearch<2>(comm).find_gaps(all.points, 0.05);
+  const AveragedContact<2> contact(law,
+                                   Point<2>(-0.03, -0.04),
+                                   Tensor<1, 2>({0.1, 0.1}),
+                                   comm);
+  const auto               result = contact.act(all.points, 0., Point<2>());
+  check("The upper face is pressed, the lower one is free.",
+        std::abs(result.force[1] + 1e-3 * result.area) < 1e-15);
+}
+
+
+
+void
+test_main()
+{
+  for (const unsigned int n : {60, 120, 240})
+    print() << "2D, " << n << " points: error of the gap "
+            << error_of_gap<2>(n) * 1e4 << '\n';
+  for (const unsigned int n : {40, 80})
+    print() << "3D, " << n << " x " << n << " points: error of the gap "
+            << error_of_gap<3>(n) * 1e4 << '\n';
+  test_pressure();
+  test_thin_plate();
+}
