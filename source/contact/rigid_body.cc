@@ -17,7 +17,7 @@ namespace greville
     // is below this.
     constexpr double facing = 0.;
 
-    // The part of a second over which the spin is a difference quotient.
+    // Half the time (s) over which the spin is a difference quotient.
     constexpr double moment = 1e-6;
   } // namespace
 
@@ -48,10 +48,16 @@ namespace greville
 
   template <int dim>
   RigidPosition<dim>
-  RigidBody<dim>::initial_position(const double t) const
+  RigidBody<dim>::position_at_start(const double t) const
   {
     RigidPosition<dim> position;
     position.reference = reference;
+    AssertThrow(rotation.is_zero() || rotation(t).norm() == 0.,
+                ExcMessage(
+                  "The parameter 'Rigid body " + body_name +
+                  "/Rotation' is not zero at the start, t = " + text_of(t) +
+                  " s, where 'Shape' says how the body "
+                  "is turned."));
     return next_position(position, t, 0.);
   }
 
@@ -72,8 +78,17 @@ namespace greville
     if (!rotation.is_zero())
       {
         next.rotation = rotation_matrix<dim>(rotation(t + dt));
-        next.spin = (rotation(t + dt + moment) - rotation(t + dt - moment)) /
-                    (2. * moment);
+        // dR / dt R^T is the cross product with the spin.
+        const Tensor<2, dim> rate =
+          (rotation_matrix<dim>(rotation(t + dt + moment)) -
+           rotation_matrix<dim>(rotation(t + dt - moment))) *
+          transpose(next.rotation) / (2. * moment);
+        if constexpr (dim == 2)
+          next.spin[0] = 0.5 * (rate[1][0] - rate[0][1]);
+        else
+          for (unsigned int d = 0; d < 3; ++d)
+            next.spin[d] = 0.5 * (rate[(d + 2) % 3][(d + 1) % 3] -
+                                  rate[(d + 1) % 3][(d + 2) % 3]);
       }
     return next;
   }
@@ -92,7 +107,7 @@ namespace greville
         point.is_facing = false;
         // Shape and distances turn with the body.
         const auto closest =
-          surface->closest(now.material_point(point.x), reach);
+          surface->closest(initial_position(now, point.x), reach);
         if (!closest)
           continue;
         const Tensor<1, dim> normal = now.rotation * closest->normal;
@@ -101,8 +116,8 @@ namespace greville
         point.is_facing     = true;
         point.gap           = closest->distance;
         point.target_normal = normal;
-        point.target_motion =
-          now.position(closest->point) - before.position(closest->point);
+        point.target_motion = current_position(now, closest->point) -
+                              current_position(before, closest->point);
       }
   }
 

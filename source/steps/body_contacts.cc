@@ -67,7 +67,7 @@ namespace greville
       {
         rigid_bodies.emplace_back(name, parameters.rigid_bodies.at(name));
         const auto position =
-          rigid_bodies.back().initial_position(parameters.time.start);
+          rigid_bodies.back().position_at_start(parameters.time.start);
         positions.push_back({position, position});
       }
     for (const std::string &name : parameters.general.contacts)
@@ -248,7 +248,7 @@ namespace greville
         if (contact.rigid >= 0)
           {
             const RigidBodyState<dim> &body = state.rigid_bodies[contact.rigid];
-            about = body.now.position(body.now.reference);
+            about = current_position(body.now, body.now.reference);
             rigid_bodies[contact.rigid].find_gaps(points,
                                                   contact.reach,
                                                   body.now,

@@ -68,7 +68,7 @@ namespace greville
     for (const auto &[name, body] : rigid_bodies)
       {
         const std::string begin = "rigid_" + name;
-        add(begin, body.position(body.reference));
+        add(begin, current_position(body, body.reference));
         for (unsigned int d = 0; d < dim; ++d)
           result.emplace_back(begin + "_v" + "xyz"[d], body.velocity[d]);
       }

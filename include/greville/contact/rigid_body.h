@@ -31,7 +31,7 @@ namespace greville
      * Where it is at the start, at time @p t, s.
      */
     RigidPosition<dim>
-    initial_position(const double t) const;
+    position_at_start(const double t) const;
 
     /**
      * Where it is at t + dt (s), if it is at @p position at time t: the
@@ -64,7 +64,7 @@ namespace greville
     dealii::Point<dim>                   reference;
     std::unique_ptr<ClosestSurface<dim>> surface;
     VectorExpression<dim>                velocity;
-    VectorExpression<dim == 2 ? 1 : dim> rotation;
+    VectorExpression<dim == 2 ? 1 : dim> rotation; // its vector
   };
 } // namespace greville
 
