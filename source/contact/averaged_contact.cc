@@ -33,8 +33,6 @@ namespace greville
       double         gap       = 0.;
       Tensor<1, dim> normal, slip, motion[2];
 
-      static constexpr unsigned int size = 3 + 4 * dim;
-
       template <typename Action>
       void
       for_each(const Action &action)
@@ -63,12 +61,15 @@ namespace greville
       Tensor<1, dim> force[2];    // per area, of both sides
       Tensor<1, dim> slip_change; // of the elastic slip
       double         is_active = 0.;
-
-      static constexpr unsigned int size = 3 * dim + 1;
+      // For a ContactTangent: its number, w_k over the weights of both sides,
+      // and D_k.
+      double         number    = 0.;
+      double         shares[2] = {0., 0.};
+      Tensor<2, dim> stiffness;
 
       template <typename Action>
       void
-      for_each(const Action &action)
+      for_each(const bool with_tangent, const Action &action)
       {
         for (unsigned int d = 0; d < dim; ++d)
           {
@@ -77,6 +78,14 @@ namespace greville
             action(slip_change[d]);
           }
         action(is_active);
+        if (!with_tangent)
+          return;
+        action(number);
+        action(shares[0]);
+        action(shares[1]);
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int e = 0; e < dim; ++e)
+            action(stiffness[d][e]);
       }
     };
 
@@ -197,16 +206,29 @@ namespace greville
       // Without pressure there is no friction, but 0 times infinity.
       const double most =
         pressure > 0. ? law.friction * pressure + law.adhesion : 0.;
+      Tensor<2, dim> stiffness =
+        (law.shear_stiffness + law.viscosity * rate) *
+        (Tensor<2, dim>(unit_symmetric_tensor<dim>()) - outer_product(n, n));
       if (shear.norm() > most)
         {
+          const Tensor<1, dim> direction = shear / shear.norm();
+          stiffness -= (law.shear_stiffness + law.viscosity * rate) *
+                       outer_product(direction, direction);
+          stiffness *= most / shear.norm();
           shear *= most / shear.norm();
           slip = -shear / law.shear_stiffness;
         }
+      if (pressure > 0.)
+        stiffness +=
+          (law.stiffness + law.viscosity * rate) * outer_product(n, n);
       const Tensor<1, dim> force = weight * (pressure * n + shear);
       result.force[0]            = force / w[0];
       result.force[1]            = -force / w[1];
       result.slip_change         = slip - mean;
       result.is_active           = 1.;
+      result.shares[0]           = weight / w[0];
+      result.shares[1]           = weight / w[1];
+      result.stiffness           = stiffness;
       if (pressure > 0.)
         area += weight;
       return result;
@@ -232,7 +254,8 @@ namespace greville
   ContactResult<dim>
   AveragedContact<dim>::act(std::vector<ContactPoint<dim>> &points,
                             const double                    dt,
-                            const Point<dim>               &about) const
+                            const Point<dim>               &about,
+                            ContactTangent<dim>            *tangent) const
   {
     const bool         has_two_sides = contact_law.has_two_sides;
     ContactResult<dim> result;
@@ -249,7 +272,10 @@ namespace greville
         result.gap = std::min(result.gap, point.gap);
         const Tensor<1, dim> normal =
           (point.side == 0 ? 1. : -1.) * point.target_normal;
-        const Hats<dim> hats(point.x, normal, corner, cell_size);
+        const Hats<dim> hats(point.x - point.since_hats,
+                             normal,
+                             corner,
+                             cell_size);
         for (unsigned int k = 0; k < n_functions(dim); ++k)
           {
             const double  w   = point.area * hats.values[k];
@@ -265,11 +291,30 @@ namespace greville
       }
 
     std::unordered_map<std::uint64_t, KeyForce<dim>> forces;
+    // Of the keys of this process in the order of their numbers, from the first
+    // one on.
+    using TangentKey = typename ContactTangent<dim>::Key;
+    std::vector<TangentKey> tangent_keys;
+    std::uint64_t           first_number = 0;
+    const bool              with_tangent = tangent != nullptr;
+    const auto find_force = [&](const KeySums<dim> &sum, KeyForce<dim> &force) {
+      force = force_of_key<dim>(contact_law, sum, dt, result.area);
+      if (!with_tangent)
+        return;
+      force.number = tangent_keys.size();
+      TangentKey   key;
+      const double w = force.shares[0] * sum.weight[0];
+      for (unsigned int side = 0; side < 2; ++side)
+        key.inverse_weights[side] =
+          sum.weight[side] > 0. ? 1. / sum.weight[side] : 0.;
+      key.stiffness = w * force.stiffness;
+      tangent_keys.push_back(key);
+    };
     // Each key belongs to a process.
     const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
     if (n_processes == 1)
       for (const auto &[key, sum] : sums)
-        forces[key] = force_of_key<dim>(contact_law, sum, dt, result.area);
+        find_force(sum, forces[key]);
     else
       {
         std::map<unsigned int, std::vector<std::uint64_t>> keys;
@@ -293,30 +338,56 @@ namespace greville
               owned[key].for_each([&](double &entry) { entry += *value++; });
           }
         for (const auto &[key, sum] : owned)
-          forces[key] = force_of_key<dim>(contact_law, sum, dt, result.area);
+          find_force(sum, forces[key]);
+        if (with_tangent)
+          {
+            const std::uint64_t n_own = tangent_keys.size();
+            const int           ierr =
+              MPI_Exscan(&n_own, &first_number, 1, MPI_UINT64_T, MPI_SUM, comm);
+            AssertThrowMPI(ierr);
+            for (auto &key : forces)
+              key.second.number += double(first_number);
+          }
         values.clear();
         for (const auto &[process, of_process] : keys_here)
           for (const std::uint64_t key : of_process)
-            forces[key].for_each([&, to = process](const double value) {
-              values[to].push_back(value);
-            });
+            forces[key].for_each(with_tangent,
+                                 [&, to = process](const double value) {
+                                   values[to].push_back(value);
+                                 });
         const auto answers = Utilities::MPI::some_to_some(comm, values);
         forces.clear();
         for (const auto &[process, of_process] : keys)
           {
             const double *value = answers.at(process).data();
             for (const std::uint64_t key : of_process)
-              forces[key].for_each([&](double &entry) { entry = *value++; });
+              forces[key].for_each(with_tangent,
+                                   [&](double &entry) { entry = *value++; });
           }
+      }
+    if (with_tangent)
+      {
+        std::vector<std::uint64_t> numbers;
+        for (const auto &[key, force] : forces)
+          numbers.push_back(std::uint64_t(force.number));
+        tangent->begin(std::move(tangent_keys), first_number, numbers, comm);
       }
 
     for (ContactPoint<dim> &point : points)
       {
+        if (with_tangent)
+          {
+            point.stiffness = Tensor<2, dim>();
+            tangent->add_point(point.side);
+          }
         if (!point.is_facing)
           continue;
         const Tensor<1, dim> normal =
           (point.side == 0 ? 1. : -1.) * point.target_normal;
-        const Hats<dim> hats(point.x, normal, corner, cell_size);
+        const Hats<dim> hats(point.x - point.since_hats,
+                             normal,
+                             corner,
+                             cell_size);
         double          active = 0.;
         Tensor<1, dim>  slip   = point.slip;
         for (unsigned int k = 0; k < n_functions(dim); ++k)
@@ -325,6 +396,11 @@ namespace greville
             point.force += point.area * hats.values[k] * key.force[point.side];
             slip += hats.values[k] * key.slip_change;
             active += hats.values[k] * key.is_active;
+            if (!with_tangent || key.is_active == 0.)
+              continue;
+            const double weight = point.area * hats.values[k];
+            point.stiffness += weight * key.shares[point.side] * key.stiffness;
+            tangent->add_share(std::uint64_t(key.number), weight);
           }
         if (active > 0.)
           point.new_slip = slip;

@@ -264,12 +264,13 @@ namespace greville
       "gap, "
       "with the modulus E' = E / (1 - nu^2) (the harmonic mean of both sides) "
       "and the larger cell size h of both grids. Larger values let surfaces "
-      "overlap less, and shorten explicit steps. Unit: none.");
+      "overlap less, and shorten explicit steps. 0: 10 in implicit steps, 1 in "
+      "explicit ones. Unit: none.");
     add_parameter(prm, "Damping", damping, Double(0.))(
       "zeta: surfaces in contact that approach one another at the speed v have "
       "the pressure zeta rho c v besides, with the impedance rho c of the "
       "softer side; likewise the shear stress of surfaces that do not slide. "
-      "Unit: none.");
+      "Without effect in implicit steps. Unit: none.");
   }
 
 

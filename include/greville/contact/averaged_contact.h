@@ -6,6 +6,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <greville/contact/contact_point.h>
+#include <greville/contact/contact_tangent.h>
 
 #include <vector>
 
@@ -86,12 +87,14 @@ namespace greville
     /**
      * Collective. Set the force and the slip of all points, which know their
      * gaps. @p dt is the length of the step of their motion, s: 0 if there is
-     * none.
+     * none. The @p tangent is made where it is not null, and the stiffness of
+     * points with it.
      */
     ContactResult<dim>
     act(std::vector<ContactPoint<dim>> &points,
         const double                    dt,
-        const dealii::Point<dim>       &about) const;
+        const dealii::Point<dim>       &about,
+        ContactTangent<dim>            *tangent = nullptr) const;
 
     const ContactLaw &
     law() const

@@ -206,7 +206,7 @@ namespace greville
     std::string bodies;
     std::string friction = "0";
     double      adhesion = 0.;
-    double      penalty  = 1.;
+    double      penalty  = 0.; // 0: that of the scheme
     double      damping  = 0.1;
   };
 } // namespace greville
