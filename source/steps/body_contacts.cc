@@ -132,7 +132,7 @@ namespace greville
         std::find(names.begin(), names.end(), given.sides()[1][0]) -
         names.begin();
     law.has_two_sides   = n_sides == 2;
-    law.stiffness       = given.penalty * n_sides / compliance / h;
+    law.stiffness       = given.penalty * double(n_sides) / compliance / h;
     law.shear_stiffness = shear_share * law.stiffness;
     law.viscosity *= given.damping;
     law.friction  = given.friction_coefficient("Contact " + name);
@@ -144,12 +144,15 @@ namespace greville
     contact.average = std::make_unique<AveragedContact<dim>>(
       law, lattice->cell_corner(MultiIndex<dim>()), sizes, comm);
     // Of each side against one that moves the other way.
+    const bool meets_free =
+      contact.rigid >= 0 && rigid_bodies[contact.rigid].is_free();
+    const double factor = n_sides == 2 || meets_free ? 2. : 1.;
     for (const auto &side : contact.sides)
       for (const Place &place : side)
         {
           Surface<dim> &surface = place.part->current.surfaces[place.surface];
-          surface.stiffness     = n_sides * law.stiffness;
-          surface.damping       = n_sides * law.viscosity;
+          surface.stiffness     = factor * law.stiffness;
+          surface.damping       = factor * law.viscosity;
         }
     contacts.push_back(std::move(contact));
   }
@@ -313,21 +316,31 @@ namespace greville
                 }
             });
           }
-    std::vector<RigidBodyState<dim>> positions =
-      parts.front()->current.rigid_bodies;
-    const double t = parts.front()->current.time;
+    const State<dim>                &state     = parts.front()->current;
+    std::vector<RigidBodyState<dim>> positions = state.rigid_bodies;
     for (unsigned int k = 0; k < positions.size(); ++k)
-      fail_with(
-        [&]() {
-          run_on_all(
-            [&]() {
-              positions[k].before = positions[k].now;
-              positions[k].now =
-                rigid_bodies[k].next_position(positions[k].before, t, dt);
-            },
-            comm);
-        },
-        false);
+      {
+        RigidStep<dim> step{state.time, dt};
+        step.velocity_dt = 0.5 * (state.step + dt);
+        for (unsigned int c = 0; c < contacts.size(); ++c)
+          if (contacts[c].rigid == int(k))
+            {
+              step.force -= now.contacts[c].force;
+              step.moment -= now.contacts[c].moment;
+            }
+        fail_with(
+          [&]() {
+            run_on_all(
+              [&]() {
+                step.gravity = parts.front()->loads.gravity(state.time);
+                rigid_bodies[k].move(positions[k].now,
+                                     positions[k].before,
+                                     step);
+              },
+              comm);
+          },
+          false);
+      }
     for (Simulation<dim> *part : parts)
       part->current.rigid_bodies = positions;
   }
