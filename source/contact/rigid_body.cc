@@ -19,6 +19,95 @@ namespace greville
 
     // Half the time (s) over which the spin is a difference quotient.
     constexpr double moment = 1e-6;
+
+    // Cells in a direction of the lattice that integrates over a shape.
+    constexpr unsigned int n_cells_of_mass = 24;
+
+
+
+    /**
+     * Volume, center and second moments about it of a shape, from quadratures
+     * of what it leaves of the cells of a lattice.
+     */
+    template <int dim>
+    struct Moments
+    {
+      double         volume = 0.;
+      Point<dim>     center;
+      Tensor<2, dim> second; // int (x - c) (x - c)^T dx
+
+      Moments(const RigidBodyParameters &parameters,
+              const std::string         &section,
+              const BoundingBox<dim>    &box)
+      {
+        MultiIndex<dim> n_cells;
+        n_cells.fill(n_cells_of_mass);
+        Point<dim> lower, upper;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            lower[d] = box.lower_bound(d);
+            upper[d] = box.upper_bound(d);
+            AssertThrow(std::isfinite(lower[d]) && std::isfinite(upper[d]),
+                        ExcMessage("'" + section +
+                                   "' is free and has a 'Density', but its "
+                                   "shape has no end: give 'Mass' and "
+                                   "'Inertia'."));
+            const double more = 1e-3 * (upper[d] - lower[d]);
+            lower[d] -= more;
+            upper[d] += more;
+          }
+        DistributedTriangulation<dim> mesh(MPI_COMM_SELF,
+                                           Triangulation<dim>::none,
+                                           mesh_settings<dim>);
+        create_box_mesh<dim>(mesh, lower, upper, n_cells);
+        const Lattice<dim>                lattice(mesh);
+        std::unique_ptr<FittedShape<dim>> shape;
+        if (parameters.shape_file.empty())
+          shape = std::make_unique<LevelSetShape<dim>>(parameters.shape,
+                                                       section + "/Shape",
+                                                       lattice);
+        else
+          shape = std::make_unique<SurfaceShape<dim>>(
+            read_surface<dim>(parameters.shape_file,
+                              section + "/Shape file",
+                              parameters.shape_file_unit),
+            lattice);
+
+        const QGauss<dim> whole(2);
+        double            cell_volume = 1.;
+        for (unsigned int d = 0; d < dim; ++d)
+          cell_volume *= lattice.cell_size(d);
+        Tensor<1, dim> first;
+        const auto     add = [&](const MultiIndex<dim> &index,
+                             const Point<dim>      &xi,
+                             const double           weight) {
+          Point<dim> x = lattice.cell_corner(index);
+          for (unsigned int d = 0; d < dim; ++d)
+            x[d] += xi[d] * lattice.cell_size(d);
+          volume += weight * cell_volume;
+          first += weight * cell_volume * x;
+          second += weight * cell_volume *
+                    outer_product(Tensor<1, dim>(x), Tensor<1, dim>(x));
+        };
+        for (unsigned int cell = 0; cell < mesh.n_active_cells(); ++cell)
+          {
+            const auto           index = multi_index<dim>(cell, n_cells);
+            std::array<int, dim> position;
+            for (unsigned int d = 0; d < dim; ++d)
+              position[d] = index[d];
+            const CellPart<dim> part = shape->cut(position, 3);
+            if (part.is_full)
+              for (unsigned int q = 0; q < whole.size(); ++q)
+                add(index, whole.point(q), whole.weight(q));
+            else
+              for (const auto &point : part.points)
+                add(index, point.x, point.weight);
+          }
+        center = Point<dim>(first / volume);
+        second -= volume *
+                  outer_product(Tensor<1, dim>(center), Tensor<1, dim>(center));
+      }
+    };
   } // namespace
 
 
@@ -27,6 +116,7 @@ namespace greville
   RigidBody<dim>::RigidBody(const std::string         &name,
                             const RigidBodyParameters &parameters)
     : body_name(name)
+    , free(parameters.is_free)
   {
     const std::string section = "Rigid body " + name;
     for (unsigned int d = 0; d < parameters.reference_point.size(); ++d)
@@ -42,6 +132,24 @@ namespace greville
       velocity = {parameters.velocity, section + "/Velocity", {"t"}};
     if (!parameters.rotation.empty())
       rotation = {parameters.rotation, section + "/Rotation", {"t"}};
+    if (!free)
+      return;
+    mass = parameters.mass;
+    for (unsigned int d = 0; d < parameters.inertia.size(); ++d)
+      inertia[d][d] = parameters.inertia[d];
+    if (parameters.density > 0.)
+      {
+        const Moments<dim> moments(parameters, section, surface->box());
+        reference = moments.center;
+        mass      = parameters.density * moments.volume;
+        if constexpr (dim == 2)
+          inertia[0][0] = parameters.density * trace(moments.second);
+        else
+          inertia = parameters.density *
+                    (trace(moments.second) *
+                       Tensor<2, dim>(unit_symmetric_tensor<dim>()) -
+                     moments.second);
+      }
   }
 
 
@@ -50,47 +158,77 @@ namespace greville
   RigidPosition<dim>
   RigidBody<dim>::position_at_start(const double t) const
   {
-    RigidPosition<dim> position;
-    position.reference = reference;
     AssertThrow(rotation.is_zero() || rotation(t).norm() == 0.,
                 ExcMessage(
                   "The parameter 'Rigid body " + body_name +
                   "/Rotation' is not zero at the start, t = " + text_of(t) +
-                  " s, where 'Shape' says how the body "
-                  "is turned."));
-    return next_position(position, t, 0.);
+                  " s, where 'Shape' says how the body is turned."));
+    RigidPosition<dim> position;
+    position.reference = reference;
+    if (free)
+      position.velocity = velocity(t);
+    else
+      follow(position, t, 0.);
+    return position;
   }
 
 
 
   template <int dim>
-  RigidPosition<dim>
-  RigidBody<dim>::next_position(const RigidPosition<dim> &position,
-                                const double              t,
-                                const double              dt) const
+  void
+  RigidBody<dim>::follow(RigidPosition<dim> &position,
+                         const double        t,
+                         const double        dt) const
   {
-    RigidPosition<dim> next = position;
-    const QGauss<1>    quadrature(3);
+    const QGauss<1> quadrature(3);
     for (unsigned int q = 0; q < quadrature.size(); ++q)
-      next.displacement +=
+      position.displacement +=
         dt * quadrature.weight(q) * velocity(t + dt * quadrature.point(q)[0]);
-    next.velocity = velocity(t + dt);
-    if (!rotation.is_zero())
-      {
-        next.rotation = rotation_matrix<dim>(rotation(t + dt));
-        // dR / dt R^T is the cross product with the spin.
-        const Tensor<2, dim> rate =
-          (rotation_matrix<dim>(rotation(t + dt + moment)) -
-           rotation_matrix<dim>(rotation(t + dt - moment))) *
-          transpose(next.rotation) / (2. * moment);
-        if constexpr (dim == 2)
-          next.spin[0] = 0.5 * (rate[1][0] - rate[0][1]);
-        else
-          for (unsigned int d = 0; d < 3; ++d)
-            next.spin[d] = 0.5 * (rate[(d + 2) % 3][(d + 1) % 3] -
+    position.velocity = velocity(t + dt);
+    if (rotation.is_zero())
+      return;
+    position.rotation = rotation_matrix<dim>(rotation(t + dt));
+    // dR / dt R^T is the cross product with the spin.
+    const Tensor<2, dim> rate =
+      (rotation_matrix<dim>(rotation(t + dt + moment)) -
+       rotation_matrix<dim>(rotation(t + dt - moment))) *
+      transpose(position.rotation) / (2. * moment);
+    if constexpr (dim == 2)
+      position.spin[0] = 0.5 * (rate[1][0] - rate[0][1]);
+    else
+      for (unsigned int d = 0; d < 3; ++d)
+        position.spin[d] = 0.5 * (rate[(d + 2) % 3][(d + 1) % 3] -
                                   rate[(d + 1) % 3][(d + 2) % 3]);
+  }
+
+
+
+  template <int dim>
+  void
+  RigidBody<dim>::move(RigidPosition<dim>   &now,
+                       RigidPosition<dim>   &before,
+                       const RigidStep<dim> &step) const
+  {
+    const RigidPosition<dim> last = now;
+    if (!free)
+      follow(now, step.t, step.dt);
+    else
+      {
+        // The angular momentum belongs to where the spin was found.
+        const auto turned = [&](const Tensor<2, dim> &R) {
+          if constexpr (dim == 2)
+            return inertia;
+          else
+            return R * inertia * transpose(R);
+        };
+        const RotationVector<dim> angular_momentum =
+          turned(before.rotation) * now.spin + step.velocity_dt * step.moment;
+        now.spin = invert(turned(now.rotation)) * angular_momentum;
+        now.velocity += step.velocity_dt * (step.force / mass + step.gravity);
+        now.displacement += step.dt * now.velocity;
+        rotate(now, step.dt);
       }
-    return next;
+    before = last;
   }
 
 

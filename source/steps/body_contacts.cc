@@ -66,9 +66,25 @@ namespace greville
     , search(comm)
     , are_implicit(steps_are_implicit())
   {
+    std::string implicit;
+    for (unsigned int k = 0; k < parameters.n_stages(); ++k)
+      {
+        const std::string &scheme =
+          k < parameters.stages.size()
+            ? parameters.stages[k].scheme.stress_update
+            : parameters.scheme.stress_update;
+        if (is_implicit_scheme(scheme))
+          implicit = scheme;
+      }
     std::vector<RigidBodyState<dim>> positions;
     for (const std::string &name : parameters.general.rigid_bodies)
       {
+        AssertThrow(implicit.empty() ||
+                      !parameters.rigid_bodies.at(name).is_free,
+                    ExcMessage("'Scheme/Stress update' = " + implicit +
+                               " does not go with 'Rigid body " + name +
+                               "/Free' = true: free rigid bodies move in "
+                               "explicit steps."));
         rigid_bodies.emplace_back(name, parameters.rigid_bodies.at(name));
         const auto position =
           rigid_bodies.back().position_at_start(parameters.time.start);
@@ -136,7 +152,7 @@ namespace greville
       contact.rigid =
         std::find(names.begin(), names.end(), given.sides()[1][0]) -
         names.begin();
-    contact.modulus = n_sides / compliance;
+    contact.modulus = double(n_sides) / compliance;
     contact.corner  = lattice->cell_corner(MultiIndex<dim>());
     for (unsigned int d = 0; d < dim; ++d)
       contact.cell_sizes[d] = lattice->cell_size(d);
@@ -177,13 +193,15 @@ namespace greville
                                                              contact.cell_sizes,
                                                              comm);
     // Of each side against one that moves the other way.
-    const double n_sides = law.has_two_sides ? 2. : 1.;
+    const bool meets_free =
+      contact.rigid >= 0 && rigid_bodies[contact.rigid].is_free();
+    const double factor = law.has_two_sides || meets_free ? 2. : 1.;
     for (const auto &side : contact.sides)
       for (const Place &place : side)
         {
           Surface<dim> &surface = place.part->current.surfaces[place.surface];
-          surface.stiffness     = n_sides * law.stiffness;
-          surface.damping       = n_sides * law.viscosity;
+          surface.stiffness     = factor * law.stiffness;
+          surface.damping       = factor * law.viscosity;
         }
   }
 
@@ -369,25 +387,35 @@ namespace greville
 
 
   template <int dim>
-  std::vector<RigidPosition<dim>>
-  BodyContacts<dim>::next_positions(const double dt) const
+  std::vector<RigidBodyState<dim>>
+  BodyContacts<dim>::moved_bodies(const double dt) const
   {
-    const State<dim>               &state = parts.front()->current;
-    std::vector<RigidPosition<dim>> result(rigid_bodies.size());
-    for (unsigned int k = 0; k < rigid_bodies.size(); ++k)
-      fail_with(
-        [&]() {
-          run_on_all(
-            [&]() {
-              result[k] =
-                rigid_bodies[k].next_position(state.rigid_bodies[k].now,
-                                              state.time,
-                                              dt);
-            },
-            comm);
-        },
-        false);
-    return result;
+    const State<dim>                &state     = parts.front()->current;
+    std::vector<RigidBodyState<dim>> positions = state.rigid_bodies;
+    for (unsigned int k = 0; k < positions.size(); ++k)
+      {
+        RigidStep<dim> step{state.time, dt};
+        step.velocity_dt = 0.5 * (state.step + dt);
+        for (unsigned int c = 0; c < contacts.size(); ++c)
+          if (contacts[c].rigid == int(k))
+            {
+              step.force -= now.contacts[c].force;
+              step.moment -= now.contacts[c].moment;
+            }
+        fail_with(
+          [&]() {
+            run_on_all(
+              [&]() {
+                step.gravity = parts.front()->loads.gravity(state.time);
+                rigid_bodies[k].move(positions[k].now,
+                                     positions[k].before,
+                                     step);
+              },
+              comm);
+          },
+          false);
+      }
+    return positions;
   }
 
 
@@ -396,16 +424,11 @@ namespace greville
   void
   BodyContacts<dim>::begin_step(const double dt)
   {
-    at_start = now;
+    at_start             = now;
+    const auto positions = moved_bodies(dt);
     commit();
-    const std::vector<RigidPosition<dim>> next = next_positions(dt);
     for (Simulation<dim> *part : parts)
-      for (unsigned int k = 0; k < next.size(); ++k)
-        {
-          RigidBodyState<dim> &body = part->current.rigid_bodies[k];
-          body.before               = body.now;
-          body.now                  = next[k];
-        }
+      part->current.rigid_bodies = positions;
   }
 
 

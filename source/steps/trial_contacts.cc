@@ -42,8 +42,10 @@ namespace greville
     contacts.commit();
     for (const auto &body : contacts.parts.front()->current.rigid_bodies)
       at_start.push_back(body.now);
-    at_trial = contacts.next_positions(share * dt);
-    at_end   = contacts.next_positions(dt);
+    for (const auto &body : contacts.moved_bodies(share * dt))
+      at_trial.push_back(body.now);
+    for (const auto &body : contacts.moved_bodies(dt))
+      at_end.push_back(body.now);
 
     for (unsigned int c = 0; c < contacts.contacts.size(); ++c)
       {

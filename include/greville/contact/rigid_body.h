@@ -15,8 +15,30 @@
 namespace greville
 {
   /**
-   * A body that does not deform: its surface, and its motion as formulas of t
-   * give it. Where it is belongs to the State.
+   * What moves a rigid body in a step from t to t + dt, s.
+   */
+  template <int dim>
+  struct RigidStep
+  {
+    double t = 0., dt = 0.;
+    /// The time between the velocities of this step and the one before, s.
+    double velocity_dt = 0.;
+    /// Of contacts, at t: N (2D: N / m), and N m (2D: N) about its reference
+    /// point; and m / s^2.
+    dealii::Tensor<1, dim> force;
+    RotationVector<dim>    moment;
+    dealii::Tensor<1, dim> gravity;
+  };
+
+
+
+  /**
+   * A body that does not deform: its surface, and its motion, which formulas of
+   * t give, or forces:
+   * @f[ m \dot v = f + m g, \qquad (R I R^T w)^\cdot = M @f]
+   * with mass m, velocity v of the center of mass, rotation R, inertia I in the
+   * initial configuration and spin w; by central differences, with v and w at
+   * half steps. Where it is belongs to the State.
    */
   template <int dim>
   class RigidBody
@@ -34,13 +56,13 @@ namespace greville
     position_at_start(const double t) const;
 
     /**
-     * Where it is at t + dt (s), if it is at @p position at time t: the
-     * velocity is integrated by three points of Gauss.
+     * Move it from where it is @p now, and has come to from @p before, to the
+     * end of the step.
      */
-    RigidPosition<dim>
-    next_position(const RigidPosition<dim> &position,
-                  const double              t,
-                  const double              dt) const;
+    void
+    move(RigidPosition<dim>   &now,
+         RigidPosition<dim>   &before,
+         const RigidStep<dim> &step) const;
 
     /**
      * Set ContactPoint::is_facing, gap, target_normal and target_motion of the
@@ -59,12 +81,28 @@ namespace greville
       return body_name;
     }
 
+    bool
+    is_free() const
+    {
+      return free;
+    }
+
   private:
+    static constexpr int n_rotations = dim == 2 ? 1 : 3;
+
+    /// Move it as the formulas say: velocities are integrated by three points
+    /// of Gauss.
+    void
+    follow(RigidPosition<dim> &position, const double t, const double dt) const;
+
     std::string                          body_name;
+    bool                                 free;
     dealii::Point<dim>                   reference;
     std::unique_ptr<ClosestSurface<dim>> surface;
     VectorExpression<dim>                velocity;
-    VectorExpression<dim == 2 ? 1 : dim> rotation; // its vector
+    VectorExpression<n_rotations>        rotation; // its vector
+    double                               mass = 0.;
+    dealii::Tensor<2, n_rotations>       inertia;
   };
 } // namespace greville
 

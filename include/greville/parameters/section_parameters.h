@@ -149,7 +149,8 @@ namespace greville
 
 
   /**
-   * A body that does not deform, and moves as it is told.
+   * A body that does not deform. It moves as it is told, or freely by gravity
+   * and the forces of contacts.
    */
   struct RigidBodyParameters
   {
@@ -169,6 +170,10 @@ namespace greville
     std::vector<double> reference_point;
     std::string         velocity;
     std::string         rotation;
+    bool                is_free = false;
+    double              density = 0.;
+    double              mass    = 0.;
+    std::vector<double> inertia;
   };
 
 

@@ -120,8 +120,8 @@ namespace greville
     commit();
 
     /// Where rigid bodies will be after a time @p dt, s.
-    std::vector<RigidPosition<dim>>
-    next_positions(const double dt) const;
+    std::vector<RigidBodyState<dim>>
+    moved_bodies(const double dt) const;
 
     /// The points of both sides as they are.
     std::vector<ContactPoint<dim>>
