@@ -66,6 +66,7 @@ namespace greville
       double         number    = 0.;
       double         shares[2] = {0., 0.};
       Tensor<2, dim> stiffness;
+      double         pressure = 0.; // for KeyPressures
 
       template <typename Action>
       void
@@ -178,6 +179,7 @@ namespace greville
     force_of_key(const ContactLaw   &law,
                  const KeySums<dim> &sums,
                  const double        dt,
+                 const double        given_pressure,
                  double             &area)
     {
       KeyForce<dim> result;
@@ -188,13 +190,16 @@ namespace greville
       const double all    = law.has_two_sides ? w[0] + w[1] : w[0];
       const double weight = 2. * w[0] * w[1] / (w[0] + w[1]);
       const double gap    = sums.gap / all;
-      if (gap >= 0.)
+      if (gap >= 0. && given_pressure == 0.)
         return result;
       const Tensor<1, dim> n    = sums.normal / sums.normal.norm();
       const Tensor<1, dim> du   = sums.motion[0] / w[0] - sums.motion[1] / w[1];
       const double         rate = dt > 0. ? 1. / dt : 0.;
-      const double         pressure =
-        std::max(0., -law.stiffness * gap - law.viscosity * rate * (du * n));
+      const double         pressure = std::max(0.,
+                                       given_pressure - law.stiffness * gap -
+                                         law.viscosity * rate * (du * n));
+      if (gap >= 0. && pressure == 0.)
+        return result;
       const auto tangential = [&](const Tensor<1, dim> &vector) {
         return vector - (vector * n) * n;
       };
@@ -226,6 +231,7 @@ namespace greville
       result.force[1]            = -force / w[1];
       result.slip_change         = slip - mean;
       result.is_active           = 1.;
+      result.pressure            = pressure;
       result.shares[0]           = weight / w[0];
       result.shares[1]           = weight / w[1];
       result.stiffness           = stiffness;
@@ -255,7 +261,8 @@ namespace greville
   AveragedContact<dim>::act(std::vector<ContactPoint<dim>> &points,
                             const double                    dt,
                             const Point<dim>               &about,
-                            ContactTangent<dim>            *tangent) const
+                            ContactTangent<dim>            *tangent,
+                            KeyPressures                   *pressures) const
   {
     const bool         has_two_sides = contact_law.has_two_sides;
     ContactResult<dim> result;
@@ -297,8 +304,17 @@ namespace greville
     std::vector<TangentKey> tangent_keys;
     std::uint64_t           first_number = 0;
     const bool              with_tangent = tangent != nullptr;
-    const auto find_force = [&](const KeySums<dim> &sum, KeyForce<dim> &force) {
-      force = force_of_key<dim>(contact_law, sum, dt, result.area);
+    if (pressures)
+      pressures->found.clear();
+    const auto find_force = [&](const std::uint64_t name,
+                                const KeySums<dim> &sum,
+                                KeyForce<dim>      &force) {
+      double given = 0.;
+      if (pressures && pressures->given.count(name) > 0)
+        given = pressures->given.at(name);
+      force = force_of_key<dim>(contact_law, sum, dt, given, result.area);
+      if (pressures && force.pressure > 0.)
+        pressures->found[name] = force.pressure;
       if (!with_tangent)
         return;
       force.number = tangent_keys.size();
@@ -314,7 +330,7 @@ namespace greville
     const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
     if (n_processes == 1)
       for (const auto &[key, sum] : sums)
-        find_force(sum, forces[key]);
+        find_force(key, sum, forces[key]);
     else
       {
         std::map<unsigned int, std::vector<std::uint64_t>> keys;
@@ -338,7 +354,7 @@ namespace greville
               owned[key].for_each([&](double &entry) { entry += *value++; });
           }
         for (const auto &[key, sum] : owned)
-          find_force(sum, forces[key]);
+          find_force(key, sum, forces[key]);
         if (with_tangent)
           {
             const std::uint64_t n_own = tangent_keys.size();

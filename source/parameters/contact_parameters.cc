@@ -126,6 +126,12 @@ namespace greville
       "and the larger cell size h of both grids. Larger values let surfaces "
       "overlap less, and shorten explicit steps. 0: 10 in implicit steps, 1 in "
       "explicit ones. Unit: none.");
+    add_parameter(prm, "Method", method, Selection("penalty|augmented"))(
+      "augmented adds the pressure that has been found, and solves again, up "
+      "to "
+      "five times in a step, until it changes by less than a thousandth (the "
+      "method of Uzawa): surfaces hardly overlap then. In implicit steps only. "
+      "Unit: none.");
     add_parameter(prm, "Damping", damping, Double(0.))(
       "zeta: surfaces in contact that approach one another at the speed v have "
       "the pressure zeta rho c v besides, with the impedance rho c of the "

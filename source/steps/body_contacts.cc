@@ -66,16 +66,22 @@ namespace greville
     , search(comm)
     , are_implicit(steps_are_implicit())
   {
-    std::string implicit;
+    std::string implicit, others;
     for (unsigned int k = 0; k < parameters.n_stages(); ++k)
       {
         const std::string &scheme =
           k < parameters.stages.size()
             ? parameters.stages[k].scheme.stress_update
             : parameters.scheme.stress_update;
-        if (is_implicit_scheme(scheme))
-          implicit = scheme;
+        (is_implicit_scheme(scheme) ? implicit : others) = scheme;
       }
+    for (const std::string &name : parameters.general.contacts)
+      AssertThrow(others.empty() ||
+                    !parameters.contacts.at(name).is_augmented(),
+                  ExcMessage("'Contact " + name +
+                             "/Method' = augmented does not go with "
+                             "'Scheme/Stress update' = " +
+                             others + ": explicit steps have no iterations."));
     std::vector<RigidBodyState<dim>> positions;
     for (const std::string &name : parameters.general.rigid_bodies)
       {
@@ -394,7 +400,9 @@ namespace greville
     std::vector<RigidBodyState<dim>> positions = state.rigid_bodies;
     for (unsigned int k = 0; k < positions.size(); ++k)
       {
-        RigidStep<dim> step{state.time, dt};
+        RigidStep<dim> step;
+        step.t           = state.time;
+        step.dt          = dt;
         step.velocity_dt = 0.5 * (state.step + dt);
         for (unsigned int c = 0; c < contacts.size(); ++c)
           if (contacts[c].rigid == int(k))

@@ -142,8 +142,20 @@ namespace greville
     x.reinit(layout);
     write(x, blocks);
 
-    ImplicitSteps<dim> &front = *parts[0].steps;
-    const NewtonResult result = solve_newton(x, *this, front.parameters.newton);
+    ImplicitSteps<dim>     &front        = *parts[0].steps;
+    const NewtonParameters &newton       = front.parameters.newton;
+    NewtonResult            result       = solve_newton(x, *this, newton);
+    const unsigned int      n_iterations = result.n_iterations();
+    // Pressures of augmented contacts, in rounds.
+    while (result.converged && contacts && contacts->augment())
+      {
+        const NewtonResult next = solve_newton(x, *this, newton);
+        result.converged        = next.converged;
+        result.reason           = next.reason;
+        result.iterations.insert(result.iterations.end(),
+                                 next.iterations.begin(),
+                                 next.iterations.end());
+      }
     front.print(*parts[0].state, dt, result, parts.size() > 1);
     front.log.newton.push_back(
       {parts[0].state->n_steps + 1, 1, parts[0].state->time, dt, result});
@@ -154,8 +166,8 @@ namespace greville
       reject(x, problem);
     for (const Part &part : parts)
       {
-        part.steps->n_newton            = result.n_iterations();
-        part.steps->expected_iterations = std::max(1u, result.n_iterations());
+        part.steps->n_newton            = n_iterations;
+        part.steps->expected_iterations = std::max(1u, n_iterations);
       }
   }
 

@@ -16,6 +16,11 @@ namespace greville
     // Of the larger cell size: how far away the other side is looked for in a
     // trial, and how far a point, or a rigid body, may move in a step.
     constexpr double trial_reach = 1., longest_trial_motion = 0.5;
+
+    // The method of Uzawa ends where pressures change by less than this
+    // fraction of the largest one, or after so many rounds.
+    constexpr double       augmented_tolerance = 1e-3;
+    constexpr unsigned int most_rounds         = 5;
   } // namespace
 
 
@@ -34,6 +39,7 @@ namespace greville
     , results(contacts.contacts.size())
     , tangents(contacts.contacts.size())
     , forces(steps.size())
+    , pressures(contacts.contacts.size())
     , directions(steps.size())
     , displacements(contacts.contacts.size())
     , changes(contacts.contacts.size())
@@ -181,7 +187,8 @@ namespace greville
           contact.average->act(points[c],
                                share_now * dt,
                                about,
-                               with_stiffness ? &tangents[c] : nullptr);
+                               with_stiffness ? &tangents[c] : nullptr,
+                               &pressures[c]);
       }
     return "";
   }
@@ -255,6 +262,43 @@ namespace greville
         system.restrict(rows, directions[k], nullptr);
         dst[k] += rows;
       }
+  }
+
+
+
+  template <int dim>
+  bool
+  TrialContacts<dim>::augment()
+  {
+    bool has_changed = false;
+    for (unsigned int c = 0; c < pressures.size() && n_rounds < most_rounds;
+         ++c)
+      {
+        if (!contacts.contacts[c].given.is_augmented())
+          continue;
+        KeyPressures &of_keys    = pressures[c];
+        double        numbers[2] = {}; // largest pressure and change
+        for (const auto &[key, pressure] : of_keys.found)
+          {
+            const auto   given = of_keys.given.find(key);
+            const double before =
+              given == of_keys.given.end() ? 0. : given->second;
+            numbers[0] = std::max(numbers[0], pressure);
+            numbers[1] = std::max(numbers[1], std::abs(pressure - before));
+          }
+        for (const auto &[key, pressure] : of_keys.given)
+          if (of_keys.found.count(key) == 0)
+            numbers[1] = std::max(numbers[1], pressure);
+        Utilities::MPI::max(ArrayView<const double>(numbers, 2),
+                            contacts.comm,
+                            ArrayView<double>(numbers, 2));
+        if (numbers[1] <= augmented_tolerance * numbers[0])
+          continue;
+        of_keys.given = of_keys.found;
+        has_changed   = true;
+      }
+    ++n_rounds;
+    return has_changed;
   }
 
 

@@ -8,6 +8,8 @@
 #include <greville/contact/contact_point.h>
 #include <greville/contact/contact_tangent.h>
 
+#include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 namespace greville
@@ -46,6 +48,18 @@ namespace greville
 
 
   /**
+   * Pressures of the keys of an AveragedContact that belong to this process:
+   * those that it is given, and has found, Pa. The method of Uzawa makes the
+   * ones the others.
+   */
+  struct KeyPressures
+  {
+    std::unordered_map<std::uint64_t, double> given, found;
+  };
+
+
+
+  /**
    * Contact with friction by averages of the gap. With the hat functions
    * @f$\psi_i@f$ (degree 1) of a grid, at the positions of the points x_s of
    * both surfaces with areas a_s, gaps g_s and oriented normals n_s (outwards
@@ -61,7 +75,9 @@ namespace greville
    * and the velocity of the gap is that of the mean of A against the mean of B.
    * The force @f$w_k t_k \bar n_k@f$ of a key goes to the points of A as
    * @f$a_s \psi_k(x_s) / w^A_k@f$ of it, and its opposite likewise to those of
-   * B: momentum is kept to round-off. Each surface has as many conditions as
+   * B: momentum is kept to round-off. In the method of Uzawa the pressure has
+   * a given part besides, the one that has been found before, until the gap is
+   * zero. Each surface has as many conditions as
    * the grid has hats, which splines of any degree can meet; with a condition
    * at each point the pressure of splines of degree 2 and more oscillates.
    * Without the sectors, opposite faces of a thin body would share an average.
@@ -88,13 +104,15 @@ namespace greville
      * Collective. Set the force and the slip of all points, which know their
      * gaps. @p dt is the length of the step of their motion, s: 0 if there is
      * none. The @p tangent is made where it is not null, and the stiffness of
-     * points with it.
+     * points with it. Where the @p pressures are not null, their given parts
+     * are added.
      */
     ContactResult<dim>
     act(std::vector<ContactPoint<dim>> &points,
         const double                    dt,
         const dealii::Point<dim>       &about,
-        ContactTangent<dim>            *tangent = nullptr) const;
+        ContactTangent<dim>            *tangent   = nullptr,
+        KeyPressures                   *pressures = nullptr) const;
 
     const ContactLaw &
     law() const

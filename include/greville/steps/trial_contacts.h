@@ -64,6 +64,14 @@ namespace greville
                 const std::vector<VectorType> &src);
 
     /**
+     * Collective. Take the pressures that have been found for given ones, in
+     * the contacts that are augmented. Returns whether there are any in which
+     * they have changed, so that the equations are to be solved again.
+     */
+    bool
+    augment();
+
+    /**
      * Collective. Why the trial, which solves the equations, is no step: points
      * have moved too far to have met what is between. Empty if it is one.
      */
@@ -122,6 +130,8 @@ namespace greville
     std::vector<ContactResult<dim>>                       results;
     std::vector<ContactTangent<dim>>                      tangents;
     std::vector<VectorField<dim>>                         forces;
+    std::vector<KeyPressures>                             pressures;
+    unsigned int n_rounds = 0; // of augment()
 
     // For products.
     std::vector<VectorField<dim>>                    directions;
