@@ -15,10 +15,10 @@ namespace greville
   {
     // Points face a rigid surface where the cosine of the angle between normals
     // is below this.
-    constexpr double facing = 0.;
+    constexpr double largest_cosine_of_rigid = 0.;
 
     // Half the time (s) over which the spin is a difference quotient.
-    constexpr double moment = 1e-6;
+    constexpr double half_of_quotient = 1e-6;
 
     // Cells in a direction of the lattice that integrates over a shape.
     constexpr unsigned int n_cells_of_mass = 24;
@@ -190,9 +190,9 @@ namespace greville
     position.rotation = rotation_matrix<dim>(rotation(t + dt));
     // dR / dt R^T is the cross product with the spin.
     const Tensor<2, dim> rate =
-      (rotation_matrix<dim>(rotation(t + dt + moment)) -
-       rotation_matrix<dim>(rotation(t + dt - moment))) *
-      transpose(position.rotation) / (2. * moment);
+      (rotation_matrix<dim>(rotation(t + dt + half_of_quotient)) -
+       rotation_matrix<dim>(rotation(t + dt - half_of_quotient))) *
+      transpose(position.rotation) / (2. * half_of_quotient);
     if constexpr (dim == 2)
       position.spin[0] = 0.5 * (rate[1][0] - rate[0][1]);
     else
@@ -249,7 +249,7 @@ namespace greville
         if (!closest)
           continue;
         const Tensor<1, dim> normal = now.rotation * closest->normal;
-        if (normal * point.normal > facing)
+        if (normal * point.normal > largest_cosine_of_rigid)
           continue;
         point.is_facing     = true;
         point.gap           = closest->distance;

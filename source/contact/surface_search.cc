@@ -20,7 +20,7 @@ namespace greville
   {
     // Surfaces face one another where the cosine of the angle between normals
     // is below this, and belong to one another where it is above that.
-    constexpr double facing = -0.3, alike = 0.5;
+    constexpr double largest_cosine = -0.3, least_alike = 0.5;
 
     // Of the weights that a plane full of points would have: less is an end of
     // the surface.
@@ -91,7 +91,7 @@ namespace greville
         const Sample *nearest = nullptr;
         double        square  = std::numeric_limits<double>::max();
         for (const Sample &sample : samples)
-          if (sample.normal * normal < facing &&
+          if (sample.normal * normal < largest_cosine &&
               sample.x.distance_square(x) < square)
             {
               nearest = &sample;
@@ -113,7 +113,7 @@ namespace greville
               {
                 const double s =
                   sample.x.distance_square(y) / (radius * radius);
-                if (s >= 1. || sample.normal * first < alike)
+                if (s >= 1. || sample.normal * first < least_alike)
                   continue;
                 const double w = sample.area * (1. - s) * (1. - s);
                 cover += w;
@@ -133,7 +133,7 @@ namespace greville
         gap           = (x - y) * n;
         target_normal = n;
         return cover >= least_cover * full && std::abs(gap) < reach &&
-               n * normal < facing;
+               n * normal < largest_cosine;
       }
     };
   } // namespace

@@ -88,8 +88,9 @@ namespace greville
   {
     const ContactParameters &given = parameters.contacts.at(name);
     Contact                  contact;
-    contact.name   = name;
-    contact.bodies = given.bodies;
+    contact.name     = name;
+    contact.bodies   = given.bodies;
+    const auto sides = given.sides();
 
     ContactLaw law;
     double     compliance = 0., h = 0.;
@@ -99,7 +100,7 @@ namespace greville
     for (unsigned int side = 0; side < 2; ++side)
       {
         double modulus = std::numeric_limits<double>::max();
-        for (const std::string &body : given.sides()[side])
+        for (const std::string &body : sides[side])
           for (Simulation<dim> *part : parts)
             {
               auto &surfaces = part->current.surfaces;
@@ -129,8 +130,7 @@ namespace greville
     const auto &names = parameters.general.rigid_bodies;
     if (n_sides == 1)
       contact.rigid =
-        std::find(names.begin(), names.end(), given.sides()[1][0]) -
-        names.begin();
+        std::find(names.begin(), names.end(), sides[1][0]) - names.begin();
     law.has_two_sides   = n_sides == 2;
     law.stiffness       = given.penalty * double(n_sides) / compliance / h;
     law.shear_stiffness = shear_share * law.stiffness;
@@ -320,7 +320,9 @@ namespace greville
     std::vector<RigidBodyState<dim>> positions = state.rigid_bodies;
     for (unsigned int k = 0; k < positions.size(); ++k)
       {
-        RigidStep<dim> step{state.time, dt};
+        RigidStep<dim> step;
+        step.t           = state.time;
+        step.dt          = dt;
         step.velocity_dt = 0.5 * (state.step + dt);
         for (unsigned int c = 0; c < contacts.size(); ++c)
           if (contacts[c].rigid == int(k))
