@@ -108,8 +108,7 @@ namespace greville
                 {
                   const Body<dim> &owner =
                     part->current.bodies[surfaces[s].body];
-                  if (!surfaces[s].has_contact || surfaces[s].name != name ||
-                      owner.name != body)
+                  if (surfaces[s].contact != name || owner.name != body)
                     continue;
                   contact.sides[side].push_back({part, s});
                   modulus = std::min(modulus, contact_modulus(*owner.material));
