@@ -294,7 +294,7 @@ namespace greville
                          const std::string &section,
                          const std::string &where,
                          const std::string &body_name,
-                         const bool         has_contact) {
+                         const std::string &contact) {
       const auto body =
         std::find_if(bodies.begin(), bodies.end(), [&](const auto &body) {
           return body.name == body_name;
@@ -309,7 +309,7 @@ namespace greville
           },
           space.communicator());
       result.push_back(make_surface<dim>(
-        name, section, where, *body, placed[body_name], space, has_contact));
+        name, section, where, *body, placed[body_name], space, contact));
       result.back().body = body - bodies.begin();
     };
     for (unsigned int k = 0; k < loads.size(); ++k)
@@ -318,12 +318,12 @@ namespace greville
             "Surface load " + names[k],
             parameters[k].where,
             parameters[k].body,
-            false);
+            "");
         result.back().stiffness = loads[k]->stiffness();
         result.back().damping   = loads[k]->damping();
       }
     for (const auto &[name, body] : contacts)
-      add(name, "Contact " + name, "", body, true);
+      add(name + " of " + body, "Contact " + name, "", body, name);
     return result;
   }
 

@@ -80,18 +80,18 @@ namespace greville
                const Body<dim>                      &body,
                const std::vector<SurfacePoint<dim>> &placed,
                const SplineSpace<dim>               &space,
-               const bool                            has_contact)
+               const std::string                    &contact)
   {
     PointLayout<dim> layout;
     layout.basis_position = body.points.layout().basis_position;
     layout.add("load", dim);
     layout.add("normal", dim);
     for (const std::string field : {"slip", "new_slip", "before"})
-      if (has_contact)
+      if (!contact.empty())
         layout.add(field, dim);
     Surface<dim> surface;
-    surface.name        = name;
-    surface.has_contact = has_contact;
+    surface.name    = name;
+    surface.contact = contact;
     surface.points.reinit(space, layout);
     run_on_all(
       [&]() {

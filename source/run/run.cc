@@ -340,9 +340,9 @@ namespace greville
     std::vector<SurfaceNumbers> numbers;
     for (const Surface<dim> &surface : part.state().surfaces)
       numbers.push_back(
-        {surface.has_contact
+        {!surface.contact.empty()
            ? unsigned(loads.size()) +
-               place(parameters.general.contacts, surface.name)
+               place(parameters.general.contacts, surface.contact)
            : place(loads, surface.name),
          place(parameters.general.bodies, part.bodies()[surface.body].name)});
     return numbers;

@@ -114,8 +114,9 @@ namespace greville
   {
     const ContactParameters &given = parameters.contacts.at(name);
     Contact                  contact;
-    contact.name   = name;
-    contact.bodies = given.bodies;
+    contact.name     = name;
+    contact.bodies   = given.bodies;
+    const auto sides = given.sides();
 
     contact.given     = given;
     contact.impedance = std::numeric_limits<double>::max();
@@ -126,7 +127,7 @@ namespace greville
     for (unsigned int side = 0; side < 2; ++side)
       {
         double modulus = std::numeric_limits<double>::max();
-        for (const std::string &body : given.sides()[side])
+        for (const std::string &body : sides[side])
           for (Simulation<dim> *part : parts)
             {
               auto &surfaces = part->current.surfaces;
@@ -134,8 +135,7 @@ namespace greville
                 {
                   const Body<dim> &owner =
                     part->current.bodies[surfaces[s].body];
-                  if (!surfaces[s].has_contact || surfaces[s].name != name ||
-                      owner.name != body)
+                  if (surfaces[s].contact != name || owner.name != body)
                     continue;
                   contact.sides[side].push_back({part, s});
                   modulus = std::min(modulus, contact_modulus(*owner.material));
@@ -156,8 +156,7 @@ namespace greville
     const auto &names = parameters.general.rigid_bodies;
     if (n_sides == 1)
       contact.rigid =
-        std::find(names.begin(), names.end(), given.sides()[1][0]) -
-        names.begin();
+        std::find(names.begin(), names.end(), sides[1][0]) - names.begin();
     contact.modulus = double(n_sides) / compliance;
     contact.corner  = lattice->cell_corner(MultiIndex<dim>());
     for (unsigned int d = 0; d < dim; ++d)

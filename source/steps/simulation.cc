@@ -455,8 +455,8 @@ namespace greville
     for (unsigned int k = 0; k < current.surfaces.size(); ++k)
       {
         const double of_surface = work(EnergyBalance::surfaces + k);
-        if (current.surfaces[k].has_contact)
-          result.work.contacts[current.surfaces[k].name] += of_surface;
+        if (!current.surfaces[k].contact.empty())
+          result.work.contacts[current.surfaces[k].contact] += of_surface;
         else
           result.work.surfaces.push_back(of_surface);
       }

@@ -182,9 +182,7 @@ namespace greville
     std::string
     name_of(const Surface<dim> &surface)
     {
-      return "surface " + surface.name +
-             (surface.has_contact ? " of body " + std::to_string(surface.body)
-                                  : "");
+      return "surface " + surface.name;
     }
 
 

@@ -55,7 +55,7 @@ namespace greville
       for (const unsigned int cell : surface.points.cells())
         if (filled_part[cell] <= 0.)
           filled_part[cell] =
-            is_static && surface.stiffness > 0. && !surface.has_contact
+            is_static && surface.stiffness > 0. && surface.contact.empty()
               ? std::numeric_limits<double>::min()
               : -1.;
     const bool changed =

@@ -26,10 +26,11 @@ namespace greville
     MaterialPoints<dim> points;
     /// The number of the body that it belongs to.
     unsigned int body = 0;
-    /// Whether its load is that of the contact of this name, and kept at the
-    /// points. These have the fields "slip", "new_slip" (see ContactPoint) and
-    /// "before", the position at the start of the last step, too.
-    bool has_contact = false;
+    /// The contact that its load is that of, which the points keep; empty:
+    /// none. Points in contact have the fields "slip", "new_slip" (see
+    /// ContactPoint) and "before", the position at the start of the last step,
+    /// too.
+    std::string contact;
     /// At most what the load per initial area changes by displacement, Pa / m,
     /// and by velocity, Pa s / m: they bound explicit steps.
     double stiffness = 0., damping = 0.;
@@ -91,7 +92,7 @@ namespace greville
                const Body<dim>                      &body,
                const std::vector<SurfacePoint<dim>> &placed,
                const SplineSpace<dim>               &space,
-               const bool                            has_contact = false);
+               const std::string                    &contact = "");
 } // namespace greville
 
 #endif
