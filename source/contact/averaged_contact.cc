@@ -30,7 +30,7 @@ namespace greville
     struct KeySums
     {
       double         weight[2] = {0., 0.}; // w^A, w^B
-      double         gap       = 0.;
+      double         gap = 0., start_pressure = 0.;
       Tensor<1, dim> normal, slip, motion[2];
 
       template <typename Action>
@@ -40,6 +40,7 @@ namespace greville
         action(weight[0]);
         action(weight[1]);
         action(gap);
+        action(start_pressure);
         for (unsigned int d = 0; d < dim; ++d)
           {
             action(normal[d]);
@@ -289,6 +290,7 @@ namespace greville
             KeySums<dim> &sum = sums[hats.keys[k]];
             sum.weight[point.side] += w;
             sum.gap += w * point.gap;
+            sum.start_pressure += w * point.start_pressure;
             sum.normal += w * normal;
             sum.slip += w * point.slip;
             sum.motion[point.side] += w * point.motion;
@@ -305,12 +307,22 @@ namespace greville
     std::uint64_t           first_number = 0;
     const bool              with_tangent = tangent != nullptr;
     if (pressures)
-      pressures->found.clear();
+      {
+        pressures->found.clear();
+        if (pressures->is_first_round)
+          pressures->given.clear();
+      }
     const auto find_force = [&](const std::uint64_t name,
                                 const KeySums<dim> &sum,
                                 KeyForce<dim>      &force) {
       double given = 0.;
-      if (pressures && pressures->given.count(name) > 0)
+      if (pressures && pressures->is_first_round)
+        {
+          given = sum.start_pressure / (sum.weight[0] + sum.weight[1]);
+          if (given > 0.)
+            pressures->given[name] = given;
+        }
+      else if (pressures && pressures->given.count(name) > 0)
         given = pressures->given.at(name);
       force = force_of_key<dim>(contact_law, sum, dt, given, result.area);
       if (pressures && force.pressure > 0.)

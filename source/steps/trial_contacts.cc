@@ -41,6 +41,7 @@ namespace greville
     , forces(steps.size())
     , pressures(contacts.contacts.size())
     , directions(steps.size())
+    , products(steps.size())
     , displacements(contacts.contacts.size())
     , changes(contacts.contacts.size())
   {
@@ -72,7 +73,7 @@ namespace greville
         displacements[c].resize(n);
       }
     for (unsigned int k = 0; k < steps.size(); ++k)
-      for (VectorField<dim> *field : {&forces[k], &directions[k]})
+      for (VectorField<dim> *field : {&forces[k], &directions[k], &products[k]})
         for (VectorType &component : *field)
           steps[k]->system.space().initialize_vector(component);
   }
@@ -123,8 +124,10 @@ namespace greville
       {
         if (side.contact != contact)
           continue;
-        const auto         &layout = points_of(side).layout();
-        const unsigned int  slip   = layout.first("slip");
+        const auto        &layout = points_of(side).layout();
+        const unsigned int slip   = layout.first("slip");
+        const unsigned int load   = layout.first("load");
+        const bool augmented = contacts.contacts[contact].given.is_augmented();
         SurfaceMotion<dim>  motion;
         ContactPoint<dim>  *point      = points[contact].data() + side.begin;
         ImplicitSteps<dim> &integrator = *steps[side.part];
@@ -138,11 +141,15 @@ namespace greville
             point->side               = side.side;
             point->x                  = state.x;
             point->normal             = area / area.norm();
-            point->area =
-              p.mass() * surface_state<dim>(p, layout).area_vector().norm();
+            const Tensor<1, dim> normal =
+              surface_state<dim>(p, layout).area_vector();
+            point->area       = p.mass() * normal.norm();
             point->motion     = state.x - p.position();
             point->since_hats = point->motion;
             point->slip       = p.vector(slip);
+            if (augmented)
+              point->start_pressure =
+                std::max(0., -(p.vector(load) * normal)) / normal.norm_square();
             ++point;
           });
       }
@@ -257,9 +264,9 @@ namespace greville
     for (unsigned int k = 0; k < steps.size(); ++k)
       {
         TangentSystem<dim> &system = steps[k]->system;
-        system.spread(surfaces[k], of_points[k], directions[k]);
+        system.spread(surfaces[k], of_points[k], products[k]);
         system.initialize(rows);
-        system.restrict(rows, directions[k], nullptr);
+        system.restrict(rows, products[k], nullptr);
         dst[k] += rows;
       }
   }
@@ -294,8 +301,9 @@ namespace greville
                             ArrayView<double>(numbers, 2));
         if (numbers[1] <= augmented_tolerance * numbers[0])
           continue;
-        of_keys.given = of_keys.found;
-        has_changed   = true;
+        of_keys.given          = of_keys.found;
+        of_keys.is_first_round = false;
+        has_changed            = true;
       }
     ++n_rounds;
     return has_changed;

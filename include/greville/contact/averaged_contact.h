@@ -48,12 +48,14 @@ namespace greville
 
 
   /**
-   * Pressures of the keys of an AveragedContact that belong to this process:
-   * those that it is given, and has found, Pa. The method of Uzawa makes the
-   * ones the others.
+   * Pressures of the keys of an AveragedContact that belong to this process, in
+   * the method of Uzawa: those that are given, Pa, are the averages of
+   * ContactPoint::start_pressure in the first round, and those that the round
+   * before has found in all others.
    */
   struct KeyPressures
   {
+    bool                                      is_first_round = true;
     std::unordered_map<std::uint64_t, double> given, found;
   };
 

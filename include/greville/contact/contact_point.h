@@ -27,6 +27,9 @@ namespace greville
     /// The elastic part of the slip of side 0 along side 1, m: history.
     dealii::Tensor<1, dim> slip;
 
+    /// The pressure at the start of the step, Pa, see KeyPressures.
+    double start_pressure = 0.;
+
     /// Whether the other side is in front of it, or it is a little way inside.
     bool is_facing = false;
     /// The distance from the other side, negative inside, m.

@@ -134,7 +134,7 @@ namespace greville
     unsigned int n_rounds = 0; // of augment()
 
     // For products.
-    std::vector<VectorField<dim>>                    directions;
+    std::vector<VectorField<dim>>                    directions, products;
     std::vector<std::vector<dealii::Tensor<1, dim>>> displacements;
     std::vector<std::vector<dealii::Tensor<1, dim>>> changes;
   };
