@@ -191,16 +191,28 @@ namespace greville
       const double all    = law.has_two_sides ? w[0] + w[1] : w[0];
       const double weight = 2. * w[0] * w[1] / (w[0] + w[1]);
       const double gap    = sums.gap / all;
-      if (gap >= 0. && given_pressure == 0.)
+      if (gap >= law.touching && given_pressure == 0.)
         return result;
       const Tensor<1, dim> n    = sums.normal / sums.normal.norm();
       const Tensor<1, dim> du   = sums.motion[0] / w[0] - sums.motion[1] / w[1];
       const double         rate = dt > 0. ? 1. / dt : 0.;
-      const double         pressure = std::max(0.,
+      const Tensor<2, dim> plane =
+        Tensor<2, dim>(unit_symmetric_tensor<dim>()) - outer_product(n, n);
+      const double pressure = std::max(0.,
                                        given_pressure - law.stiffness * gap -
                                          law.viscosity * rate * (du * n));
       if (gap >= 0. && pressure == 0.)
-        return result;
+        {
+          // The derivative at this kink is that of what is about to press.
+          if (gap >= law.touching)
+            return result;
+          result.shares[0] = weight / w[0];
+          result.shares[1] = weight / w[1];
+          result.stiffness = law.stiffness * outer_product(n, n);
+          if (law.friction > 0.)
+            result.stiffness += law.shear_stiffness * plane;
+          return result;
+        }
       const auto tangential = [&](const Tensor<1, dim> &vector) {
         return vector - (vector * n) * n;
       };
@@ -213,8 +225,7 @@ namespace greville
       const double most =
         pressure > 0. ? law.friction * pressure + law.adhesion : 0.;
       Tensor<2, dim> stiffness =
-        (law.shear_stiffness + law.viscosity * rate) *
-        (Tensor<2, dim>(unit_symmetric_tensor<dim>()) - outer_product(n, n));
+        (law.shear_stiffness + law.viscosity * rate) * plane;
       if (shear.norm() > most)
         {
           const Tensor<1, dim> direction = shear / shear.norm();
@@ -224,6 +235,8 @@ namespace greville
           shear *= most / shear.norm();
           slip = -shear / law.shear_stiffness;
         }
+      else if (most == 0.)
+        stiffness = Tensor<2, dim>();
       if (pressure > 0.)
         stiffness +=
           (law.stiffness + law.viscosity * rate) * outer_product(n, n);
@@ -424,7 +437,7 @@ namespace greville
             point.force += point.area * hats.values[k] * key.force[point.side];
             slip += hats.values[k] * key.slip_change;
             active += hats.values[k] * key.is_active;
-            if (!with_tangent || key.is_active == 0.)
+            if (!with_tangent || key.shares[0] == 0.)
               continue;
             const double weight = point.area * hats.values[k];
             point.stiffness += weight * key.shares[point.side] * key.stiffness;

@@ -21,6 +21,9 @@ namespace greville
     constexpr double reach_in_cells = 0.5, longest_motion = 0.25,
                      deepest_overlap = 0.05;
 
+    // Of the larger cell size, too: bodies that touch have gaps of round-off.
+    constexpr double touching_in_cells = 1e-6;
+
     // The stiffness against slip, over that against overlap.
     constexpr double shear_share = 0.5;
 
@@ -193,6 +196,7 @@ namespace greville
     law.friction =
       contact.given.friction_coefficient("Contact " + contact.name);
     law.adhesion    = contact.given.adhesion;
+    law.touching    = touching_in_cells * contact.cell_size;
     contact.average = std::make_unique<AveragedContact<dim>>(law,
                                                              contact.corner,
                                                              contact.cell_sizes,

@@ -25,6 +25,8 @@ namespace greville
     double viscosity = 0.;
     /// The coefficient, infinite for rough surfaces, and the adhesion, Pa.
     double friction = 0., adhesion = 0.;
+    /// Gaps of this size count as closed in a ContactTangent, m.
+    double touching = 0.;
     /// Whether both sides deform; otherwise only points of side 0 are given.
     bool has_two_sides = true;
   };
