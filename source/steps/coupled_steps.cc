@@ -11,8 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
-#include <cstdlib>
 
 namespace greville
 {
@@ -34,7 +32,6 @@ namespace greville
       if (steps.contacts)
         steps.contacts->add_product(steps.products, steps.blocks);
       steps.write(dst, steps.products);
-      if (getenv("DBG")) std::cerr << "op xAx " << (src*dst) << std::endl;
     }
 
     const CoupledSteps &steps;
@@ -53,7 +50,6 @@ namespace greville
         steps.parts[k].steps->system.precondition(steps.products[k],
                                                   steps.blocks[k]);
       steps.write(dst, steps.products);
-      if (getenv("DBG")) std::cerr << "prec " << src.l2_norm() << " rz " << (src*dst) << std::endl;
     }
 
     const CoupledSteps &steps;

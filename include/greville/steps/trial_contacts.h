@@ -131,7 +131,8 @@ namespace greville
     std::vector<ContactTangent<dim>>                      tangents;
     std::vector<VectorField<dim>>                         forces;
     std::vector<KeyPressures>                             pressures;
-    unsigned int n_rounds = 0; // of augment()
+    std::vector<double> shares;       // of ContactPoint::stiffness in matrices
+    unsigned int        n_rounds = 0; // of augment()
 
     // For products.
     std::vector<VectorField<dim>>                    directions, products;
