@@ -212,7 +212,7 @@ namespace greville
     std::string friction = "0";
     double      adhesion = 0.;
     double      penalty  = 1.;
-    double      damping  = 0.1;
+    double      damping  = 0.;
   };
 } // namespace greville
 
