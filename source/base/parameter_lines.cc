@@ -126,13 +126,14 @@ namespace greville
             {
               AssertThrow(n_includes < 20,
                           ExcMessage(place + ": files include each other."));
-              std::ifstream included = open(words);
-              read_lines(included,
-                         words,
-                         sections,
-                         result,
-                         all_sections,
-                         n_includes + 1);
+              // As seen from the file, or from the folder of the run.
+              const std::string beside =
+                (std::filesystem::path(file).parent_path() / words).string();
+              const std::string name =
+                std::filesystem::exists(beside) ? beside : words;
+              std::ifstream included = open(name);
+              read_lines(
+                included, name, sections, result, all_sections, n_includes + 1);
             }
           else
             {

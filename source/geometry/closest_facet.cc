@@ -140,7 +140,9 @@ namespace greville
       RTree<Entry>                tree;
       Point<dim>                  lower, upper;
 
-      // For searches: facets at about the least distance.
+      // For searches: facets with near boxes, those at about the least
+      // distance.
+      mutable std::vector<Entry>                               found;
       mutable std::vector<std::pair<unsigned int, Point<dim>>> nearest;
     };
 
@@ -196,34 +198,41 @@ namespace greville
       size                   = std::min(size, std::sqrt(far));
       const double tolerance = same_closest_point * (x.norm() + std::sqrt(far));
       size += tolerance;
-      Point<dim> low = x, high = x;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          low[d] -= size;
-          high[d] += size;
-        }
-
       double least = size;
-      nearest.clear();
-      const auto predicate = bgi::intersects(BoundingBox<dim>({low, high})) &&
-                             bgi::nearest(x, flat_facets.size());
-      for (auto entry = tree.qbegin(predicate); entry != tree.qend(); ++entry)
+      // Facets by the distance of their boxes, until none that is left out can
+      // be nearer.
+      for (unsigned int k = 8;; k *= 8)
         {
-          // Boxes come in the order of their distance.
-          double to_box = 0.;
+          Point<dim> low = x, high = x;
           for (unsigned int d = 0; d < dim; ++d)
-            to_box += std::pow(std::max({entry->first.lower_bound(d) - x[d],
-                                         x[d] - entry->first.upper_bound(d),
-                                         0.}),
-                               2);
-          if (std::sqrt(to_box) > least + tolerance)
+            {
+              low[d] -= least + tolerance;
+              high[d] += least + tolerance;
+            }
+          nearest.clear();
+          found.clear();
+          tree.query(bgi::intersects(BoundingBox<dim>({low, high})) &&
+                       bgi::nearest(x, k),
+                     std::back_inserter(found));
+          double furthest_box = 0.;
+          for (const Entry &entry : found)
+            {
+              double to_box = 0.;
+              for (unsigned int d = 0; d < dim; ++d)
+                to_box += std::pow(std::max({entry.first.lower_bound(d) - x[d],
+                                             x[d] - entry.first.upper_bound(d),
+                                             0.}),
+                                   2);
+              furthest_box       = std::max(furthest_box, to_box);
+              const Point<dim> y = closest_of(flat_facets[entry.second], x);
+              const double     distance = x.distance(y);
+              if (distance > least + tolerance)
+                continue;
+              least = std::min(least, distance);
+              nearest.emplace_back(entry.second, y);
+            }
+          if (found.size() < k || std::sqrt(furthest_box) > least + tolerance)
             break;
-          const Point<dim> y        = closest_of(flat_facets[entry->second], x);
-          const double     distance = x.distance(y);
-          if (distance > least + tolerance)
-            continue;
-          least = std::min(least, distance);
-          nearest.emplace_back(entry->second, y);
         }
       const Point<dim> *point = nullptr;
       for (const auto &[facet, y] : nearest)

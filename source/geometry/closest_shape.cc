@@ -81,6 +81,26 @@ namespace greville
       search(const Point<dim> &x, const Point<dim> &start, Best &best) const;
 
       /**
+       * Call @p visit(level_sets, n) for all level sets of formulas, and all
+       * pairs and triples that contain one.
+       */
+      template <typename Visit>
+      void
+      visit_choices(const Visit &visit) const;
+
+      /**
+       * Points all over the surfaces and edges of formulas of a bounded body.
+       */
+      void
+      find_seeds();
+
+      /**
+       * As search(), for each surface or edge from the nearest seed.
+       */
+      void
+      search_from_seeds(const Point<dim> &x, Best &best) const;
+
+      /**
        * The same from where rays from @p x meet the surface.
        */
       void
@@ -101,6 +121,15 @@ namespace greville
       std::vector<Edge>                  edges;
       std::vector<internal::Corner<dim>> corners;
       std::vector<Tensor<1, dim>>        rays;
+
+      // On these level sets.
+      struct Seeds
+      {
+        std::array<unsigned int, dim> level_sets;
+        unsigned int                  n;
+        std::vector<Point<dim>>       points;
+      };
+      std::vector<Seeds> seeds;
 
       // By level set, of the current x: no less than this, 0 where unknown.
       mutable std::vector<double> distances;
@@ -143,6 +172,7 @@ namespace greville
                 ray[d] = rest % 3 - 1. + 0.1 * (d + 1.);
               rays.push_back(ray / ray.norm());
             }
+      find_seeds();
     }
 
 
@@ -214,36 +244,19 @@ namespace greville
 
 
     template <int dim>
+    template <typename Visit>
     void
-    ClosestOfShape<dim>::search(const Point<dim> &x,
-                                const Point<dim> &start,
-                                Best             &best) const
+    ClosestOfShape<dim>::visit_choices(const Visit &visit) const
     {
-      const auto                   &all     = shape.level_sets();
       const auto                   &numbers = shape.numbers;
       std::array<unsigned int, dim> chosen{};
       const auto                    try_chosen = [&](const unsigned int n) {
-        std::array<const LevelSet<dim> *, dim> level_sets{};
-        bool                                   has_formula = false;
         for (unsigned int i = 0; i < n; ++i)
-          {
-            level_sets[i] = &all[chosen[i]];
-            has_formula =
-              has_formula || level_sets[i]->kind == LevelSet<dim>::formula;
-            if (n > 1 && distances[chosen[i]] >= best.distance)
+          if (shape.level_sets()[chosen[i]].kind == LevelSet<dim>::formula)
+            {
+              visit(chosen, n);
               return;
-          }
-        if (!has_formula || distances[chosen[0]] == infinitely_far)
-          return;
-        const ConstrainedPoint<dim> point(level_sets, n, best.length);
-        Point<dim>                  y = start;
-        if (!point.approach(x, y))
-          return;
-        take(x, y, chosen, n, best);
-        // What other level sets have in common with it is further away.
-        double &distance = distances[chosen[0]];
-        if (n == 1 && (distance == 0. || x.distance(y) < distance))
-          distance = x.distance(y);
+            }
       };
       for (unsigned int i = 0; i < numbers.size(); ++i)
         {
@@ -263,6 +276,111 @@ namespace greville
                   try_chosen(3);
                 }
           }
+    }
+
+
+
+    template <int dim>
+    void
+    ClosestOfShape<dim>::find_seeds()
+    {
+      bool   is_finite = shape.has_formulas;
+      double size      = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          is_finite = is_finite && std::isfinite(extent.lower_bound(d)) &&
+                      std::isfinite(extent.upper_bound(d));
+          size = std::max(size, extent.side_length(d));
+        }
+      if (!is_finite)
+        return;
+      visit_choices([&](const std::array<unsigned int, dim> &chosen,
+                        const unsigned int                   n) {
+        const ConstrainedPoint<dim> point(shape.pointers(chosen, n),
+                                          n,
+                                          std::min(size, 1.));
+        Seeds                       found    = {chosen, n, {}};
+        const unsigned int          n_starts = dim == 2 ? 12 : n == 3 ? 4 : 6;
+        for (unsigned int k = 0; k < std::pow(n_starts, dim); ++k)
+          {
+            Point<dim> y;
+            for (unsigned int d = 0, rest = k; d < dim; ++d, rest /= n_starts)
+              y[d] = extent.lower_bound(d) +
+                     (rest % n_starts + 0.5) / n_starts * extent.side_length(d);
+            try
+              {
+                if (point.restore(y) &&
+                    std::none_of(found.points.begin(),
+                                 found.points.end(),
+                                 [&](const Point<dim> &other) {
+                                   return y.distance(other) < 1e-9 * size;
+                                 }) &&
+                    shape.is_on_surface(y, chosen, n, std::min(size, 1.)))
+                  found.points.push_back(y);
+              }
+            catch (const std::exception &)
+              {
+                // A formula is undefined there.
+              }
+          }
+        if (!found.points.empty())
+          seeds.push_back(found);
+      });
+    }
+
+
+
+    template <int dim>
+    void
+    ClosestOfShape<dim>::search_from_seeds(const Point<dim> &x,
+                                           Best             &best) const
+    {
+      for (const Seeds &some : seeds)
+        {
+          bool is_far = false;
+          for (unsigned int i = 0; i < some.n; ++i)
+            is_far = is_far || distances[some.level_sets[i]] == infinitely_far;
+          if (is_far)
+            continue;
+          const Point<dim> *nearest = &some.points[0];
+          for (const Point<dim> &y : some.points)
+            if ((x - y).norm_square() < (x - *nearest).norm_square())
+              nearest = &y;
+          const ConstrainedPoint<dim> point(
+            shape.pointers(some.level_sets, some.n), some.n, best.length);
+          Point<dim> y = *nearest;
+          if (point.approach(x, y))
+            take(x, y, some.level_sets, some.n, best);
+        }
+    }
+
+
+
+    template <int dim>
+    void
+    ClosestOfShape<dim>::search(const Point<dim> &x,
+                                const Point<dim> &start,
+                                Best             &best) const
+    {
+      visit_choices(
+        [&](const std::array<unsigned int, dim> &chosen, const unsigned int n) {
+          if (distances[chosen[0]] == infinitely_far)
+            return;
+          for (unsigned int i = 0; i < n; ++i)
+            if (n > 1 && distances[chosen[i]] >= best.distance)
+              return;
+          const ConstrainedPoint<dim> point(shape.pointers(chosen, n),
+                                            n,
+                                            best.length);
+          Point<dim>                  y = start;
+          if (!point.approach(x, y))
+            return;
+          take(x, y, chosen, n, best);
+          // What other level sets have in common with it is further away.
+          double &distance = distances[chosen[0]];
+          if (n == 1 && (distance == 0. || x.distance(y) < distance))
+            distance = x.distance(y);
+        });
     }
 
 
@@ -298,15 +416,17 @@ namespace greville
                         middle;
                     }
                   search(x, x + 0.5 * (before + after) * ray, best);
-                  if (++n_searches == most_searches)
+                  if (++n_searches == most_searches && !is_unbounded)
                     return;
                   break;
                 }
             }
           if (n_searches > 0)
-            return;
+            break;
           radius *= 2.;
         }
+      if (is_unbounded && best.is_found)
+        search_along_rays(x, is_inside, best);
     }
 
 
@@ -377,7 +497,21 @@ namespace greville
       if (has_formulas)
         {
           search(x, x, best);
+          // Corners next to the point so far, to which Newton's method does
+          // not come from x.
+          const auto search_again = [&]() {
+            double last = infinitely_far;
+            while (shape.numbers.size() > 1 && best.is_found &&
+                   best.distance < last)
+              {
+                last = best.distance;
+                search(x, Point<dim>(best.point), best);
+              }
+          };
+          search_from_seeds(x, best);
+          search_again();
           search_along_rays(x, is_inside, best);
+          search_again();
         }
       if (!best.is_found)
         return std::nullopt;
@@ -386,15 +520,23 @@ namespace greville
       result.point      = best.point;
       result.distance   = is_inside ? -best.distance : best.distance;
       const double tiny = 1e-12 * (shape.length + x.norm() + best.point.norm());
-      if (best.n != 1 && best.distance > tiny)
-        result.normal = (x - best.point) / result.distance;
-      else
+      const Tensor<1, dim> towards = x - best.point;
+      if (best.distance > tiny && best.n == 1)
         {
-          Tensor<1, dim> normals;
-          shape.is_on_surface(
-            best.point, best.level_sets, best.n, best.length, &normals);
-          result.normal = normals / normals.norm();
+          result.normal = internal::derivatives(all[best.level_sets[0]],
+                                                best.point,
+                                                best.length,
+                                                false)
+                            .gradient;
+          if (result.normal * towards * result.distance < 0.)
+            result.normal = -result.normal;
         }
+      else if (best.distance <= tiny)
+        shape.is_on_surface(
+          best.point, best.level_sets, best.n, best.length, &result.normal);
+      if (!(result.normal.norm() > 0.))
+        result.normal = towards / result.distance;
+      result.normal /= result.normal.norm();
       return result;
     }
   } // namespace

@@ -58,6 +58,16 @@ namespace greville
         return tree.level_sets();
       }
 
+      std::array<const LevelSet<dim> *, dim>
+      pointers(const std::array<unsigned int, dim> &chosen,
+               const unsigned int                   n) const
+      {
+        std::array<const LevelSet<dim> *, dim> result{};
+        for (unsigned int i = 0; i < n; ++i)
+          result[i] = &level_sets()[chosen[i]];
+        return result;
+      }
+
       ShapeTree<dim> tree;
       /// Level sets without those that are others up to round-off.
       std::vector<unsigned int> numbers;

@@ -165,14 +165,18 @@ namespace greville
           Tensor<1, dim> step;
           if (!combine(gradients, values, coefficients, step))
             return false;
-          double       part  = 1.;
-          unsigned int halve = 0;
-          while (halve < 12 && !(error_at(y - part * step) < error))
+          const double length_of_step = step.norm();
+          if (length_of_step > size)
+            step *= size / length_of_step;
+          double             part  = 1.;
+          unsigned int       halve = 0;
+          const unsigned int most  = error <= 1e-14 * size ? 1 : 12;
+          while (halve < most && !(error_at(y - part * step) < error))
             {
               part *= 0.5;
               ++halve;
             }
-          if (halve == 12)
+          if (halve == most)
             return error <= 1e-11 * size;
           y -= part * step;
         }

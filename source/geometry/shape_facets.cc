@@ -37,17 +37,32 @@ namespace greville
               vertices[k];
           if (n_inside == 0 || n_outside == 0)
             return;
-          out = outside[0] - inside[0];
           // Corners of a segment, a triangle or a quadrilateral.
-          Facet<dim> corners;
+          Facet<dim>     corners;
+          Tensor<1, dim> out;
           for (unsigned int i = 0; i < n_inside; ++i)
             for (unsigned int j = 0; j < n_outside; ++j)
-              corners.push_back(
-                crossing(inside[i],
-                         outside[i % 2 == 0 ? j : n_outside - 1 - j]));
-          add({corners.begin(), corners.begin() + dim});
-          if (corners.size() == 4)
-            add({corners[0], corners[2], corners[3]});
+              {
+                corners.push_back(
+                  crossing(inside[i],
+                           outside[i % 2 == 0 ? j : n_outside - 1 - j]));
+                out += outside[j] - inside[i];
+              }
+          if constexpr (dim == 2)
+            add(corners, normal_of(corners) * out < 0.);
+          else
+            {
+              const Facet<3> one         = {corners[0], corners[1], corners[2]};
+              const bool     is_triangle = corners.size() == 3;
+              const Facet<3> other       = {corners[0],
+                                            corners[2],
+                                            corners[is_triangle ? 2 : 3]};
+              const bool     is_inwards =
+                (normal_of(one) + normal_of(other)) * out < 0.;
+              add(one, is_inwards);
+              if (!is_triangle)
+                add(other, is_inwards);
+            }
         }
 
       private:
@@ -62,25 +77,28 @@ namespace greville
           return inside + 0.5 * (outside - inside);
         }
 
-        void
-        add(Facet<dim> facet)
+        static Tensor<1, dim>
+        normal_of(const Facet<dim> &facet)
         {
-          Tensor<1, dim> normal;
-          const auto     along = facet[1] - facet[0];
+          const auto along = facet[1] - facet[0];
           if constexpr (dim == 2)
-            normal = Tensor<1, 2>({along[1], -along[0]});
+            return Tensor<1, 2>({along[1], -along[0]});
           else
-            normal = cross_product_3d(along, facet[2] - facet[0]);
-          if (normal * out < 0.)
+            return cross_product_3d(along, facet[2] - facet[0]);
+        }
+
+        void
+        add(Facet<dim> facet, const bool is_inwards)
+        {
+          if (is_inwards)
             std::swap(facet[0], facet[1]);
           // None where the surface passes through a vertex.
-          if (normal.norm() > 0.)
+          if (normal_of(facet).norm() > 0.)
             facets.push_back(facet);
         }
 
         const SidesOfShape<dim> &shape;
         ClosedSurface<dim>      &facets;
-        Tensor<1, dim>           out;
       };
     } // namespace
 

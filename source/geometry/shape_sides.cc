@@ -17,7 +17,20 @@ namespace greville
       constexpr double same_place_of_sides = 1e-13;
 
       // Of boxes that are cut into parts to find the extent of a shape.
-      constexpr unsigned int most_boxes = 200000;
+      constexpr unsigned int most_boxes = 100000;
+
+
+
+      /**
+       * The formula, with the numbers of arguments that ShapeTree relies on.
+       */
+      template <int dim>
+      const std::string &
+      checked(const std::string &formula, const std::string &parameter)
+      {
+        const Shape<dim> shape(formula, parameter);
+        return formula;
+      }
     } // namespace
 
 
@@ -25,10 +38,8 @@ namespace greville
     template <int dim>
     SidesOfShape<dim>::SidesOfShape(const std::string &formula,
                                     const std::string &parameter)
-      : tree(formula, parameter)
+      : tree(checked<dim>(formula, parameter), parameter)
     {
-      // Which checks the numbers.
-      Shape<dim>(formula, parameter).contains(Point<dim>());
       const auto &all = tree.level_sets();
       sides.assign(all.size(), ShapeTree<dim>::outside);
       active.assign(all.size(), false);
@@ -103,13 +114,19 @@ namespace greville
           double least = 0., largest = 0.;
           if (level_set.kind == LevelSet<dim>::plane)
             {
-              double radius = 0.;
+              least = largest = -level_set.as_plane.offset;
               for (unsigned int d = 0; d < dim; ++d)
-                radius += 0.5 * box.side_length(d) *
-                          std::abs(level_set.as_plane.normal[d]);
-              const double middle = level_set.as_plane.distance(box.center());
-              least               = middle - radius;
-              largest             = middle + radius;
+                {
+                  const double normal = level_set.as_plane.normal[d];
+                  // Bounds may be infinite.
+                  if (normal == 0.)
+                    continue;
+                  const bool is_up = normal > 0.;
+                  least +=
+                    normal * (is_up ? box.lower_bound(d) : box.upper_bound(d));
+                  largest +=
+                    normal * (is_up ? box.upper_bound(d) : box.lower_bound(d));
+                }
             }
           else if (level_set.kind == LevelSet<dim>::quadric)
             {
@@ -121,8 +138,11 @@ namespace greville
                   const double a = box.lower_bound(d) - level_set.center[d];
                   const double b = box.upper_bound(d) - level_set.center[d];
                   const double weight = level_set.metric[d][d];
-                  nearest += weight * std::pow(std::max({a, -b, 0.}), 2);
-                  furthest += weight * std::max(a * a, b * b);
+                  if (weight > 0.)
+                    {
+                      nearest += weight * std::pow(std::max({a, -b, 0.}), 2);
+                      furthest += weight * std::max(a * a, b * b);
+                    }
                   radius += std::pow(0.5 * box.side_length(d), 2);
                   for (unsigned int e = 0; e < d; ++e)
                     is_diagonal =
@@ -130,6 +150,8 @@ namespace greville
                 }
               nearest  = std::sqrt(nearest);
               furthest = std::sqrt(furthest);
+              if (!is_diagonal && !std::isfinite(radius))
+                continue;
               if (!is_diagonal)
                 {
                   const auto   out = box.center() - level_set.center;
@@ -170,16 +192,12 @@ namespace greville
           const LevelSet<dim> &level_set = level_sets()[k];
           const bool           is_given =
             std::find(given.begin(), given.begin() + n, k) != given.begin() + n;
-          double value = 0.;
-          if (!is_given)
-            {
-              value = level_set.value(y);
-              sides[k] =
-                value <= 0. ? ShapeTree<dim>::inside : ShapeTree<dim>::outside;
-              if (level_set.kind != LevelSet<dim>::formula &&
-                  std::abs(value) > tolerance)
-                continue;
-            }
+          const double value = is_given ? 0. : level_set.value(y);
+          sides[k] =
+            value <= 0. ? ShapeTree<dim>::inside : ShapeTree<dim>::outside;
+          if (level_set.kind != LevelSet<dim>::formula &&
+              std::abs(value) > tolerance)
+            continue;
           const Tensor<1, dim> gradient =
             derivatives(level_set, y, differences, false).gradient;
           const double norm = gradient.norm();
@@ -283,9 +301,10 @@ namespace greville
           lower[d] = -largest;
           upper[d] = largest;
         }
-      // Each pass finds the extent up to a thousandth of the one before.
-      bool is_known = true;
-      for (unsigned int pass = 0; pass < 4 && is_known; ++pass)
+      // The first pass finds the size, each of the others the extent up to a
+      // hundredth of the one before.
+      bool is_known = false;
+      for (unsigned int pass = 0; pass < 4; ++pass)
         {
           Point<dim>   low, high;
           unsigned int n_boxes = 0;
@@ -294,14 +313,27 @@ namespace greville
               low[d]  = infinity;
               high[d] = -infinity;
             }
-          add_to_hull(BoundingBox<dim>({lower, upper}), 11, n_boxes, low, high);
-          is_known = n_boxes <= most_boxes && low[0] <= high[0];
-          if (is_known)
-            {
-              lower = low;
-              upper = high;
-            }
+          add_to_hull(BoundingBox<dim>({lower, upper}),
+                      pass == 0 ? 11 : 7,
+                      n_boxes,
+                      low,
+                      high);
+          if (n_boxes > most_boxes || low[0] > high[0])
+            break;
+          is_known = true;
+          lower    = low;
+          upper    = high;
         }
+      // A body without end in one direction may end in another one only behind
+      // what was looked at.
+      for (unsigned int d = 0; d < dim; ++d)
+        is_known = is_known && lower[d] > -largest && upper[d] < largest;
+      if (!is_known)
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            lower[d] = -infinity;
+            upper[d] = infinity;
+          }
       // Balls, cylinders and planes along axes end exactly where they end.
       for (unsigned int d = 0; d < dim; ++d)
         for (const int side : {-1, 1})
@@ -322,13 +354,6 @@ namespace greville
                 if (is_outside(BoundingBox<dim>({low, high})))
                   (side < 0 ? lower : upper)[d] = at;
               }
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          if (lower[d] <= -largest)
-            lower[d] = -infinity;
-          if (upper[d] >= largest)
-            upper[d] = infinity;
-        }
       return BoundingBox<dim>({lower, upper});
     }
 

@@ -155,6 +155,8 @@ namespace greville
   void
   SimulationParameters::check_contacts() const
   {
+    for (const auto &[name, contact] : contacts)
+      contact.check("Contact " + name, bodies, rigid_bodies);
     for (const auto &[name, body] : rigid_bodies)
       {
         body.check("Rigid body " + name, general.dimension);
@@ -170,8 +172,6 @@ namespace greville
                                "' is in no contact: nothing meets it. Name it "
                                "as the second one of 'Contact NAME/Bodies'."));
       }
-    for (const auto &[name, contact] : contacts)
-      contact.check("Contact " + name, bodies, rigid_bodies);
     const auto groups = body_groups();
     for (const auto &[name, contact] : contacts)
       for (const auto &group : groups)

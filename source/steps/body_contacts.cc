@@ -106,6 +106,7 @@ namespace greville
         part->current.rigid_bodies = positions;
         part->good.take(part->current);
       }
+    act();
   }
 
 

@@ -3,8 +3,8 @@
 // Release: 3
 
 // Gaps between surfaces that are known by points only, and contact by averages:
-// - projection onto curved surfaces has an error of fourth order in the spacing
-//   of points, onto planes none, with ends and edges;
+// - projection onto curved surfaces has an error of second order in the spacing
+//   of points, a thousandth of the sagitta, onto planes none, with their ends;
 // - a uniform overlap has the exact pressure, whatever the grid; momentum is
 //   kept to round-off where surfaces cut the grid, and have other spacings;
 // - friction: stick, slip at mu times the pressure, and the way back;

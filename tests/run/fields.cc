@@ -17,6 +17,8 @@ namespace
   void
   run(const Text &text, const std::string &directory)
   {
+    // Others may still read what is removed here.
+    MPI_Barrier(MPI_COMM_WORLD);
     if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
       {
         std::filesystem::remove_all(directory);

@@ -22,9 +22,9 @@ namespace greville
    *   w_k = \frac{a_k \omega(|y - x_k| / r)}{\sum_l a_l \omega(|y - x_l| / r)},
    * @f]
    * with @f$\omega(s) = (1 - s^2)^2@f$ and r of two spacings of points. (The
-   * first term alone lies outside of a curved surface by the mean of its
-   * sagitta, the second one alone inside by the same: the mean of both has an
-   * error of fourth order in r.) A point x is projected onto it along n. Only
+   * first term alone lies outside of a curved surface by the mean sagitta, the
+   * second one inside by the same: on a circle with points all around y their
+   * mean is exact.) A point x is projected onto it along n. Only
    * points whose normals are within 60 degrees of that of the nearest one that
    * faces x count, so that edges are not rounded, and only places on which
    * there are points, so that a surface ends where its points end.

@@ -48,8 +48,8 @@ namespace greville
     closest(const dealii::Point<dim> &x, const double within) const = 0;
 
     /**
-     * A box around the body, which may be larger by a thousandth, and infinite
-     * in some directions.
+     * A box around the body, which may be larger by some hundredths, and
+     * infinite in some directions.
      */
     virtual dealii::BoundingBox<dim>
     box() const = 0;
@@ -72,9 +72,10 @@ namespace greville
    * which two of them meet, or is a corner; of those that separate the inside
    * from the outside it is the nearest. For planes, balls and cylinders all
    * projections are found, so that the distance is exact. For formulas they are
-   * found by Newton's method from x and, where samples in the ball around x
-   * that reaches to the nearest point lie on the other side of the surface,
-   * from there. Formulas have to be smooth where they are zero; derivatives are
+   * found by Newton's method from x, from points all over the surface where the
+   * box around the body is finite, and, where samples in the ball around x that
+   * reaches to the nearest point lie on the other side of the surface, from
+   * there. Formulas have to be smooth where they are zero; derivatives are
    * differences of sixth order.
    *
    * Throws dealii::ExcMessage, which names the @p parameter, where the formula

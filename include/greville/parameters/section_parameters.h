@@ -222,7 +222,7 @@ namespace greville
     double      adhesion = 0.;
     double      penalty  = 0.; // 0: that of the scheme
     std::string method   = "penalty";
-    double      damping  = 0.1;
+    double      damping  = 0.;
   };
 } // namespace greville
 
