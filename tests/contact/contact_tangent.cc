@@ -226,7 +226,7 @@ test_rounds()
             point.gap = pressure - 1.; // of the spring
           const auto result =
             contact.act(moved, 0., Point<2>(), nullptr, &pressures);
-          pressure += 0.1 * (result.force.norm() / result.area - pressure);
+          pressure += 0.05 * (result.force.norm() / result.area - pressure);
         }
       check("A round divides the gap by eleven.",
             std::abs(pressure - stiffness[round]) < 1e-8);
