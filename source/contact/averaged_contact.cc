@@ -30,10 +30,8 @@ namespace greville
     struct KeySums
     {
       double         weight[2] = {0., 0.}; // w^A, w^B
-      double         gap       = 0.;
+      double         gap = 0., start_pressure = 0.;
       Tensor<1, dim> normal, slip, motion[2];
-
-      static constexpr unsigned int size = 3 + 4 * dim;
 
       template <typename Action>
       void
@@ -42,6 +40,7 @@ namespace greville
         action(weight[0]);
         action(weight[1]);
         action(gap);
+        action(start_pressure);
         for (unsigned int d = 0; d < dim; ++d)
           {
             action(normal[d]);
@@ -63,12 +62,16 @@ namespace greville
       Tensor<1, dim> force[2];    // per area, of both sides
       Tensor<1, dim> slip_change; // of the elastic slip
       double         is_active = 0.;
-
-      static constexpr unsigned int size = 3 * dim + 1;
+      // For a ContactTangent: its number, w_k over the weights of both sides,
+      // and D_k.
+      double         number    = 0.;
+      double         shares[2] = {0., 0.};
+      Tensor<2, dim> stiffness;
+      double         pressure = 0.; // for KeyPressures
 
       template <typename Action>
       void
-      for_each(const Action &action)
+      for_each(const bool with_tangent, const Action &action)
       {
         for (unsigned int d = 0; d < dim; ++d)
           {
@@ -77,6 +80,14 @@ namespace greville
             action(slip_change[d]);
           }
         action(is_active);
+        if (!with_tangent)
+          return;
+        action(number);
+        action(shares[0]);
+        action(shares[1]);
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int e = 0; e < dim; ++e)
+            action(stiffness[d][e]);
       }
     };
 
@@ -169,6 +180,7 @@ namespace greville
     force_of_key(const ContactLaw   &law,
                  const KeySums<dim> &sums,
                  const double        dt,
+                 const double        given_pressure,
                  double             &area)
     {
       KeyForce<dim> result;
@@ -179,13 +191,28 @@ namespace greville
       const double all    = law.has_two_sides ? w[0] + w[1] : w[0];
       const double weight = 2. * w[0] * w[1] / (w[0] + w[1]);
       const double gap    = sums.gap / all;
-      if (gap >= 0.)
+      if (gap >= law.touching && given_pressure == 0.)
         return result;
       const Tensor<1, dim> n    = sums.normal / sums.normal.norm();
       const Tensor<1, dim> du   = sums.motion[0] / w[0] - sums.motion[1] / w[1];
       const double         rate = dt > 0. ? 1. / dt : 0.;
-      const double         pressure =
-        std::max(0., -law.stiffness * gap - law.viscosity * rate * (du * n));
+      const Tensor<2, dim> plane =
+        Tensor<2, dim>(unit_symmetric_tensor<dim>()) - outer_product(n, n);
+      const double pressure = std::max(0.,
+                                       given_pressure - law.stiffness * gap -
+                                         law.viscosity * rate * (du * n));
+      if (gap >= 0. && pressure == 0.)
+        {
+          // The derivative at this kink is that of what is about to press.
+          if (gap >= law.touching)
+            return result;
+          result.shares[0] = weight / w[0];
+          result.shares[1] = weight / w[1];
+          result.stiffness = law.stiffness * outer_product(n, n);
+          if (law.friction > 0.)
+            result.stiffness += law.shear_stiffness * plane;
+          return result;
+        }
       const auto tangential = [&](const Tensor<1, dim> &vector) {
         return vector - (vector * n) * n;
       };
@@ -197,16 +224,31 @@ namespace greville
       // Without pressure there is no friction, but 0 times infinity.
       const double most =
         pressure > 0. ? law.friction * pressure + law.adhesion : 0.;
+      Tensor<2, dim> stiffness =
+        (law.shear_stiffness + law.viscosity * rate) * plane;
       if (shear.norm() > most)
         {
+          const Tensor<1, dim> direction = shear / shear.norm();
+          stiffness -= (law.shear_stiffness + law.viscosity * rate) *
+                       outer_product(direction, direction);
+          stiffness *= most / shear.norm();
           shear *= most / shear.norm();
           slip = -shear / law.shear_stiffness;
         }
+      else if (most == 0.)
+        stiffness = Tensor<2, dim>();
+      if (pressure > 0.)
+        stiffness +=
+          (law.stiffness + law.viscosity * rate) * outer_product(n, n);
       const Tensor<1, dim> force = weight * (pressure * n + shear);
       result.force[0]            = force / w[0];
       result.force[1]            = -force / w[1];
       result.slip_change         = slip - mean;
       result.is_active           = 1.;
+      result.pressure            = pressure;
+      result.shares[0]           = weight / w[0];
+      result.shares[1]           = weight / w[1];
+      result.stiffness           = stiffness;
       if (pressure > 0.)
         area += weight;
       return result;
@@ -232,7 +274,9 @@ namespace greville
   ContactResult<dim>
   AveragedContact<dim>::act(std::vector<ContactPoint<dim>> &points,
                             const double                    dt,
-                            const Point<dim>               &about) const
+                            const Point<dim>               &about,
+                            ContactTangent<dim>            *tangent,
+                            KeyPressures                   *pressures) const
   {
     const bool         has_two_sides = contact_law.has_two_sides;
     ContactResult<dim> result;
@@ -249,13 +293,17 @@ namespace greville
         result.gap = std::min(result.gap, point.gap);
         const Tensor<1, dim> normal =
           (point.side == 0 ? 1. : -1.) * point.target_normal;
-        const Hats<dim> hats(point.x, normal, corner, cell_size);
+        const Hats<dim> hats(point.x - point.since_hats,
+                             normal,
+                             corner,
+                             cell_size);
         for (unsigned int k = 0; k < n_functions(dim); ++k)
           {
             const double  w   = point.area * hats.values[k];
             KeySums<dim> &sum = sums[hats.keys[k]];
             sum.weight[point.side] += w;
             sum.gap += w * point.gap;
+            sum.start_pressure += w * point.start_pressure;
             sum.normal += w * normal;
             sum.slip += w * point.slip;
             sum.motion[point.side] += w * point.motion;
@@ -265,11 +313,49 @@ namespace greville
       }
 
     std::unordered_map<std::uint64_t, KeyForce<dim>> forces;
+    // Of the keys of this process in the order of their numbers, from the first
+    // one on.
+    using TangentKey = typename ContactTangent<dim>::Key;
+    std::vector<TangentKey> tangent_keys;
+    std::uint64_t           first_number = 0;
+    const bool              with_tangent = tangent != nullptr;
+    if (pressures)
+      {
+        pressures->found.clear();
+        if (pressures->is_first_round)
+          pressures->given.clear();
+      }
+    const auto find_force = [&](const std::uint64_t name,
+                                const KeySums<dim> &sum,
+                                KeyForce<dim>      &force) {
+      double given = 0.;
+      if (pressures && pressures->is_first_round)
+        {
+          given = sum.start_pressure / (sum.weight[0] + sum.weight[1]);
+          if (given > 0.)
+            pressures->given[name] = given;
+        }
+      else if (pressures && pressures->given.count(name) > 0)
+        given = pressures->given.at(name);
+      force = force_of_key<dim>(contact_law, sum, dt, given, result.area);
+      if (pressures && force.pressure > 0.)
+        pressures->found[name] = force.pressure;
+      if (!with_tangent)
+        return;
+      force.number = tangent_keys.size();
+      TangentKey   key;
+      const double w = force.shares[0] * sum.weight[0];
+      for (unsigned int side = 0; side < 2; ++side)
+        key.inverse_weights[side] =
+          sum.weight[side] > 0. ? 1. / sum.weight[side] : 0.;
+      key.stiffness = w * force.stiffness;
+      tangent_keys.push_back(key);
+    };
     // Each key belongs to a process.
     const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
     if (n_processes == 1)
       for (const auto &[key, sum] : sums)
-        forces[key] = force_of_key<dim>(contact_law, sum, dt, result.area);
+        find_force(key, sum, forces[key]);
     else
       {
         std::map<unsigned int, std::vector<std::uint64_t>> keys;
@@ -293,30 +379,56 @@ namespace greville
               owned[key].for_each([&](double &entry) { entry += *value++; });
           }
         for (const auto &[key, sum] : owned)
-          forces[key] = force_of_key<dim>(contact_law, sum, dt, result.area);
+          find_force(key, sum, forces[key]);
+        if (with_tangent)
+          {
+            const std::uint64_t n_own = tangent_keys.size();
+            const int           ierr =
+              MPI_Exscan(&n_own, &first_number, 1, MPI_UINT64_T, MPI_SUM, comm);
+            AssertThrowMPI(ierr);
+            for (auto &key : forces)
+              key.second.number += double(first_number);
+          }
         values.clear();
         for (const auto &[process, of_process] : keys_here)
           for (const std::uint64_t key : of_process)
-            forces[key].for_each([&, to = process](const double value) {
-              values[to].push_back(value);
-            });
+            forces[key].for_each(with_tangent,
+                                 [&, to = process](const double value) {
+                                   values[to].push_back(value);
+                                 });
         const auto answers = Utilities::MPI::some_to_some(comm, values);
         forces.clear();
         for (const auto &[process, of_process] : keys)
           {
             const double *value = answers.at(process).data();
             for (const std::uint64_t key : of_process)
-              forces[key].for_each([&](double &entry) { entry = *value++; });
+              forces[key].for_each(with_tangent,
+                                   [&](double &entry) { entry = *value++; });
           }
+      }
+    if (with_tangent)
+      {
+        std::vector<std::uint64_t> numbers;
+        for (const auto &[key, force] : forces)
+          numbers.push_back(std::uint64_t(force.number));
+        tangent->begin(std::move(tangent_keys), first_number, numbers, comm);
       }
 
     for (ContactPoint<dim> &point : points)
       {
+        if (with_tangent)
+          {
+            point.stiffness = Tensor<2, dim>();
+            tangent->add_point(point.side);
+          }
         if (!point.is_facing)
           continue;
         const Tensor<1, dim> normal =
           (point.side == 0 ? 1. : -1.) * point.target_normal;
-        const Hats<dim> hats(point.x, normal, corner, cell_size);
+        const Hats<dim> hats(point.x - point.since_hats,
+                             normal,
+                             corner,
+                             cell_size);
         double          active = 0.;
         Tensor<1, dim>  slip   = point.slip;
         for (unsigned int k = 0; k < n_functions(dim); ++k)
@@ -325,6 +437,11 @@ namespace greville
             point.force += point.area * hats.values[k] * key.force[point.side];
             slip += hats.values[k] * key.slip_change;
             active += hats.values[k] * key.is_active;
+            if (!with_tangent || key.shares[0] == 0.)
+              continue;
+            const double weight = point.area * hats.values[k];
+            point.stiffness += weight * key.shares[point.side] * key.stiffness;
+            tangent->add_share(std::uint64_t(key.number), weight);
           }
         if (active > 0.)
           point.new_slip = slip;

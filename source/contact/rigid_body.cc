@@ -15,7 +15,7 @@ namespace greville
   {
     // Points face a rigid surface where the cosine of the angle between normals
     // is below this.
-    constexpr double largest_cosine_of_rigid = 0.;
+    constexpr double largest_cosine_of_rigid = -0.7;
 
     // Half the time (s) over which the spin is a difference quotient.
     constexpr double half_of_quotient = 1e-6;

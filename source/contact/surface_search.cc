@@ -20,7 +20,7 @@ namespace greville
   {
     // Surfaces face one another where the cosine of the angle between normals
     // is below this, and belong to one another where it is above that.
-    constexpr double largest_cosine = -0.3, least_alike = 0.5;
+    constexpr double largest_cosine = -0.7, least_alike = 0.5;
 
     // Of the weights that a plane full of points would have: less is an end of
     // the surface.

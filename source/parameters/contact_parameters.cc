@@ -119,17 +119,24 @@ namespace greville
     add_parameter(prm, "Adhesion", adhesion, Double(0.))(
       "Shear stress that surfaces under pressure bear without friction. Unit: "
       "Pa.");
-    add_parameter(prm, "Penalty", penalty, Double(1e-6))(
+    add_parameter(prm, "Penalty", penalty, Double(0.))(
       "kappa: the pressure is kappa E' / h times the depth of the averaged "
       "gap, "
       "with the modulus E' = E / (1 - nu^2) (the harmonic mean of both sides) "
       "and the larger cell size h of both grids. Larger values let surfaces "
-      "overlap less, and shorten explicit steps. Unit: none.");
+      "overlap less, and shorten explicit steps. 0: 10 in implicit steps, 1 in "
+      "explicit ones. Unit: none.");
+    add_parameter(prm, "Method", method, Selection("penalty|augmented"))(
+      "augmented adds the pressure that has been found, and solves again, up "
+      "to "
+      "five times in a step, until it changes by less than a thousandth (the "
+      "method of Uzawa): surfaces hardly overlap then. In implicit steps only. "
+      "Unit: none.");
     add_parameter(prm, "Damping", damping, Double(0.))(
       "zeta: surfaces in contact that approach one another at the speed v have "
       "the pressure zeta rho c v besides, with the impedance rho c of the "
       "softer side; likewise the shear stress of surfaces that do not slide. "
-      "Unit: none.");
+      "Without effect in implicit steps. Unit: none.");
   }
 
 

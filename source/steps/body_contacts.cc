@@ -21,8 +21,14 @@ namespace greville
     constexpr double reach_in_cells = 0.5, longest_motion = 0.25,
                      deepest_overlap = 0.05;
 
+    // Of the larger cell size, too: bodies that touch have gaps of round-off.
+    constexpr double touching_in_cells = 1e-6;
+
     // The stiffness against slip, over that against overlap.
     constexpr double shear_share = 0.5;
+
+    // ContactParameters::penalty where none is given.
+    constexpr double implicit_penalty = 10., explicit_penalty = 1.;
 
 
 
@@ -61,10 +67,33 @@ namespace greville
     : parts(parts)
     , comm(comm)
     , search(comm)
+    , are_implicit(steps_are_implicit())
   {
+    std::string implicit, others;
+    for (unsigned int k = 0; k < parameters.n_stages(); ++k)
+      {
+        const std::string &scheme =
+          k < parameters.stages.size()
+            ? parameters.stages[k].scheme.stress_update
+            : parameters.scheme.stress_update;
+        (is_implicit_scheme(scheme) ? implicit : others) = scheme;
+      }
+    for (const std::string &name : parameters.general.contacts)
+      AssertThrow(others.empty() ||
+                    !parameters.contacts.at(name).is_augmented(),
+                  ExcMessage("'Contact " + name +
+                             "/Method' = augmented does not go with "
+                             "'Scheme/Stress update' = " +
+                             others + ": explicit steps have no iterations."));
     std::vector<RigidBodyState<dim>> positions;
     for (const std::string &name : parameters.general.rigid_bodies)
       {
+        AssertThrow(implicit.empty() ||
+                      !parameters.rigid_bodies.at(name).is_free,
+                    ExcMessage("'Scheme/Stress update' = " + implicit +
+                               " does not go with 'Rigid body " + name +
+                               "/Free' = true: free rigid bodies move in "
+                               "explicit steps."));
         rigid_bodies.emplace_back(name, parameters.rigid_bodies.at(name));
         const auto position =
           rigid_bodies.back().position_at_start(parameters.time.start);
@@ -93,11 +122,12 @@ namespace greville
     contact.bodies   = given.bodies;
     const auto sides = given.sides();
 
-    ContactLaw law;
-    double     compliance = 0., h = 0.;
-    law.viscosity               = std::numeric_limits<double>::max();
-    unsigned int        n_sides = 0;
-    const Lattice<dim> *lattice = nullptr;
+    contact.given     = given;
+    contact.impedance = std::numeric_limits<double>::max();
+
+    double              compliance = 0.;
+    unsigned int        n_sides    = 0;
+    const Lattice<dim> *lattice    = nullptr;
     for (unsigned int side = 0; side < 2; ++side)
       {
         double modulus = std::numeric_limits<double>::max();
@@ -113,12 +143,12 @@ namespace greville
                     continue;
                   contact.sides[side].push_back({part, s});
                   modulus = std::min(modulus, contact_modulus(*owner.material));
-                  law.viscosity =
-                    std::min(law.viscosity, impedance(*owner.material));
-                  if (part->grid().cell_size() > h)
+                  contact.impedance =
+                    std::min(contact.impedance, impedance(*owner.material));
+                  if (part->grid().cell_size() > contact.cell_size)
                     {
-                      h       = part->grid().cell_size();
-                      lattice = &part->space().lattice();
+                      contact.cell_size = part->grid().cell_size();
+                      lattice           = &part->space().lattice();
                     }
                 }
             }
@@ -131,22 +161,51 @@ namespace greville
     if (n_sides == 1)
       contact.rigid =
         std::find(names.begin(), names.end(), sides[1][0]) - names.begin();
-    law.has_two_sides   = n_sides == 2;
-    law.stiffness       = given.penalty * double(n_sides) / compliance / h;
-    law.shear_stiffness = shear_share * law.stiffness;
-    law.viscosity *= given.damping;
-    law.friction  = given.friction_coefficient("Contact " + name);
-    law.adhesion  = given.adhesion;
-    contact.reach = reach_in_cells * h;
-    Tensor<1, dim> sizes;
+    contact.modulus = double(n_sides) / compliance;
+    contact.corner  = lattice->cell_corner(MultiIndex<dim>());
     for (unsigned int d = 0; d < dim; ++d)
-      sizes[d] = lattice->cell_size(d);
-    contact.average = std::make_unique<AveragedContact<dim>>(
-      law, lattice->cell_corner(MultiIndex<dim>()), sizes, comm);
+      contact.cell_sizes[d] = lattice->cell_size(d);
+    set_law(contact);
+    contacts.push_back(std::move(contact));
+  }
+
+
+
+  template <int dim>
+  bool
+  BodyContacts<dim>::steps_are_implicit() const
+  {
+    return parts.front()->is_implicit();
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::set_law(Contact &contact) const
+  {
+    const double default_penalty =
+      are_implicit ? implicit_penalty : explicit_penalty;
+    const double penalty =
+      contact.given.penalty > 0. ? contact.given.penalty : default_penalty;
+    ContactLaw law;
+    law.has_two_sides   = contact.rigid < 0;
+    law.stiffness       = penalty * contact.modulus / contact.cell_size;
+    law.shear_stiffness = shear_share * law.stiffness;
+    law.viscosity =
+      are_implicit ? 0. : contact.given.damping * contact.impedance;
+    law.friction =
+      contact.given.friction_coefficient("Contact " + contact.name);
+    law.adhesion    = contact.given.adhesion;
+    law.touching    = touching_in_cells * contact.cell_size;
+    contact.average = std::make_unique<AveragedContact<dim>>(law,
+                                                             contact.corner,
+                                                             contact.cell_sizes,
+                                                             comm);
     // Of each side against one that moves the other way.
     const bool meets_free =
       contact.rigid >= 0 && rigid_bodies[contact.rigid].is_free();
-    const double factor = n_sides == 2 || meets_free ? 2. : 1.;
+    const double factor = law.has_two_sides || meets_free ? 2. : 1.;
     for (const auto &side : contact.sides)
       for (const Place &place : side)
         {
@@ -154,7 +213,19 @@ namespace greville
           surface.stiffness     = factor * law.stiffness;
           surface.damping       = factor * law.viscosity;
         }
-    contacts.push_back(std::move(contact));
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::set_laws()
+  {
+    if (are_implicit == steps_are_implicit())
+      return;
+    are_implicit = steps_are_implicit();
+    for (Contact &contact : contacts)
+      set_law(contact);
   }
 
 
@@ -197,8 +268,10 @@ namespace greville
   BodyContacts<dim>::check(const Contact                        &contact,
                            const std::vector<ContactPoint<dim>> &points) const
   {
-    const double longest = longest_motion / reach_in_cells * contact.reach;
-    const double deepest = deepest_overlap / reach_in_cells * contact.reach;
+    const double longest = are_implicit
+                             ? std::numeric_limits<double>::infinity()
+                             : longest_motion * contact.cell_size;
+    const double deepest = deepest_overlap * contact.cell_size;
     const bool   is_new  = parts.front()->current.n_steps == 0;
     std::string  problem;
     double       depth = 0.;
@@ -236,6 +309,7 @@ namespace greville
     std::vector<std::uint64_t> stamps_now;
     for (const Simulation<dim> *part : parts)
       stamps_now.push_back(part->current.points_stamp);
+    set_laws();
     if (stamps_now == stamps)
       return;
     const State<dim> &state = parts.front()->current;
@@ -253,15 +327,18 @@ namespace greville
             const RigidBodyState<dim> &body = state.rigid_bodies[contact.rigid];
             about = current_position(body.now, body.now.reference);
             rigid_bodies[contact.rigid].find_gaps(points,
-                                                  contact.reach,
+                                                  reach_in_cells *
+                                                    contact.cell_size,
                                                   body.now,
                                                   body.before);
           }
         else
-          search.find_gaps(points, contact.reach);
+          search.find_gaps(points, reach_in_cells * contact.cell_size);
         check(contact, points);
         now.contacts.push_back(contact.average->act(points, state.step, about));
-        give(contact, points);
+        // Implicit steps have left loads and slip that belong to their end.
+        if (!are_implicit || state.n_steps == 0)
+          give(contact, points);
       }
     stamps = stamps_now;
   }
@@ -296,9 +373,8 @@ namespace greville
 
   template <int dim>
   void
-  BodyContacts<dim>::begin_step(const double dt)
+  BodyContacts<dim>::commit()
   {
-    at_start = now;
     for (const Contact &contact : contacts)
       for (const auto &side : contact.sides)
         for (const Place &place : side)
@@ -316,6 +392,14 @@ namespace greville
                 }
             });
           }
+  }
+
+
+
+  template <int dim>
+  std::vector<RigidBodyState<dim>>
+  BodyContacts<dim>::moved_bodies(const double dt) const
+  {
     const State<dim>                &state     = parts.front()->current;
     std::vector<RigidBodyState<dim>> positions = state.rigid_bodies;
     for (unsigned int k = 0; k < positions.size(); ++k)
@@ -343,8 +427,30 @@ namespace greville
           },
           false);
       }
+    return positions;
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::begin_step(const double dt)
+  {
+    at_start             = now;
+    const auto positions = moved_bodies(dt);
+    commit();
     for (Simulation<dim> *part : parts)
       part->current.rigid_bodies = positions;
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::end_step()
+  {
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      stamps[k] = parts[k]->current.points_stamp;
   }
 
 

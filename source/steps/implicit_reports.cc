@@ -209,7 +209,8 @@ namespace greville
   void
   ImplicitSteps<dim>::print(const State<dim>   &state,
                             const double        dt,
-                            const NewtonResult &result) const
+                            const NewtonResult &result,
+                            const bool          of_all_parts) const
   {
     if (!parameters.newton.log ||
         Utilities::MPI::this_mpi_process(discretization.communicator()) != 0)
@@ -218,9 +219,9 @@ namespace greville
     for (unsigned int k = 0; k < result.iterations.size(); ++k)
       {
         const NewtonIteration &row = result.iterations[k];
-        text << "  step " << state.n_steps + 1 << log.of << ", dt = " << dt
-             << " s, iteration " << k << ": residual " << row.residual << " ("
-             << row.relative << ")";
+        text << "  step " << state.n_steps + 1 << (of_all_parts ? "" : log.of)
+             << ", dt = " << dt << " s, iteration " << k << ": residual "
+             << row.residual << " (" << row.relative << ")";
         if (k > 0)
           text << ", step " << row.step << ", " << row.linear_iterations
                << " linear iterations";
@@ -298,8 +299,9 @@ namespace greville
     state.energy.add_work(EnergyBalance::walls, by_walls);
 
     // Those on surfaces one by one, and then those that follow the points of
-    // bodies, which are among the loads on points at the start.
-    const unsigned int n_surfaces = state.surfaces.size();
+    // bodies, which are among the loads on points at the start. Contacts count
+    // their own.
+    const unsigned int n_surfaces = loads.surfaces().n_loads();
     const auto         add_power  = [&](const unsigned int      k,
                                const VectorField<dim> &load,
                                const double            factor) {

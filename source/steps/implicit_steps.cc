@@ -2,7 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
-#include <greville/steps/implicit_steps.h>
+#include <greville/steps/coupled_steps.h>
 #include <greville/steps/step_size.h>
 
 #include <algorithm>
@@ -379,7 +379,7 @@ namespace greville
 
   template <int dim>
   void
-  ImplicitSteps<dim>::try_step(State<dim> &state, const double dt)
+  ImplicitSteps<dim>::begin_trial(State<dim> &state, const double dt)
   {
     start_step(state, dt);
     inertia_at_begin = find_inertia_at_begin(dt);
@@ -394,33 +394,16 @@ namespace greville
       for (unsigned int d = 0; d < dim; ++d)
         if ((held[i] >> d) & 1)
           displacement[d].local_element(i) = dt * work[d].local_element(i);
-    VectorType x;
-    system.initialize(x);
-    system.read(x, displacement);
-
     n_linear = n_all_linear = 0;
-    StepProblem        problem(*this, dt);
-    const NewtonResult result = solve_newton(x, problem, parameters.newton);
-    print(state, dt, result);
-    log.newton.push_back({state.n_steps + 1, 1, state.time, dt, result});
-    if (!result.converged)
-      {
-        // Of the iterate that is reported, which need not be the last trial.
-        constexpr double much = 1e4;
-        forces_vanish         = false;
-        rejection             = result.reason;
-        VectorType r;
-        system.initialize(r);
-        if (find_residual(r, x, dt, false).empty())
-          {
-            forces_vanish = force_scale <= much * round_off;
-            last_residual = r;
-            rejection += describe_residual();
-          }
-        throw StepRejected(rejection);
-      }
-    n_newton            = result.n_iterations();
-    expected_iterations = std::max(1u, n_newton);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::try_step(State<dim> &state, const double dt)
+  {
+    CoupledSteps<dim>({{this, &state}}, nullptr, dt).try_step();
   }
 
 

@@ -2,10 +2,11 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
-#include <greville/steps/body_contacts.h>
+#include <greville/steps/coupled_steps.h>
 #include <greville/steps/move_points.h>
 #include <greville/steps/simulation.h>
 #include <greville/steps/step_size.h>
+#include <greville/steps/trial_contacts.h>
 
 #include <algorithm>
 #include <sstream>
@@ -180,6 +181,34 @@ namespace greville
 
 
   template <int dim>
+  std::unique_ptr<TrialContacts<dim>>
+  Simulation<dim>::try_implicit(const std::vector<Simulation *> &simulations,
+                                BodyContacts<dim>               &contacts,
+                                const double                     dt)
+  {
+    std::vector<typename CoupledSteps<dim>::Part> coupled;
+    std::vector<ImplicitSteps<dim> *>             steps;
+    for (Simulation *simulation : simulations)
+      {
+        steps.push_back(
+          dynamic_cast<ImplicitSteps<dim> *>(simulation->integrator.get()));
+        if (!steps.back())
+          throw StepFailed(
+            "'Scheme/Stress update' = " +
+              simulation->parameters.scheme.stress_update +
+              " does not go with 'Simulation/Contacts': they act "
+              "in explicit steps and in those of ImplicitSteps",
+            false);
+        coupled.push_back({steps.back(), &simulation->current});
+      }
+    auto trial = std::make_unique<TrialContacts<dim>>(contacts, steps, dt);
+    CoupledSteps<dim>(coupled, trial.get(), dt).try_step();
+    return trial;
+  }
+
+
+
+  template <int dim>
   void
   Simulation<dim>::step_together(const std::vector<Simulation *> &simulations,
                                  BodyContacts<dim>               *contacts)
@@ -195,9 +224,10 @@ namespace greville
           simulation->good.take(simulation->current);
       }
     // Whose turn it is, and the step that is being tried.
-    Simulation *at_hand  = simulations.front();
-    double      dt       = at_hand->proposed;
-    const auto  for_each = [&](const auto &action) {
+    std::unique_ptr<TrialContacts<dim>> trial;
+    Simulation                         *at_hand  = simulations.front();
+    double                              dt       = at_hand->proposed;
+    const auto                          for_each = [&](const auto &action) {
       for (Simulation *simulation : simulations)
         {
           at_hand = simulation;
@@ -228,9 +258,13 @@ namespace greville
               dt = std::min(dt, simulation->proposed);
             try
               {
-                for_each([&](Simulation &simulation) {
-                  simulation.integrator->try_step(simulation.current, dt);
-                });
+                at_hand = simulations.front();
+                if (contacts && at_hand->is_implicit())
+                  trial = try_implicit(simulations, *contacts, dt);
+                else
+                  for_each([&](Simulation &simulation) {
+                    simulation.integrator->try_step(simulation.current, dt);
+                  });
                 is_rejected = false;
               }
             catch (const StepRejected &rejection)
@@ -238,9 +272,13 @@ namespace greville
                 at_hand->propose_again(rejection);
               }
           }
-        if (contacts)
+        if (trial)
+          trial->accept();
+        else if (contacts)
           contacts->begin_step(dt);
         for_each([&](Simulation &simulation) { simulation.take_step(dt); });
+        if (trial)
+          contacts->end_step();
       }
     catch (const StepFailed &failure)
       {

@@ -78,50 +78,72 @@ namespace greville
 
       TangentSystem &system;
     };
-    const bool with_cg = parameters.takes_cg(symmetric);
-    const auto run     = [&](const unsigned int max_iterations) {
+    return solve_together({this}, tolerance, [&](const unsigned int n) {
       x = 0.;
-      return run_krylov(
-        {tolerance, max_iterations}, b, [&](SolverControl &control) {
-          using Fgmres = SolverFGMRES<VectorType>;
-          // With a projection, restarts cost more than their vectors.
-          const Fgmres::AdditionalData n_vectors(
-            projection ? parameters.max_iterations : 30);
-          if (with_cg && !projection)
-            SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
-          else
-            Fgmres(control, n_vectors).solve(Operator{*this}, x, b, *multigrid);
-        });
-    };
+      return run_krylov({tolerance, n}, b, [&](SolverControl &control) {
+        using Fgmres = SolverFGMRES<VectorType>;
+        const Fgmres::AdditionalData n_vectors(n_basis_vectors());
+        if (takes_cg())
+          SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
+        else
+          Fgmres(control, n_vectors).solve(Operator{*this}, x, b, *multigrid);
+      });
+    });
+  }
+
+
+
+  template <int dim>
+  SolveResult
+  TangentSystem<dim>::solve_together(
+    const std::vector<TangentSystem *>                              &systems,
+    const double                                                     tolerance,
+    const std::function<SolveResult(const unsigned int iterations)> &run)
+  {
+    const TangentParameters &parameters = systems.front()->parameters;
     // Digits that the residual loses.
     const auto digits = [](const SolveResult &result) {
       return std::max(0.5, -std::log10(std::max(result.reduction, 1e-16)));
     };
+    std::vector<TangentSystem *> used;
+    double                       first = 0.;
+    for (TangentSystem *system : systems)
+      if (!system->is_fresh)
+        {
+          used.push_back(system);
+          first = std::max(first, system->first_iterations);
+        }
 
     unsigned int n_wasted = 0;
     SolveResult  result;
-    if (!is_fresh)
+    if (!used.empty())
       {
-        const double expected = -std::log10(tolerance) * first_iterations;
+        const double expected = -std::log10(tolerance) * first;
         result =
           run(std::min<double>(parameters.max_iterations,
                                std::ceil(expected + parameters.reuse + 1.)));
         if (!result.converged)
           {
             n_wasted = *result.iterations;
-            set_up(has_levels);
+            for (TangentSystem *system : used)
+              system->set_up(system->has_levels);
+            used.clear();
           }
         else
-          excess_iterations +=
-            std::max(0.,
-                     *result.iterations - digits(result) * first_iterations);
+          for (TangentSystem *system : used)
+            system->excess_iterations +=
+              std::max(0.,
+                       *result.iterations -
+                         digits(result) * system->first_iterations);
       }
-    if (is_fresh)
-      {
-        result           = run(parameters.max_iterations);
-        first_iterations = *result.iterations / digits(result);
-        is_fresh         = *result.iterations == 0;
-      }
+    if (used.empty())
+      result = run(parameters.max_iterations);
+    for (TangentSystem *system : systems)
+      if (system->is_fresh)
+        {
+          system->first_iterations = *result.iterations / digits(result);
+          system->is_fresh         = *result.iterations == 0;
+        }
     *result.iterations += n_wasted;
     return result;
   }
@@ -190,6 +212,16 @@ namespace greville
   TangentSystem<2>::solve(VectorType &, const VectorType &, const double);
   template SolveResult
   TangentSystem<3>::solve(VectorType &, const VectorType &, const double);
+  template SolveResult
+  TangentSystem<2>::solve_together(
+    const std::vector<TangentSystem *> &,
+    const double,
+    const std::function<SolveResult(const unsigned int)> &);
+  template SolveResult
+  TangentSystem<3>::solve_together(
+    const std::vector<TangentSystem *> &,
+    const double,
+    const std::function<SolveResult(const unsigned int)> &);
   template SolveResult
   TangentSystem<2>::solve_mass(VectorField<2> &, const VectorField<2> &);
   template SolveResult

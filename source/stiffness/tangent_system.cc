@@ -54,9 +54,10 @@ namespace greville
     for (const Surface<dim> &surface : surfaces)
       for (const unsigned int cell : surface.points.cells())
         if (filled_part[cell] <= 0.)
-          filled_part[cell] = is_static && surface.stiffness > 0.
-                                ? std::numeric_limits<double>::min()
-                                : -1.;
+          filled_part[cell] =
+            is_static && surface.stiffness > 0. && surface.contact.empty()
+              ? std::numeric_limits<double>::min()
+              : -1.;
     const bool changed =
       filling.update(filled_part, filling_threshold, is_static) || is_first;
     is_first = false;
@@ -163,6 +164,7 @@ namespace greville
       {
         for (auto &level : levels)
           level->begin_tangent();
+        point_stiffness = 0.;
         if (projection)
           displacement = u;
         projected_bodies.clear();
@@ -234,55 +236,6 @@ namespace greville
           std::sqrt(sums_of_moduli[2]) / smallest_cell_size(space());
       }
     return problem;
-  }
-
-
-
-  template <int dim>
-  bool
-  TangentSystem<dim>::add_surfaces(
-    const std::vector<LoadedSurface<dim>> &surfaces,
-    const VectorField<dim>                &u,
-    const SurfaceMotion<dim>              &motion,
-    const bool                             with_stiffness,
-    VectorField<dim>                      &force)
-  {
-    // Derivatives are differences.
-    constexpr double round_off = 1e-6;
-
-    unsigned int is_asymmetric = 0;
-    double       square        = 0.;
-    surface_sums.clear();
-    for (const LoadedSurface<dim> &surface : surfaces)
-      trial_surfaces.evaluate(
-        surface,
-        u,
-        motion,
-        with_stiffness,
-        [&](const unsigned int cell, const auto &points) {
-          surface_sums.add_force(cell, points);
-          if (!with_stiffness)
-            return;
-          for (unsigned int l = 0; l < levels.size(); ++l)
-            levels[l]->stiffness().add_cell(cell,
-                                            sums[l].stiffness(cell, points));
-          double of_cell = 0.;
-          for (const TrialSurfacePoint<dim> &point : points)
-            {
-              const Tensor<2, dim> &D = point.by_displacement;
-              of_cell += point.area * D.norm();
-              if (point.by_gradient.norm() > 0. ||
-                  (D - transpose(D)).norm() > round_off * D.norm())
-                is_asymmetric = 1;
-            }
-          square += of_cell * of_cell;
-        });
-    surface_sums.take_force(force);
-    if (!with_stiffness)
-      return true;
-    surface_stiffness =
-      std::sqrt(Utilities::MPI::sum(square, space().communicator()));
-    return Utilities::MPI::max(is_asymmetric, space().communicator()) == 0;
   }
 
 

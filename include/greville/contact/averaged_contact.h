@@ -6,7 +6,10 @@
 #include <deal.II/base/mpi.h>
 
 #include <greville/contact/contact_point.h>
+#include <greville/contact/contact_tangent.h>
 
+#include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 namespace greville
@@ -22,6 +25,8 @@ namespace greville
     double viscosity = 0.;
     /// The coefficient, infinite for rough surfaces, and the adhesion, Pa.
     double friction = 0., adhesion = 0.;
+    /// Gaps of this size count as closed in a ContactTangent, m.
+    double touching = 0.;
     /// Whether both sides deform; otherwise only points of side 0 are given.
     bool has_two_sides = true;
   };
@@ -45,6 +50,20 @@ namespace greville
 
 
   /**
+   * Pressures of the keys of an AveragedContact that belong to this process, in
+   * the method of Uzawa: those that are given, Pa, are the averages of
+   * ContactPoint::start_pressure in the first round, and those that the round
+   * before has found in all others.
+   */
+  struct KeyPressures
+  {
+    bool                                      is_first_round = true;
+    std::unordered_map<std::uint64_t, double> given, found;
+  };
+
+
+
+  /**
    * Contact with friction by averages of the gap. With the hat functions
    * @f$\psi_i@f$ (degree 1) of a grid, at the positions of the points x_s of
    * both surfaces with areas a_s, gaps g_s and oriented normals n_s (outwards
@@ -60,7 +79,9 @@ namespace greville
    * and the velocity of the gap is that of the mean of A against the mean of B.
    * The force @f$w_k t_k \bar n_k@f$ of a key goes to the points of A as
    * @f$a_s \psi_k(x_s) / w^A_k@f$ of it, and its opposite likewise to those of
-   * B: momentum is kept to round-off. Each surface has as many conditions as
+   * B: momentum is kept to round-off. In the method of Uzawa the pressure has
+   * a given part besides, the one that has been found before, until the gap is
+   * zero. Each surface has as many conditions as
    * the grid has hats, which splines of any degree can meet; with a condition
    * at each point the pressure of splines of degree 2 and more oscillates.
    * Without the sectors, opposite faces of a thin body would share an average.
@@ -86,12 +107,16 @@ namespace greville
     /**
      * Collective. Set the force and the slip of all points, which know their
      * gaps. @p dt is the length of the step of their motion, s: 0 if there is
-     * none.
+     * none. The @p tangent is made where it is not null, and the stiffness of
+     * points with it. Where the @p pressures are not null, their given parts
+     * are added.
      */
     ContactResult<dim>
     act(std::vector<ContactPoint<dim>> &points,
         const double                    dt,
-        const dealii::Point<dim>       &about) const;
+        const dealii::Point<dim>       &about,
+        ContactTangent<dim>            *tangent   = nullptr,
+        KeyPressures                   *pressures = nullptr) const;
 
     const ContactLaw &
     law() const

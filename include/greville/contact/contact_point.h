@@ -19,10 +19,16 @@ namespace greville
     dealii::Tensor<1, dim> normal;
     /// The present area, m^2 (in 2D m).
     double area = 0.;
-    /// The displacement in the last step, m.
+    /// The displacement in the step, m.
     dealii::Tensor<1, dim> motion;
+    /// The part of it that hat functions do not see: they are frozen while an
+    /// implicit step is tried, m.
+    dealii::Tensor<1, dim> since_hats;
     /// The elastic part of the slip of side 0 along side 1, m: history.
     dealii::Tensor<1, dim> slip;
+
+    /// The pressure at the start of the step, Pa, see KeyPressures.
+    double start_pressure = 0.;
 
     /// Whether the other side is in front of it, or it is a little way inside.
     bool is_facing = false;
@@ -30,12 +36,15 @@ namespace greville
     double gap = 0.;
     /// The normal of the other side at the closest point, outwards from it.
     dealii::Tensor<1, dim> target_normal;
-    /// The displacement in the last step of the other side's material that is
+    /// The displacement in the step of the other side's material that is
     /// the closest point now; of rigid bodies only, m.
     dealii::Tensor<1, dim> target_motion;
 
     /// What contact gives to it: N (2D: N / m), and the slip after the step.
     dealii::Tensor<1, dim> force, new_slip;
+    /// What resists its own displacement, where all points of its side move
+    /// like it, N / m (2D: N / m^2); where it is asked for, see ContactTangent.
+    dealii::Tensor<2, dim> stiffness;
   };
 } // namespace greville
 

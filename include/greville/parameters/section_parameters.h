@@ -208,10 +208,20 @@ namespace greville
     double
     friction_coefficient(const std::string &section) const;
 
+    /**
+     * Whether gaps are closed by rounds of the method of Uzawa.
+     */
+    bool
+    is_augmented() const
+    {
+      return method == "augmented";
+    }
+
     std::string bodies;
     std::string friction = "0";
     double      adhesion = 0.;
-    double      penalty  = 1.;
+    double      penalty  = 0.; // 0: that of the scheme
+    std::string method   = "penalty";
     double      damping  = 0.;
   };
 } // namespace greville

@@ -15,12 +15,17 @@
 
 namespace greville
 {
+  template <int dim>
+  class TrialContacts;
+
   /**
    * The contacts of bodies that are parts of an Ensemble, and the rigid bodies
-   * that they meet. At the start of each step, with all parts at the same time,
-   * a contact gives forces to the points of its surfaces, as loads that the
-   * parts sum up; and it remembers what it has to know of the step there
-   * (ContactPoint::slip). See AveragedContact and SurfaceSearch.
+   * that they meet. At the start of each explicit step, with all parts at the
+   * same time, a contact gives forces to the points of its surfaces, as loads
+   * that the parts sum up; and it remembers what it has to know of the step
+   * there (ContactPoint::slip). See AveragedContact and SurfaceSearch. Implicit
+   * steps have TrialContacts, which leave the loads of the end of the step at
+   * the points, and the slip there.
    */
   template <int dim>
   class BodyContacts
@@ -36,18 +41,25 @@ namespace greville
 
     /**
      * Collective. Give loads to the surfaces of the parts as they are. Nothing
-     * changes where that has been done. Throws StepFailed where a surface is
-     * lost, or bodies overlap initially.
+     * changes where that has been done; between two implicit steps, points keep
+     * the loads that they have. Throws StepFailed where a surface is lost, or
+     * bodies overlap initially.
      */
     void
     act();
 
     /**
-     * The parts take a step of length @p dt (s) with these loads: keep results
-     * and slip, and move rigid bodies to its end.
+     * The parts take an explicit step of length @p dt (s) with these loads:
+     * keep results and slip, and move rigid bodies to its end.
      */
     void
     begin_step(const double dt);
+
+    /**
+     * The parts have taken an implicit step, and results belong to its end.
+     */
+    void
+    end_step();
 
     /**
      * Add what contacts and rigid bodies did to a row of statistics: at the
@@ -57,6 +69,8 @@ namespace greville
     add_to(Statistics<dim> &row, const bool at_start_of_step) const;
 
   private:
+    friend class TrialContacts<dim>;
+
     /// A surface of a part.
     struct Place
     {
@@ -69,7 +83,12 @@ namespace greville
       std::string                       name, bodies;
       std::array<std::vector<Place>, 2> sides;
       int                               rigid = -1; // number of the rigid body
-      double                            reach = 0.; // m
+      // What the law consists of: of both sides the modulus E', Pa, and the
+      // impedance of the softer one, Pa s / m; and cells of the coarser grid.
+      ContactParameters      given;
+      double                 modulus = 0., impedance = 0., cell_size = 0.;
+      dealii::Point<dim>     corner;
+      dealii::Tensor<1, dim> cell_sizes;
       std::unique_ptr<AveragedContact<dim>> average;
     };
 
@@ -83,6 +102,26 @@ namespace greville
     void
     make_contact(const SimulationParameters &parameters,
                  const std::string          &name);
+
+    bool
+    steps_are_implicit() const;
+
+    /// The law of a contact in steps of this kind.
+    void
+    set_law(Contact &contact) const;
+
+    /// All laws, where the kind of steps has changed.
+    void
+    set_laws();
+
+    /// What follows the last results: the slip and the places of points at the
+    /// start of a step.
+    void
+    commit();
+
+    /// Where rigid bodies will be after a time @p dt, s.
+    std::vector<RigidBodyState<dim>>
+    moved_bodies(const double dt) const;
 
     /// The points of both sides as they are.
     std::vector<ContactPoint<dim>>
@@ -102,6 +141,7 @@ namespace greville
     SurfaceSearch<dim>             search;
     std::vector<RigidBody<dim>>    rigid_bodies;
     std::vector<Contact>           contacts;
+    bool                           are_implicit = false; // steps, at set_laws()
     std::vector<std::uint64_t>     stamps; // of the parts, at the last act()
     Results                        now, at_start;
   };

@@ -13,6 +13,11 @@
 
 namespace greville
 {
+  template <int dim>
+  class CoupledSteps;
+  template <int dim>
+  class TrialContacts;
+
   /**
    * Implicit steps in the updated Lagrangian form: the basis functions are
    * those at the x_n of the points, and the unknowns the displacement u of the
@@ -46,7 +51,8 @@ namespace greville
     propose_step(State<dim> &state) override;
 
     /**
-     * Newton's method; a step is rejected where it does not converge.
+     * Newton's method; a step is rejected where it does not converge. See
+     * CoupledSteps, which take the steps of parts that contacts couple, too.
      */
     void
     try_step(State<dim> &state, const double dt) override;
@@ -71,42 +77,8 @@ namespace greville
     }
 
   private:
-    /**
-     * The equations of the step at hand for the unknowns of the displacement.
-     */
-    class StepProblem : public NewtonProblem
-    {
-    public:
-      StepProblem(ImplicitSteps &steps, const double dt);
-
-      /**
-       * The guess is linearized at once, and so is what follows up to the
-       * iterations of the last step: it gets residual and stiffness with one
-       * pass over points.
-       */
-      std::string
-      residual(VectorType &r, const VectorType &x) override;
-
-      /**
-       * The tolerance of a residual is not below round-off.
-       */
-      double
-      scale() override;
-
-      std::string
-      linearize(const VectorType &x) override;
-
-      SolveResult
-      solve(VectorType       &dx,
-            const VectorType &r,
-            const double      tolerance) override;
-
-    private:
-      ImplicitSteps &steps;
-      const double   dt;
-      unsigned int   n_residuals = 0;
-      VectorType     linearized; // where the stiffness is known
-    };
+    friend class CoupledSteps<dim>;
+    friend class TrialContacts<dim>;
 
     /**
      * The one velocity field of the grid.
@@ -168,14 +140,27 @@ namespace greville
     solve_mass(VectorField<dim> &x, const VectorField<dim> &b);
 
     /**
-     * The residual at x, and the stiffness there. Returns what is wrong with a
-     * point, empty if nothing is.
+     * Begin to try a step: all that is known at the start, and the guess of the
+     * displacement.
+     */
+    void
+    begin_trial(State<dim> &state, const double dt);
+
+    /**
+     * The displacement, the forces of stresses and of loads at x, and the
+     * stiffness there. Returns what is wrong with a point, empty if nothing is.
      */
     std::string
-    find_residual(VectorType       &r,
-                  const VectorType &x,
-                  const double      dt,
-                  const bool        with_stiffness);
+    evaluate(const VectorType &x, const double dt, const bool with_stiffness);
+
+    /**
+     * The residual of the last evaluate(), with the force of contacts, which
+     * may be null.
+     */
+    void
+    find_residual(VectorType             &r,
+                  const double            dt,
+                  const VectorField<dim> *contact_force);
 
     /**
      * The sum of the norms of the terms of inertia that are known at the start.
@@ -212,7 +197,8 @@ namespace greville
     void
     print(const State<dim>   &state,
           const double        dt,
-          const NewtonResult &result) const;
+          const NewtonResult &result,
+          const bool          of_all_parts) const;
 
     /**
      * Find the forces of walls, and count the work.

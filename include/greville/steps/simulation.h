@@ -14,6 +14,8 @@ namespace greville
 {
   template <int dim>
   class BodyContacts;
+  template <int dim>
+  class TrialContacts;
 
   /**
    * The material point method on a grid of B-splines: a State on a
@@ -233,6 +235,7 @@ namespace greville
 
   private:
     friend class BodyContacts<dim>;
+    friend class TrialContacts<dim>;
     friend class EndOfStep<dim>;
 
     // Collective. A row before points are summed up, and with the sums.
@@ -264,6 +267,12 @@ namespace greville
     propose();
     void
     propose_again(const StepRejected &rejection);
+
+    // Try an implicit step of all, which contacts couple.
+    static std::unique_ptr<TrialContacts<dim>>
+    try_implicit(const std::vector<Simulation *> &simulations,
+                 BodyContacts<dim>               &contacts,
+                 const double                     dt);
 
     // Take the step that has been tried, and what is due after all have.
     void

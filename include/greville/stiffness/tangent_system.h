@@ -126,6 +126,37 @@ namespace greville
                  VectorField<dim>                      &force);
 
     /**
+     * Collective. Call @p action(p, state) for the points of a surface where
+     * the displacement @p u has brought them, in the order of
+     * MaterialPoints::for_each().
+     */
+    using SurfaceAction = std::function<void(const ConstPointRef<dim> p,
+                                             const SurfaceState<dim> &state)>;
+
+    void
+    move_surface(const MaterialPoints<dim> &points,
+                 const VectorField<dim>    &u,
+                 const SurfaceMotion<dim>  &motion,
+                 const SurfaceAction       &action);
+
+    /**
+     * Collective. The force on the grid of forces on the points of @p surfaces,
+     * of one after another, N (2D: N / m).
+     */
+    void
+    spread(const std::vector<const MaterialPoints<dim> *> &surfaces,
+           const std::vector<dealii::Tensor<1, dim>>      &forces,
+           VectorField<dim>                               &result);
+
+    /**
+     * Collective. Add the stiffness of such points against displacements, N / m
+     * (2D: N / m^2), to that of the last evaluate().
+     */
+    void
+    add_stiffness(const std::vector<const MaterialPoints<dim> *> &surfaces,
+                  const std::vector<dealii::Tensor<2, dim>>      &stiffness);
+
+    /**
      * Collective. The Euclidean norm of the forces that the cells give to the
      * last internal force, which balance each other for the most part.
      */
@@ -142,11 +173,11 @@ namespace greville
       return force_of_strain;
     }
 
-    /// The like for loads on surfaces that a displacement changes, N / m.
+    /// The like for forces on surfaces that a displacement changes, N / m.
     double
     surface_stiffness_scale() const
     {
-      return surface_stiffness;
+      return surface_stiffness + point_stiffness;
     }
 
     /**
@@ -203,6 +234,39 @@ namespace greville
      */
     SolveResult
     solve(VectorType &x, const VectorType &b, const double tolerance);
+
+    /**
+     * Collective. Solve systems that are coupled by the method @p run(n) of at
+     * most n iterations: with the set-ups that they have, or with new ones
+     * where these do not pay.
+     */
+    static SolveResult
+    solve_together(
+      const std::vector<TangentSystem *> &systems,
+      const double                        tolerance,
+      const std::function<SolveResult(const unsigned int iterations)> &run);
+
+    /// dst = S src for the preconditioner S.
+    void
+    precondition(VectorType &dst, const VectorType &src) const
+    {
+      multigrid->vmult(dst, src);
+    }
+
+    /// Whether conjugate gradients solve the last system.
+    bool
+    takes_cg() const
+    {
+      return parameters.takes_cg(symmetric) && !projection;
+    }
+
+    /// Basis vectors of FGMRES between two restarts.
+    unsigned int
+    n_basis_vectors() const
+    {
+      // With a projection, restarts cost more than their vectors.
+      return projection ? parameters.max_iterations : 30;
+    }
 
     /**
      * Collective. The velocity with M~ v = momentum, with held coefficients as
@@ -274,7 +338,8 @@ namespace greville
 
     // Sums of the moduli of compression and of shear of all points.
     std::array<double, 2> moduli{};
-    double                force_of_strain = 0., surface_stiffness = 0.;
+    double                force_of_strain   = 0.;
+    double                surface_stiffness = 0., point_stiffness = 0.;
 
     // Of the set-up; iterations are those for a tenth of the residual.
     bool         has_levels = false, is_fresh = false;

@@ -7,115 +7,16 @@
 #include <cmath>
 #include <limits>
 
-// The equations of a step of ImplicitSteps.
+// The forces in a step of ImplicitSteps.
 namespace greville
 {
   using namespace dealii;
 
   template <int dim>
-  ImplicitSteps<dim>::StepProblem::StepProblem(ImplicitSteps &steps,
-                                               const double   dt)
-    : steps(steps)
-    , dt(dt)
-  {}
-
-
-
-  template <int dim>
   std::string
-  ImplicitSteps<dim>::StepProblem::residual(VectorType &r, const VectorType &x)
-  {
-    const bool with_stiffness = n_residuals++ < steps.expected_iterations;
-    if (with_stiffness)
-      linearized = x;
-    return steps.find_residual(r, x, dt, with_stiffness);
-  }
-
-
-
-  template <int dim>
-  double
-  ImplicitSteps<dim>::StepProblem::scale()
-  {
-    const double tolerance = steps.parameters.newton.tolerance;
-    return tolerance > 0.
-             ? std::max(steps.force_scale, steps.round_off / tolerance)
-             : steps.force_scale;
-  }
-
-
-
-  template <int dim>
-  std::string
-  ImplicitSteps<dim>::StepProblem::linearize(const VectorType &x)
-  {
-    const auto is_linearized = [&]() {
-      VectorType difference = linearized;
-      difference -= x;
-      return difference.linfty_norm() == 0.;
-    };
-    if (!steps.has_stiffness || !is_linearized())
-      {
-        VectorType r;
-        steps.system.initialize(r);
-        linearized              = x;
-        const std::string wrong = steps.find_residual(r, x, dt, true);
-        if (!wrong.empty())
-          return wrong;
-      }
-    const PartTimer       timer(steps.log, "set-up");
-    const ImplicitScheme &scheme = steps.scheme;
-    try
-      {
-        steps.system.set_operator(scheme.is_static
-                                    ? 0.
-                                    : (1. - scheme.alpha_m) * scheme.alpha_u /
-                                        ((1. - scheme.alpha_f) * dt * dt),
-                                  steps.is_symmetric &&
-                                    steps.surfaces_are_symmetric);
-      }
-    catch (const ErrorOnAll &error)
-      {
-        return "the tangent has no preconditioner: " + message_of(error);
-      }
-    return "";
-  }
-
-
-
-  template <int dim>
-  SolveResult
-  ImplicitSteps<dim>::StepProblem::solve(VectorType       &dx,
-                                         const VectorType &r,
-                                         const double      tolerance)
-  {
-    const PartTimer timer(steps.log, "solve");
-    VectorType      b = r;
-    b *= -1.;
-    SolveResult result;
-    result.iterations = 0;
-    result.reduction  = 1.;
-    try
-      {
-        result = steps.system.solve(dx, b, tolerance);
-      }
-    catch (const ErrorOnAll &error)
-      {
-        result.reason = "fails: " + message_of(error);
-      }
-    steps.n_linear = std::max(steps.n_linear, *result.iterations);
-    steps.n_all_linear += *result.iterations;
-    return result;
-  }
-
-
-
-  template <int dim>
-  std::string
-  ImplicitSteps<dim>::find_residual(VectorType       &r,
-                                    const VectorType &x,
-                                    const double      dt,
-                                    const bool        with_stiffness)
+  ImplicitSteps<dim>::evaluate(const VectorType &x,
+                               const double      dt,
+                               const bool        with_stiffness)
   {
     const PartTimer timer(log, with_stiffness ? "stiffness" : "residual");
     system.extend(displacement, x);
@@ -138,16 +39,26 @@ namespace greville
         {
           problem = message_of(error);
         }
-    problem = first_of_all(problem, discretization.communicator());
-    if (!problem.empty())
-      return problem;
+    return first_of_all(problem, discretization.communicator());
+  }
 
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::find_residual(VectorType             &r,
+                                    const double            dt,
+                                    const VectorField<dim> *contact_force)
+  {
+    const PartTimer timer(log, "residual");
     // All loads, while the forces of stresses wait.
     for (unsigned int d = 0; d < dim; ++d)
       {
         work[d] = new_loads[d];
         if (!surfaces.empty())
           work[d] += new_surface_loads[d];
+        if (contact_force)
+          work[d] += (*contact_force)[d];
       }
     system.restrict(r, work, nullptr);
     force_scale            = std::max(system.force_scale(), r.l2_norm());
@@ -178,7 +89,6 @@ namespace greville
         force_scale = std::max(force_scale, last_residual.l2_norm());
       }
     round_off = find_round_off();
-    return "";
   }
 
 
@@ -231,8 +141,7 @@ namespace greville
     for (const auto *corner : {&parameters.grid.lower, &parameters.grid.upper})
       for (const double coordinate : *corner)
         x = std::max(x, std::abs(coordinate));
-    const double of_surfaces =
-      surfaces.empty() ? 0. : system.surface_stiffness_scale() * x;
+    const double of_surfaces = system.surface_stiffness_scale() * x;
     return units *
            (system.stiffness_scale() * (1. + u / discretization.cell_size()) +
             of_surfaces + force_scale + inertia_at_begin);

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_coupled_steps_h
+#define greville_steps_coupled_steps_h
+
+#include <greville/steps/implicit_steps.h>
+
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  template <int dim>
+  class TrialContacts;
+
+  /**
+   * The equations of a common implicit step of one or several parts, for the
+   * unknowns of all of them one after another. Contacts couple them; without
+   * these, each part is a list of one and has its own iterations.
+   *
+   * Linear systems of several parts are solved by conjugate gradients where all
+   * tangents are symmetric, and by FGMRES else, with the p-multigrid of each
+   * part as its block of the preconditioner (see TangentSystem).
+   */
+  template <int dim>
+  class CoupledSteps : public NewtonProblem
+  {
+  public:
+    struct Part
+    {
+      ImplicitSteps<dim> *steps;
+      State<dim>         *state;
+    };
+
+    /**
+     * The @p contacts may be null.
+     */
+    CoupledSteps(const std::vector<Part> &parts,
+                 TrialContacts<dim>      *contacts,
+                 const double             dt);
+
+    /**
+     * Collective. Newton's method from the guess that the velocity goes on.
+     * Throws StepRejected where it does not converge.
+     */
+    void
+    try_step();
+
+    /**
+     * The guess is linearized at once, and so is what follows up to the
+     * iterations of the last step: it gets residual and stiffness with one
+     * pass over points.
+     */
+    std::string
+    residual(VectorType &r, const VectorType &x) override;
+
+    /**
+     * The tolerance of a residual is not below round-off.
+     */
+    double
+    scale() override;
+
+    std::string
+    linearize(const VectorType &x) override;
+
+    SolveResult
+    solve(VectorType &dx, const VectorType &r, const double tolerance) override;
+
+  private:
+    struct Operator;
+    struct BlockPreconditioner;
+
+    /// Copy all blocks out of a vector, and into it.
+    void
+    read(std::vector<VectorType> &blocks, const VectorType &x) const;
+    void
+    write(VectorType &x, const std::vector<VectorType> &blocks) const;
+
+    /**
+     * Collective. The residual, and the stiffness, too.
+     */
+    std::string
+    evaluate(VectorType &r, const VectorType &x, const bool with_stiffness);
+
+    SolveResult
+    solve_all(VectorType &x, const VectorType &b, const double tolerance);
+
+    /**
+     * Collective. Tell the parts why Newton's method has failed at @p x.
+     */
+    [[noreturn]] void
+    reject(const VectorType &x, const std::string &reason);
+
+    const std::vector<Part>         parts;
+    TrialContacts<dim> *const       contacts;
+    const double                    dt;
+    unsigned int                    n_residuals = 0;
+    VectorType                      layout;
+    VectorType                      linearized; // where the stiffness is known
+    mutable std::vector<VectorType> blocks, products;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_trial_contacts_h
+#define greville_steps_trial_contacts_h
+
+#include <greville/steps/body_contacts.h>
+#include <greville/steps/implicit_steps.h>
+
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The BodyContacts of an implicit step that is being tried, see CoupledSteps.
+   * Contact is that of the place which points and rigid bodies have in the
+   * trial, when loads act: at the end, or in the middle of the step. Areas and
+   * hat functions are those at the start. Where the trial is accepted, the
+   * contacts get results, loads, slip, and the places of rigid bodies.
+   *
+   * The tangent is that of ContactTangent. The matrices of the parts, from
+   * which preconditioners are made, have the stiffness of each point by itself
+   * (ContactPoint::stiffness) in its place, which fits their stencils.
+   */
+  template <int dim>
+  class TrialContacts
+  {
+  public:
+    /**
+     * Collective. The integrators belong to the parts of @p contacts. Both are
+     * kept. Throws StepFailed where a formula of a rigid body has no value.
+     */
+    TrialContacts(BodyContacts<dim>                       &contacts,
+                  const std::vector<ImplicitSteps<dim> *> &steps,
+                  const double                             dt);
+
+    /**
+     * Collective. Why no step of this length can be tried, empty if it can.
+     */
+    std::string
+    check_rigid_bodies() const;
+
+    /**
+     * Collective. Contact at the trial displacements of the parts; with the
+     * tangent, which is added to the stiffness of the parts. Returns what is
+     * wrong, empty if nothing is.
+     */
+    std::string
+    evaluate(const bool with_stiffness);
+
+    /// The force on the grid of a part.
+    const VectorField<dim> &
+    force(const unsigned int part) const
+    {
+      return forces[part];
+    }
+
+    /**
+     * Collective. To the products of the parts' matrices with @p src add what
+     * their tangent has beyond the stiffness of single points.
+     */
+    void
+    add_product(std::vector<VectorType>       &dst,
+                const std::vector<VectorType> &src);
+
+    /**
+     * Collective. Take the pressures that have been found for given ones, in
+     * the contacts that are augmented. Returns whether there are any in which
+     * they have changed, so that the equations are to be solved again.
+     */
+    bool
+    augment();
+
+    /**
+     * Collective. Why the trial, which solves the equations, is no step: points
+     * have moved too far to have met what is between. Empty if it is one.
+     */
+    std::string
+    check_motion() const;
+
+    /**
+     * Collective. The step is taken. Before that, all that has been tried is
+     * in the parts' integrators.
+     */
+    void
+    accept();
+
+  private:
+    using Contact = typename BodyContacts<dim>::Contact;
+    using Place   = typename BodyContacts<dim>::Place;
+
+    /// A surface, and where its points are among those of a contact.
+    struct Side
+    {
+      unsigned int contact, side, part, surface;
+      std::size_t  begin, end;
+    };
+
+    /**
+     * Collective. The points of a contact after a @p share of the step.
+     */
+    void
+    move_points(const unsigned int contact, const double share);
+
+    /**
+     * Collective. Contact after a share of the step, and the results of it.
+     */
+    std::string
+    find_forces(const double share, const bool with_stiffness);
+
+    const MaterialPoints<dim> &
+    points_of(const Side &side) const;
+
+    /**
+     * Count the work on surfaces, with the loads of the start.
+     */
+    void
+    add_work() const;
+
+    BodyContacts<dim>                      &contacts;
+    const std::vector<ImplicitSteps<dim> *> steps;
+    const double                            dt;
+    double                                  share = 1.; // of the step
+
+    std::vector<Side>                                     sides;
+    std::vector<std::vector<const MaterialPoints<dim> *>> surfaces; // of parts
+    std::vector<RigidPosition<dim>>                       at_start, at_trial;
+    std::vector<RigidPosition<dim>>                       at_end;
+    std::vector<std::vector<ContactPoint<dim>>>           points;
+    std::vector<ContactResult<dim>>                       results;
+    std::vector<ContactTangent<dim>>                      tangents;
+    std::vector<VectorField<dim>>                         forces;
+    std::vector<KeyPressures>                             pressures;
+    std::vector<double> shares;       // of ContactPoint::stiffness in matrices
+    unsigned int        n_rounds = 0; // of augment()
+
+    // For products.
+    std::vector<VectorField<dim>>                    directions, products;
+    std::vector<std::vector<dealii::Tensor<1, dim>>> displacements;
+    std::vector<std::vector<dealii::Tensor<1, dim>>> changes;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/solver_gmres.h>
+
+#include <greville/base/errors.h>
+#include <greville/base/step_errors.h>
+#include <greville/linear_algebra/krylov.h>
+#include <greville/steps/coupled_steps.h>
+#include <greville/steps/trial_contacts.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  /**
+   * The tangent of all parts.
+   */
+  template <int dim>
+  struct CoupledSteps<dim>::Operator
+  {
+    void
+    vmult(VectorType &dst, const VectorType &src) const
+    {
+      steps.read(steps.blocks, src);
+      for (unsigned int k = 0; k < steps.parts.size(); ++k)
+        steps.parts[k].steps->system.multiply(steps.products[k],
+                                              steps.blocks[k]);
+      if (steps.contacts)
+        steps.contacts->add_product(steps.products, steps.blocks);
+      steps.write(dst, steps.products);
+    }
+
+    const CoupledSteps &steps;
+  };
+
+
+
+  template <int dim>
+  struct CoupledSteps<dim>::BlockPreconditioner
+  {
+    void
+    vmult(VectorType &dst, const VectorType &src) const
+    {
+      steps.read(steps.blocks, src);
+      for (unsigned int k = 0; k < steps.parts.size(); ++k)
+        steps.parts[k].steps->system.precondition(steps.products[k],
+                                                  steps.blocks[k]);
+      steps.write(dst, steps.products);
+    }
+
+    const CoupledSteps &steps;
+  };
+
+
+
+  template <int dim>
+  CoupledSteps<dim>::CoupledSteps(const std::vector<Part> &parts,
+                                  TrialContacts<dim>      *contacts,
+                                  const double             dt)
+    : parts(parts)
+    , contacts(contacts)
+    , dt(dt)
+    , blocks(parts.size())
+  {
+    Assert(contacts || parts.size() == 1, ExcInternalError());
+  }
+
+
+
+  template <int dim>
+  void
+  CoupledSteps<dim>::read(std::vector<VectorType> &of_parts,
+                          const VectorType        &x) const
+  {
+    unsigned int first = 0;
+    for (VectorType &block : of_parts)
+      {
+        const unsigned int n = block.locally_owned_size();
+        std::copy_n(x.begin() + first, n, block.begin());
+        first += n;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CoupledSteps<dim>::write(VectorType                    &x,
+                           const std::vector<VectorType> &of_parts) const
+  {
+    unsigned int first = 0;
+    for (const VectorType &block : of_parts)
+      {
+        const unsigned int n = block.locally_owned_size();
+        std::copy_n(block.begin(), n, x.begin() + first);
+        first += n;
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CoupledSteps<dim>::try_step()
+  {
+    const std::string impossible =
+      contacts ? contacts->check_rigid_bodies() : "";
+    if (!impossible.empty())
+      {
+        for (const Part &part : parts)
+          part.steps->rejection = impossible;
+        throw StepRejected(impossible);
+      }
+    for (const Part &part : parts)
+      part.steps->begin_trial(*part.state, dt);
+    std::uint64_t n_local = 0;
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      {
+        parts[k].steps->system.initialize(blocks[k]);
+        parts[k].steps->system.read(blocks[k], parts[k].steps->displacement);
+        n_local += blocks[k].locally_owned_size();
+      }
+    products = blocks;
+    if (parts.size() == 1)
+      layout.reinit(blocks[0]);
+    else
+      {
+        const MPI_Comm comm  = parts[0].steps->discretization.communicator();
+        std::uint64_t  first = 0;
+        const int      ierr =
+          MPI_Exscan(&n_local, &first, 1, MPI_UINT64_T, MPI_SUM, comm);
+        AssertThrowMPI(ierr);
+        IndexSet owned(Utilities::MPI::sum(n_local, comm));
+        owned.add_range(first, first + n_local);
+        layout.reinit(owned, comm);
+      }
+    VectorType x;
+    x.reinit(layout);
+    write(x, blocks);
+
+    ImplicitSteps<dim>     &front        = *parts[0].steps;
+    const NewtonParameters &newton       = front.parameters.newton;
+    NewtonResult            result       = solve_newton(x, *this, newton);
+    const unsigned int      n_iterations = result.n_iterations();
+    // Pressures of augmented contacts, in rounds.
+    while (result.converged && contacts && contacts->augment())
+      {
+        const NewtonResult next = solve_newton(x, *this, newton);
+        result.converged        = next.converged;
+        result.reason           = next.reason;
+        result.iterations.insert(result.iterations.end(),
+                                 next.iterations.begin(),
+                                 next.iterations.end());
+      }
+    front.print(*parts[0].state, dt, result, parts.size() > 1);
+    front.log.newton.push_back(
+      {parts[0].state->n_steps + 1, 1, parts[0].state->time, dt, result});
+    if (!result.converged)
+      reject(x, result.reason);
+    const std::string problem = contacts ? contacts->check_motion() : "";
+    if (!problem.empty())
+      reject(x, problem);
+    for (const Part &part : parts)
+      {
+        part.steps->n_newton            = n_iterations;
+        part.steps->expected_iterations = std::max(1u, n_iterations);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CoupledSteps<dim>::reject(const VectorType &x, const std::string &reason)
+  {
+    // Of the iterate that is reported, which need not be the last trial.
+    constexpr double much      = 1e4;
+    std::string      rejection = reason;
+    for (const Part &part : parts)
+      part.steps->forces_vanish = false;
+    VectorType r;
+    r.reinit(layout);
+    if (evaluate(r, x, false).empty())
+      {
+        read(blocks, r);
+        const Part *worst   = nullptr;
+        double      largest = -1.;
+        for (unsigned int k = 0; k < parts.size(); ++k)
+          {
+            ImplicitSteps<dim> &steps = *parts[k].steps;
+            steps.forces_vanish = steps.force_scale <= much * steps.round_off;
+            steps.last_residual = blocks[k];
+            const double size   = blocks[k].linfty_norm();
+            if (size > largest)
+              {
+                worst   = &parts[k];
+                largest = size;
+              }
+          }
+        rejection += worst->steps->describe_residual();
+        if (parts.size() > 1 && largest > 0.)
+          rejection += worst->steps->log.of;
+      }
+    for (const Part &part : parts)
+      part.steps->rejection = rejection;
+    throw StepRejected(rejection);
+  }
+
+
+
+  template <int dim>
+  std::string
+  CoupledSteps<dim>::evaluate(VectorType       &r,
+                              const VectorType &x,
+                              const bool        with_stiffness)
+  {
+    read(blocks, x);
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      {
+        const std::string problem =
+          parts[k].steps->evaluate(blocks[k], dt, with_stiffness);
+        if (!problem.empty())
+          return problem;
+      }
+    if (contacts)
+      {
+        const PartTimer   timer(parts[0].steps->log, "contact");
+        const std::string problem = contacts->evaluate(with_stiffness);
+        if (!problem.empty())
+          return problem;
+      }
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      parts[k].steps->find_residual(blocks[k],
+                                    dt,
+                                    contacts ? &contacts->force(k) : nullptr);
+    write(r, blocks);
+    return "";
+  }
+
+
+
+  template <int dim>
+  std::string
+  CoupledSteps<dim>::residual(VectorType &r, const VectorType &x)
+  {
+    const bool with_stiffness =
+      n_residuals++ < parts[0].steps->expected_iterations;
+    if (with_stiffness)
+      linearized = x;
+    return evaluate(r, x, with_stiffness);
+  }
+
+
+
+  template <int dim>
+  double
+  CoupledSteps<dim>::scale()
+  {
+    double square = 0.;
+    for (const Part &part : parts)
+      {
+        const ImplicitSteps<dim> &steps     = *part.steps;
+        const double              tolerance = steps.parameters.newton.tolerance;
+        const double              scale =
+          tolerance > 0.
+                         ? std::max(steps.force_scale, steps.round_off / tolerance)
+                         : steps.force_scale;
+        square += scale * scale;
+      }
+    return std::sqrt(square);
+  }
+
+
+
+  template <int dim>
+  std::string
+  CoupledSteps<dim>::linearize(const VectorType &x)
+  {
+    const auto is_linearized = [&]() {
+      VectorType difference = linearized;
+      difference -= x;
+      return difference.linfty_norm() == 0.;
+    };
+    if (!parts[0].steps->has_stiffness || !is_linearized())
+      {
+        VectorType r;
+        r.reinit(layout);
+        linearized              = x;
+        const std::string wrong = evaluate(r, x, true);
+        if (!wrong.empty())
+          return wrong;
+      }
+    for (const Part &part : parts)
+      {
+        ImplicitSteps<dim>   &steps = *part.steps;
+        const PartTimer       timer(steps.log, "set-up");
+        const ImplicitScheme &scheme = steps.scheme;
+        try
+          {
+            steps.system.set_operator(
+              scheme.is_static ? 0.
+                               : (1. - scheme.alpha_m) * scheme.alpha_u /
+                                   ((1. - scheme.alpha_f) * dt * dt),
+              steps.is_symmetric && steps.surfaces_are_symmetric);
+          }
+        catch (const ErrorOnAll &error)
+          {
+            return "the tangent has no preconditioner: " + message_of(error);
+          }
+      }
+    return "";
+  }
+
+
+
+  template <int dim>
+  SolveResult
+  CoupledSteps<dim>::solve(VectorType       &dx,
+                           const VectorType &r,
+                           const double      tolerance)
+  {
+    ImplicitSteps<dim> &front = *parts[0].steps;
+    const PartTimer     timer(front.log, "solve");
+    VectorType          b = r;
+    b *= -1.;
+    SolveResult result;
+    result.iterations = 0;
+    result.reduction  = 1.;
+    try
+      {
+        result = contacts ? solve_all(dx, b, tolerance)
+                          : front.system.solve(dx, b, tolerance);
+      }
+    catch (const ErrorOnAll &error)
+      {
+        result.reason = "fails: " + message_of(error);
+      }
+    front.n_linear = std::max(front.n_linear, *result.iterations);
+    front.n_all_linear += *result.iterations;
+    return result;
+  }
+
+
+
+  template <int dim>
+  SolveResult
+  CoupledSteps<dim>::solve_all(VectorType       &x,
+                               const VectorType &b,
+                               const double      tolerance)
+  {
+    std::vector<TangentSystem<dim> *> systems;
+    bool                              with_cg   = true;
+    unsigned int                      n_vectors = 0;
+    for (const Part &part : parts)
+      {
+        systems.push_back(&part.steps->system);
+        with_cg   = with_cg && systems.back()->takes_cg();
+        n_vectors = std::max(n_vectors, systems.back()->n_basis_vectors());
+      }
+    const Operator            tangent{*this};
+    const BlockPreconditioner preconditioner{*this};
+    return TangentSystem<dim>::solve_together(
+      systems, tolerance, [&](const unsigned int n) {
+        x = 0.;
+        return run_krylov({tolerance, n}, b, [&](SolverControl &control) {
+          using Fgmres = SolverFGMRES<VectorType>;
+          if (with_cg)
+            SolverCG<VectorType>(control).solve(tangent, x, b, preconditioner);
+          else
+            Fgmres(control, Fgmres::AdditionalData(n_vectors))
+              .solve(tangent, x, b, preconditioner);
+        });
+      });
+  }
+
+
+
+  template class CoupledSteps<2>;
+  template class CoupledSteps<3>;
+} // namespace greville

@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/step_errors.h>
+#include <greville/steps/trial_contacts.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Of the larger cell size: how far away the other side is looked for in a
+    // trial, and how far a point, or a rigid body, may move in a step.
+    constexpr double trial_reach = 1., longest_trial_motion = 0.5;
+
+    // The method of Uzawa ends where pressures change by less than this
+    // fraction of the largest one, or after so many rounds.
+    constexpr double       augmented_tolerance = 1e-3;
+    constexpr unsigned int most_rounds         = 5;
+    // The share of the stiffness of single points that preconditioners have.
+    // Against a rigid body it is all. Of two bodies, most modes near the
+    // surface move both, and do not feel the contact: as much as makes kappa
+    // this has the fewest iterations.
+    constexpr double preconditioned_penalty = 0.1;
+
+    double
+    share_in_preconditioner(const ContactLaw &law,
+                            const double      modulus,
+                            const double      cell_size)
+    {
+      return law.has_two_sides ? std::min(1.,
+                                          preconditioned_penalty * modulus /
+                                            (cell_size * law.stiffness))
+                               : 1.;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  TrialContacts<dim>::TrialContacts(
+    BodyContacts<dim>                       &contacts,
+    const std::vector<ImplicitSteps<dim> *> &steps,
+    const double                             dt)
+    : contacts(contacts)
+    , steps(steps)
+    , dt(dt)
+    , share(steps.front()->scheme.load_time)
+    , surfaces(steps.size())
+    , points(contacts.contacts.size())
+    , results(contacts.contacts.size())
+    , tangents(contacts.contacts.size())
+    , forces(steps.size())
+    , pressures(contacts.contacts.size())
+    , directions(steps.size())
+    , products(steps.size())
+    , displacements(contacts.contacts.size())
+    , changes(contacts.contacts.size())
+  {
+    contacts.set_laws();
+    contacts.commit();
+    for (const auto &body : contacts.parts.front()->current.rigid_bodies)
+      at_start.push_back(body.now);
+    for (const auto &body : contacts.moved_bodies(share * dt))
+      at_trial.push_back(body.now);
+    for (const auto &body : contacts.moved_bodies(dt))
+      at_end.push_back(body.now);
+
+    for (unsigned int c = 0; c < contacts.contacts.size(); ++c)
+      {
+        const Contact &contact = contacts.contacts[c];
+        shares.push_back(share_in_preconditioner(contact.average->law(),
+                                                 contact.modulus,
+                                                 contact.cell_size));
+        std::size_t n = 0;
+        for (unsigned int s = 0; s < 2; ++s)
+          for (const Place &place : contacts.contacts[c].sides[s])
+            {
+              const unsigned int part = std::find(contacts.parts.begin(),
+                                                  contacts.parts.end(),
+                                                  place.part) -
+                                        contacts.parts.begin();
+              sides.push_back({c, s, part, place.surface, n, n});
+              n += points_of(sides.back()).n_points();
+              sides.back().end = n;
+              surfaces[part].push_back(&points_of(sides.back()));
+            }
+        points[c].resize(n);
+        displacements[c].resize(n);
+      }
+    for (unsigned int k = 0; k < steps.size(); ++k)
+      for (VectorField<dim> *field : {&forces[k], &directions[k], &products[k]})
+        for (VectorType &component : *field)
+          steps[k]->system.space().initialize_vector(component);
+  }
+
+
+
+  template <int dim>
+  const MaterialPoints<dim> &
+  TrialContacts<dim>::points_of(const Side &side) const
+  {
+    return contacts.parts[side.part]->current.surfaces[side.surface].points;
+  }
+
+
+
+  template <int dim>
+  std::string
+  TrialContacts<dim>::check_rigid_bodies() const
+  {
+    for (const Contact &contact : contacts.contacts)
+      {
+        if (contact.rigid < 0)
+          continue;
+        const double way = (at_end[contact.rigid].displacement -
+                            at_start[contact.rigid].displacement)
+                             .norm();
+        if (way <= longest_trial_motion * contact.cell_size)
+          continue;
+        std::ostringstream message;
+        message << "'Rigid body " << contacts.rigid_bodies[contact.rigid].name()
+                << "' would move by " << way
+                << " m, more than half of a cell, so that it might pass "
+                   "through what it meets in 'Contact "
+                << contact.name << "'";
+        return message.str();
+      }
+    return "";
+  }
+
+
+
+  template <int dim>
+  void
+  TrialContacts<dim>::move_points(const unsigned int contact,
+                                  const double       share_now)
+  {
+    for (const Side &side : sides)
+      {
+        if (side.contact != contact)
+          continue;
+        const auto        &layout = points_of(side).layout();
+        const unsigned int slip   = layout.first("slip");
+        const unsigned int load   = layout.first("load");
+        const bool augmented = contacts.contacts[contact].given.is_augmented();
+        SurfaceMotion<dim>  motion;
+        ContactPoint<dim>  *point      = points[contact].data() + side.begin;
+        ImplicitSteps<dim> &integrator = *steps[side.part];
+        motion.share                   = share_now;
+        integrator.system.move_surface(
+          points_of(side),
+          integrator.displacement,
+          motion,
+          [&](const ConstPointRef<dim> p, const SurfaceState<dim> &state) {
+            const Tensor<1, dim> area = state.area_vector();
+            point->side               = side.side;
+            point->x                  = state.x;
+            point->normal             = area / area.norm();
+            const Tensor<1, dim> normal =
+              surface_state<dim>(p, layout).area_vector();
+            point->area       = p.mass() * normal.norm();
+            point->motion     = state.x - p.position();
+            point->since_hats = point->motion;
+            point->slip       = p.vector(slip);
+            if (augmented)
+              point->start_pressure =
+                std::max(0., -(p.vector(load) * normal)) / normal.norm_square();
+            ++point;
+          });
+      }
+  }
+
+
+
+  template <int dim>
+  std::string
+  TrialContacts<dim>::find_forces(const double share_now,
+                                  const bool   with_stiffness)
+  {
+    const std::vector<RigidPosition<dim>> &positions =
+      share_now == share ? at_trial : at_end;
+    for (unsigned int c = 0; c < contacts.contacts.size(); ++c)
+      {
+        const Contact &contact = contacts.contacts[c];
+        const double   reach   = trial_reach * contact.cell_size;
+        Point<dim>     about;
+        move_points(c, share_now);
+        if (contact.rigid >= 0)
+          {
+            const RigidPosition<dim> &now = positions[contact.rigid];
+            about = current_position(now, now.reference);
+            try
+              {
+                run_on_all(
+                  [&]() {
+                    contacts.rigid_bodies[contact.rigid].find_gaps(
+                      points[c], reach, now, at_start[contact.rigid]);
+                  },
+                  contacts.comm);
+              }
+            catch (const ErrorOnAll &error)
+              {
+                return message_of(error);
+              }
+          }
+        else
+          contacts.search.find_gaps(points[c], reach);
+        results[c] =
+          contact.average->act(points[c],
+                               share_now * dt,
+                               about,
+                               with_stiffness ? &tangents[c] : nullptr,
+                               &pressures[c]);
+      }
+    return "";
+  }
+
+
+
+  template <int dim>
+  std::string
+  TrialContacts<dim>::evaluate(const bool with_stiffness)
+  {
+    const std::string problem = find_forces(share, with_stiffness);
+    if (!problem.empty())
+      return problem;
+    std::vector<std::vector<Tensor<1, dim>>> of_points(steps.size());
+    std::vector<std::vector<Tensor<2, dim>>> stiffness(steps.size());
+    for (const Side &side : sides)
+      for (std::size_t s = side.begin; s < side.end; ++s)
+        {
+          of_points[side.part].push_back(points[side.contact][s].force);
+          if (with_stiffness)
+            stiffness[side.part].push_back(shares[side.contact] * share *
+                                           points[side.contact][s].stiffness);
+        }
+    for (unsigned int k = 0; k < steps.size(); ++k)
+      {
+        steps[k]->system.spread(surfaces[k], of_points[k], forces[k]);
+        if (with_stiffness)
+          steps[k]->system.add_stiffness(surfaces[k], stiffness[k]);
+      }
+    return "";
+  }
+
+
+
+  template <int dim>
+  void
+  TrialContacts<dim>::add_product(std::vector<VectorType>       &dst,
+                                  const std::vector<VectorType> &src)
+  {
+    // Its velocity is the displacement then.
+    SurfaceMotion<dim> motion;
+    motion.share  = 0.;
+    motion.v_by_u = share;
+    for (unsigned int k = 0; k < steps.size(); ++k)
+      steps[k]->system.extend(directions[k], src[k]);
+    for (const Side &side : sides)
+      {
+        Tensor<1, dim> *u = displacements[side.contact].data() + side.begin;
+        steps[side.part]->system.move_surface(
+          points_of(side),
+          directions[side.part],
+          motion,
+          [&](const ConstPointRef<dim>, const SurfaceState<dim> &state) {
+            *u++ = state.velocity;
+          });
+      }
+    for (unsigned int c = 0; c < tangents.size(); ++c)
+      tangents[c].multiply(displacements[c], changes[c]);
+    std::vector<std::vector<Tensor<1, dim>>> of_points(steps.size());
+    for (const Side &side : sides)
+      for (std::size_t s = side.begin; s < side.end; ++s)
+        of_points[side.part].push_back(-changes[side.contact][s] -
+                                       shares[side.contact] *
+                                         points[side.contact][s].stiffness *
+                                         displacements[side.contact][s]);
+    VectorType rows;
+    for (unsigned int k = 0; k < steps.size(); ++k)
+      {
+        TangentSystem<dim> &system = steps[k]->system;
+        system.spread(surfaces[k], of_points[k], products[k]);
+        system.initialize(rows);
+        system.restrict(rows, products[k], nullptr);
+        dst[k] += rows;
+      }
+  }
+
+
+
+  template <int dim>
+  bool
+  TrialContacts<dim>::augment()
+  {
+    bool has_changed = false;
+    for (unsigned int c = 0; c < pressures.size() && n_rounds < most_rounds;
+         ++c)
+      {
+        if (!contacts.contacts[c].given.is_augmented())
+          continue;
+        KeyPressures &of_keys    = pressures[c];
+        double        numbers[2] = {}; // largest pressure and change
+        for (const auto &[key, pressure] : of_keys.found)
+          {
+            const auto   given = of_keys.given.find(key);
+            const double before =
+              given == of_keys.given.end() ? 0. : given->second;
+            numbers[0] = std::max(numbers[0], pressure);
+            numbers[1] = std::max(numbers[1], std::abs(pressure - before));
+          }
+        for (const auto &[key, pressure] : of_keys.given)
+          if (of_keys.found.count(key) == 0)
+            numbers[1] = std::max(numbers[1], pressure);
+        Utilities::MPI::max(ArrayView<const double>(numbers, 2),
+                            contacts.comm,
+                            ArrayView<double>(numbers, 2));
+        if (numbers[1] <= augmented_tolerance * numbers[0])
+          continue;
+        of_keys.given          = of_keys.found;
+        of_keys.is_first_round = false;
+        has_changed            = true;
+      }
+    ++n_rounds;
+    return has_changed;
+  }
+
+
+
+  template <int dim>
+  std::string
+  TrialContacts<dim>::check_motion() const
+  {
+    std::string problem;
+    for (unsigned int c = 0; c < points.size() && problem.empty(); ++c)
+      {
+        const Contact &contact = contacts.contacts[c];
+        const double   longest = longest_trial_motion * contact.cell_size;
+        for (const ContactPoint<dim> &point : points[c])
+          if (point.motion.norm() > share * longest && problem.empty())
+            {
+              std::ostringstream message;
+              message << "a point of the surface at (" << point.x << ") m in "
+                      << "'Contact " << contact.name << "' would move by "
+                      << point.motion.norm() / share
+                      << " m, more than half of a cell, so that surfaces "
+                         "might pass through one another";
+              problem = message.str();
+            }
+      }
+    return first_of_all(problem, contacts.comm);
+  }
+
+
+
+  template <int dim>
+  void
+  TrialContacts<dim>::add_work() const
+  {
+    // The forces in the middle, or the mean of both ends.
+    const double part_of_new = share == 1. ? 0.5 : 1.;
+    for (const Side &side : sides)
+      {
+        const auto              &layout = points_of(side).layout();
+        const unsigned int       load   = layout.first("load");
+        const ContactPoint<dim> *point =
+          points[side.contact].data() + side.begin;
+        double work = 0.;
+        points_of(side).for_each(
+          [&](const unsigned int, const ConstPointRef<dim> p) {
+            const Tensor<1, dim> force =
+              part_of_new * point->force +
+              (1. - part_of_new) * p.mass() * p.vector(load);
+            work += force * point->motion / share;
+            ++point;
+          });
+        contacts.parts[side.part]->current.energy.add_work(
+          EnergyBalance::surfaces + side.surface, work);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  TrialContacts<dim>::accept()
+  {
+    add_work();
+    if (share != 1.)
+      fail_on_all(find_forces(1., false), contacts.comm);
+    for (unsigned int c = 0; c < points.size(); ++c)
+      contacts.give(contacts.contacts[c], points[c]);
+    contacts.at_start         = contacts.now;
+    contacts.now.contacts     = results;
+    contacts.now.rigid_bodies = at_end;
+    for (Simulation<dim> *part : contacts.parts)
+      for (unsigned int k = 0; k < at_end.size(); ++k)
+        {
+          RigidBodyState<dim> &body = part->current.rigid_bodies[k];
+          body.before               = body.now;
+          body.now                  = at_end[k];
+        }
+  }
+
+
+
+  template class TrialContacts<2>;
+  template class TrialContacts<3>;
+} // namespace greville

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/stiffness/tangent_system.h>
+
+#include <cmath>
+
+// Forces on surfaces in a TangentSystem.
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  bool
+  TangentSystem<dim>::add_surfaces(
+    const std::vector<LoadedSurface<dim>> &surfaces,
+    const VectorField<dim>                &u,
+    const SurfaceMotion<dim>              &motion,
+    const bool                             with_stiffness,
+    VectorField<dim>                      &force)
+  {
+    // Derivatives are differences.
+    constexpr double round_off = 1e-6;
+
+    unsigned int is_asymmetric = 0;
+    double       square        = 0.;
+    surface_sums.clear();
+    for (const LoadedSurface<dim> &surface : surfaces)
+      trial_surfaces.evaluate(
+        surface,
+        u,
+        motion,
+        with_stiffness,
+        [&](const unsigned int cell, const auto &points) {
+          surface_sums.add_force(cell, points);
+          if (!with_stiffness)
+            return;
+          for (unsigned int l = 0; l < levels.size(); ++l)
+            levels[l]->stiffness().add_cell(cell,
+                                            sums[l].stiffness(cell, points));
+          double of_cell = 0.;
+          for (const TrialSurfacePoint<dim> &point : points)
+            {
+              const Tensor<2, dim> &D = point.by_displacement;
+              of_cell += point.area * D.norm();
+              if (point.by_gradient.norm() > 0. ||
+                  (D - transpose(D)).norm() > round_off * D.norm())
+                is_asymmetric = 1;
+            }
+          square += of_cell * of_cell;
+        });
+    surface_sums.take_force(force);
+    if (!with_stiffness)
+      return true;
+    surface_stiffness =
+      std::sqrt(Utilities::MPI::sum(square, space().communicator()));
+    return Utilities::MPI::max(is_asymmetric, space().communicator()) == 0;
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::move_surface(const MaterialPoints<dim> &points,
+                                   const VectorField<dim>    &u,
+                                   const SurfaceMotion<dim>  &motion,
+                                   const SurfaceAction       &action)
+  {
+    trial_surfaces.evaluate({&points,
+                             [&](const ConstPointRef<dim> p,
+                                 const SurfaceState<dim> &state) {
+                               action(p, state);
+                               return Tensor<1, dim>();
+                             }},
+                            u,
+                            motion,
+                            false,
+                            [](const unsigned int, const auto &) {});
+  }
+
+
+
+  namespace
+  {
+    /**
+     * Call @p action(cell, points) for the cells of surfaces, with the values
+     * of points that are given one after another.
+     */
+    template <int dim, typename Value, typename SetValue, typename Action>
+    void
+    for_each_cell(const std::vector<const MaterialPoints<dim> *> &surfaces,
+                  const std::vector<Value>                       &values,
+                  const SetValue                                 &set_value,
+                  const Action                                   &action)
+    {
+      auto                                value = values.begin();
+      std::vector<TrialSurfacePoint<dim>> trials;
+      for (const MaterialPoints<dim> *points : surfaces)
+        for (const unsigned int cell : points->cells())
+          {
+            trials.clear();
+            points->for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+              TrialSurfacePoint<dim> trial;
+              trial.x    = p.basis_position(points->layout());
+              trial.area = 1.;
+              set_value(trial, *value++);
+              trials.push_back(trial);
+            });
+            action(cell, trials);
+          }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::spread(
+    const std::vector<const MaterialPoints<dim> *> &surfaces,
+    const std::vector<Tensor<1, dim>>              &forces,
+    VectorField<dim>                               &result)
+  {
+    surface_sums.clear();
+    for_each_cell<dim>(
+      surfaces,
+      forces,
+      [](TrialSurfacePoint<dim> &trial, const Tensor<1, dim> &force) {
+        trial.load = force;
+      },
+      [&](const unsigned int cell, const auto &points) {
+        surface_sums.add_force(cell, points);
+      });
+    surface_sums.take_force(result);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::add_stiffness(
+    const std::vector<const MaterialPoints<dim> *> &surfaces,
+    const std::vector<Tensor<2, dim>>              &stiffness)
+  {
+    double square = 0.;
+    for_each_cell<dim>(
+      surfaces,
+      stiffness,
+      [](TrialSurfacePoint<dim> &trial, const Tensor<2, dim> &of_point) {
+        trial.by_displacement = -1. * of_point;
+      },
+      [&](const unsigned int cell, const auto &points) {
+        double of_cell = 0.;
+        for (const TrialSurfacePoint<dim> &point : points)
+          of_cell += point.by_displacement.norm();
+        if (of_cell == 0.)
+          return;
+        square += of_cell * of_cell;
+        for (unsigned int l = 0; l < levels.size(); ++l)
+          levels[l]->stiffness().add_cell(cell,
+                                          sums[l].stiffness(cell, points));
+      });
+    point_stiffness =
+      std::sqrt(Utilities::MPI::sum(square, space().communicator()));
+  }
+
+
+
+#define INSTANTIATE(dim)                                                      \
+  template bool TangentSystem<dim>::add_surfaces(                             \
+    const std::vector<LoadedSurface<dim>> &,                                  \
+    const VectorField<dim> &,                                                 \
+    const SurfaceMotion<dim> &,                                               \
+    const bool,                                                               \
+    VectorField<dim> &);                                                      \
+  template void TangentSystem<dim>::move_surface(const MaterialPoints<dim> &, \
+                                                 const VectorField<dim> &,    \
+                                                 const SurfaceMotion<dim> &,  \
+                                                 const SurfaceAction &);      \
+  template void TangentSystem<dim>::spread(                                   \
+    const std::vector<const MaterialPoints<dim> *> &,                         \
+    const std::vector<Tensor<1, dim>> &,                                      \
+    VectorField<dim> &);                                                      \
+  template void TangentSystem<dim>::add_stiffness(                            \
+    const std::vector<const MaterialPoints<dim> *> &,                         \
+    const std::vector<Tensor<2, dim>> &);
+  INSTANTIATE(2)
+  INSTANTIATE(3)
+#undef INSTANTIATE
+} // namespace greville

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
+// Release: 3
+
+// The derivative of averaged contact:
+// - it is that of the forces where bodies move without deformation, with one
+//   and with two sides, in stick and in sliding;
+// - it is symmetric and negative, and keeps momentum;
+// - points by themselves resist at least as much as their averages do;
+// - the rounds of Uzawa's method close a gap between springs.
+
+#include <greville/contact/averaged_contact.h>
+
+#include <cmath>
+#include <tests.h>
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+template <int dim>
+using Field = std::vector<Tensor<1, dim>>;
+
+
+
+template <int dim>
+double
+product(const Field<dim> &a, const Field<dim> &b)
+{
+  double sum = 0.;
+  for (std::size_t s = 0; s < a.size(); ++s)
+    sum += a[s] * b[s];
+  return Utilities::MPI::sum(sum, comm);
+}
+
+
+
+// Points of both sides on a plane with the normal n of side 1, of which this
+// process has its share; those of side 0 lie deeper by @p depth.
+template <int dim>
+struct Case
+{
+  std::vector<ContactPoint<dim>> points;
+  Field<dim>                     noise[2];
+  Tensor<1, dim>                 normal, tangent;
+
+  Case(const bool has_two_sides, const double depth)
+  {
+    normal[0]  = -0.3;
+    normal[1]  = 0.9;
+    normal     = normal / normal.norm();
+    tangent[0] = normal[1];
+    tangent[1] = -normal[0];
+    Tensor<1, dim> other;
+    other[dim - 1] = dim == 3;
+    unsigned int k = 0;
+    for (unsigned int side = 0; side < (has_two_sides ? 2 : 1); ++side)
+      {
+        const unsigned int n = side == 0 ? 31 : 23, m = dim == 2 ? 1 : n / 3;
+        for (unsigned int i = 0; i < n * m; ++i, ++k)
+          {
+            Tensor<1, dim> random[2];
+            for (unsigned int r = 0; r < 2; ++r)
+              for (unsigned int d = 0; d < dim; ++d)
+                random[r][d] = std::sin(12.9898 * k + 78.233 * (2 * d + r));
+            if (k % Utilities::MPI::n_mpi_processes(comm) !=
+                Utilities::MPI::this_mpi_process(comm))
+              continue;
+            ContactPoint<dim> point;
+            point.side          = side;
+            point.x             = Point<dim>((i % n + 0.5) / n * tangent +
+                                 (i / n + 0.5) / m * other);
+            point.normal        = (side == 0 ? -1. : 1.) * normal;
+            point.target_normal = (side == 0 ? 1. : -1.) * normal;
+            point.area          = 1. / (n * m);
+            point.gap           = -depth;
+            point.is_facing     = true;
+            points.push_back(point);
+            for (unsigned int r = 0; r < 2; ++r)
+              noise[r].push_back(random[r]);
+          }
+      }
+  }
+
+  // The forces after motions of both sides as a whole.
+  Field<dim>
+  forces(const AveragedContact<dim>  &contact,
+         const Tensor<1, dim>        &of_0,
+         const Tensor<1, dim>        &of_1,
+         ContactTangent<dim>         *derivative,
+         Field<dim>                  &motions,
+         std::vector<Tensor<2, dim>> *stiffness = nullptr) const
+  {
+    auto moved = points;
+    motions.clear();
+    for (auto &point : moved)
+      {
+        point.motion = point.side == 0 ? of_0 : of_1;
+        point.gap += (of_0 - of_1) * normal;
+        point.x += point.motion;
+        point.since_hats = point.motion;
+        motions.push_back(point.motion);
+      }
+    contact.act(moved, 0., Point<dim>(), derivative);
+    Field<dim> result;
+    for (const auto &point : moved)
+      {
+        result.push_back(point.force);
+        if (stiffness)
+          stiffness->push_back(point.stiffness);
+      }
+    return result;
+  }
+};
+
+
+
+template <int dim>
+void
+test_derivative(const bool has_two_sides, const double slip)
+{
+  ContactLaw law;
+  law.stiffness       = 1e4;
+  law.shear_stiffness = 5e3;
+  law.friction        = 0.3;
+  law.has_two_sides   = has_two_sides;
+  Tensor<1, dim> h;
+  for (unsigned int d = 0; d < dim; ++d)
+    h[d] = 0.13 + 0.01 * d;
+  const AveragedContact<dim> contact(law, Point<dim>(), h, comm);
+  const Case<dim>            all(has_two_sides, 1e-3);
+  const Tensor<1, dim>       still;
+  const Tensor<1, dim>       start = slip * all.tangent;
+
+  ContactTangent<dim>         tangent;
+  Field<dim>                  motions, product_by_tangent;
+  std::vector<Tensor<2, dim>> stiffness;
+  all.forces(contact, start, still, &tangent, motions, &stiffness);
+
+  // Where it slides, the derivative has the shear stress as it is.
+  const bool       slides = slip > 0.6e-3;
+  constexpr double step   = 1e-7;
+  for (unsigned int side = 0; side < (has_two_sides ? 2 : 1); ++side)
+    for (const Tensor<1, dim> &direction : {all.normal, all.tangent})
+      {
+        if (slides && direction * all.normal > 0.5)
+          continue;
+        const auto at = [&](const double amount) {
+          Field<dim> unused;
+          return all.forces(contact,
+                            start + (side == 0 ? amount : 0.) * direction,
+                            still + (side == 1 ? amount : 0.) * direction,
+                            nullptr,
+                            unused);
+        };
+        const Field<dim> upper = at(step), lower = at(-step);
+        Field<dim>       u;
+        for (const auto &point : all.points)
+          u.push_back(point.side == side ? direction : still);
+        tangent.multiply(u, product_by_tangent);
+        double error = 0., size = 0.;
+        for (std::size_t s = 0; s < u.size(); ++s)
+          {
+            const Tensor<1, dim> exact = (upper[s] - lower[s]) / (2. * step);
+            error = std::max(error, (exact - product_by_tangent[s]).norm());
+            size  = std::max(size, exact.norm());
+          }
+        error = Utilities::MPI::max(error, comm);
+        size  = Utilities::MPI::max(size, comm);
+        check("The tangent is the derivative.",
+              error <= 1e-6 * std::max(size, 1.));
+        check("There is one, except along the direction of sliding.",
+              (size > 1.) == !(slides && direction * all.tangent > 0.5));
+      }
+
+  Field<dim> products[2];
+  for (unsigned int r = 0; r < 2; ++r)
+    tangent.multiply(all.noise[r], products[r]);
+  const double mixed = product<dim>(all.noise[0], products[1]);
+  const double own   = product<dim>(all.noise[0], products[0]);
+  check("It is symmetric.",
+        std::abs(mixed - product<dim>(all.noise[1], products[0])) <
+          1e-12 * std::abs(own));
+  check("It is negative.", own < 0.);
+  Tensor<1, dim> sum;
+  for (const Tensor<1, dim> &force : products[0])
+    sum += force;
+  sum = Utilities::MPI::sum(sum, comm);
+  check("It keeps momentum.",
+        !has_two_sides || sum.norm() < 1e-12 * std::abs(own));
+  for (unsigned int side = 0; side < (has_two_sides ? 2 : 1); ++side)
+    {
+      Field<dim> u = all.noise[0], of_average, of_points;
+      for (std::size_t s = 0; s < u.size(); ++s)
+        {
+          if (all.points[s].side != side)
+            u[s] = still;
+          of_points.push_back(stiffness[s] * u[s]);
+        }
+      tangent.multiply(u, of_average);
+      check("Points by themselves are as stiff as averages, or stiffer.",
+            product<dim>(u, of_points) >= -product<dim>(u, of_average));
+    }
+}
+
+
+
+// A side on a spring above a rigid one.
+void
+test_rounds()
+{
+  ContactLaw law;
+  law.stiffness     = 10.;
+  law.has_two_sides = false;
+  const AveragedContact<2> contact(law,
+                                   Point<2>(),
+                                   Tensor<1, 2>({0.13, 0.13}),
+                                   comm);
+  const Case<2>            all(false, 0.);
+  KeyPressures             pressures;
+  // The spring of stiffness 1 per area is pressed by 1: without a gap, p = 1.
+  const double stiffness[3] = {10. / 11., 1. - 1. / 121., 1. - 1. / 1331.};
+  for (unsigned int round = 0; round < 3; ++round)
+    {
+      double pressure = 0.;
+      for (unsigned int k = 0; k < 200; ++k)
+        {
+          auto moved = all.points;
+          for (auto &point : moved)
+            point.gap = pressure - 1.; // of the spring
+          const auto result =
+            contact.act(moved, 0., Point<2>(), nullptr, &pressures);
+          pressure += 0.1 * (result.force.norm() / result.area - pressure);
+        }
+      check("A round divides the gap by eleven.",
+            std::abs(pressure - stiffness[round]) < 1e-8);
+      pressures.given          = pressures.found;
+      pressures.is_first_round = false;
+    }
+}
+
+
+
+void
+test_main()
+{
+  for (const bool has_two_sides : {false, true})
+    for (const double slip : {0., 0.3e-3, 1e-3})
+      {
+        test_derivative<2>(has_two_sides, slip);
+        test_derivative<3>(has_two_sides, slip);
+      }
+  test_rounds();
+}
