@@ -181,6 +181,7 @@ namespace greville
                  const KeySums<dim> &sums,
                  const double        dt,
                  const double        given_pressure,
+                 const double        share,
                  double             &area)
     {
       KeyForce<dim> result;
@@ -188,20 +189,34 @@ namespace greville
                            law.has_two_sides ? sums.weight[1] : sums.weight[0]};
       if (!(w[0] > 0. && w[1] > 0.) || !(sums.normal.norm() > 0.))
         return result;
-      const double all    = law.has_two_sides ? w[0] + w[1] : w[0];
-      const double weight = 2. * w[0] * w[1] / (w[0] + w[1]);
-      const double gap    = sums.gap / all;
-      if (gap >= law.touching && given_pressure == 0.)
-        return result;
-      const Tensor<1, dim> n    = sums.normal / sums.normal.norm();
+      const double         all    = law.has_two_sides ? w[0] + w[1] : w[0];
+      const double         weight = 2. * w[0] * w[1] / (w[0] + w[1]);
+      const double         gap    = sums.gap / all;
+      const Tensor<1, dim> n      = sums.normal / sums.normal.norm();
       const Tensor<1, dim> du   = sums.motion[0] / w[0] - sums.motion[1] / w[1];
       const double         rate = dt > 0. ? 1. / dt : 0.;
       const Tensor<2, dim> plane =
         Tensor<2, dim>(unit_symmetric_tensor<dim>()) - outer_product(n, n);
-      const double pressure = std::max(0.,
-                                       given_pressure - law.stiffness * gap -
-                                         law.viscosity * rate * (du * n));
-      if (gap >= 0. && pressure == 0.)
+      // The gaps at both ends of the step.
+      const double change = du * n / share;
+      const double first = gap - share * change, last = first + change;
+      const double least = share < 1. ? std::min(first, last) : gap;
+      if (least >= law.touching && given_pressure == 0.)
+        return result;
+      double pressure =
+        given_pressure - law.stiffness * gap - law.viscosity * rate * (du * n);
+      double normal_stiffness = law.stiffness + law.viscosity * rate;
+      if (share < 1. && first * last < 0. && given_pressure == 0.)
+        {
+          // The one that is inside, over the way of both.
+          const double inside = std::abs(std::min(first, last) / change);
+          pressure =
+            0.5 * law.stiffness * inside * std::abs(std::min(first, last));
+          normal_stiffness *=
+            last < 0. ? 2. * inside * (1. - 0.5 * inside) : inside * inside;
+        }
+      pressure = std::max(0., pressure);
+      if (least >= 0. && pressure == 0.)
         {
           // The derivative at this kink is that of what is about to press.
           if (gap >= law.touching)
@@ -238,8 +253,7 @@ namespace greville
       else if (most == 0.)
         stiffness = Tensor<2, dim>();
       if (pressure > 0.)
-        stiffness +=
-          (law.stiffness + law.viscosity * rate) * outer_product(n, n);
+        stiffness += normal_stiffness * outer_product(n, n);
       const Tensor<1, dim> force = weight * (pressure * n + shear);
       result.force[0]            = force / w[0];
       result.force[1]            = -force / w[1];
@@ -276,7 +290,8 @@ namespace greville
                             const double                    dt,
                             const Point<dim>               &about,
                             ContactTangent<dim>            *tangent,
-                            KeyPressures                   *pressures) const
+                            KeyPressures                   *pressures,
+                            const double                    share) const
   {
     const bool         has_two_sides = contact_law.has_two_sides;
     ContactResult<dim> result;
@@ -337,7 +352,8 @@ namespace greville
         }
       else if (pressures && pressures->given.count(name) > 0)
         given = pressures->given.at(name);
-      force = force_of_key<dim>(contact_law, sum, dt, given, result.area);
+      force =
+        force_of_key<dim>(contact_law, sum, dt, given, share, result.area);
       if (pressures && force.pressure > 0.)
         pressures->found[name] = force.pressure;
       if (!with_tangent)

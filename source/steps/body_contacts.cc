@@ -197,7 +197,7 @@ namespace greville
     law.friction =
       contact.given.friction_coefficient("Contact " + contact.name);
     law.adhesion    = contact.given.adhesion;
-    law.touching    = touching_in_cells * contact.cell_size;
+    law.touching    = are_implicit ? touching_in_cells * contact.cell_size : 0.;
     contact.average = std::make_unique<AveragedContact<dim>>(law,
                                                              contact.corner,
                                                              contact.cell_sizes,

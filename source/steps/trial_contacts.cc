@@ -215,7 +215,8 @@ namespace greville
                                share_now * dt,
                                about,
                                with_stiffness ? &tangents[c] : nullptr,
-                               &pressures[c]);
+                               &pressures[c],
+                               share_now);
       }
     return "";
   }

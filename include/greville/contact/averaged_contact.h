@@ -110,13 +110,22 @@ namespace greville
      * none. The @p tangent is made where it is not null, and the stiffness of
      * points with it. Where the @p pressures are not null, their given parts
      * are added.
+     *
+     * Where points are in the middle of their step (@p share of it is 0.5), the
+     * pressure is the mean one whose work is the change of the energy
+     * @f$\Psi = \epsilon / 2 \, \langle -\bar g \rangle^2@f$,
+     * @f[
+     *   t_k = -\frac{\Psi(\bar g_1) - \Psi(\bar g_0)}{\bar g_1 - \bar g_0},
+     * @f]
+     * with the gaps at both ends that follow from the motion of both sides.
      */
     ContactResult<dim>
     act(std::vector<ContactPoint<dim>> &points,
         const double                    dt,
         const dealii::Point<dim>       &about,
         ContactTangent<dim>            *tangent   = nullptr,
-        KeyPressures                   *pressures = nullptr) const;
+        KeyPressures                   *pressures = nullptr,
+        const double                    share     = 1.) const;
 
     const ContactLaw &
     law() const
