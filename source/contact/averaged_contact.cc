@@ -68,6 +68,9 @@ namespace greville
       double         shares[2] = {0., 0.};
       Tensor<2, dim> stiffness;
       double         pressure = 0.; // for KeyPressures
+      // What sliding adds to D_k, not symmetric. Points by themselves, which
+      // are for preconditioners, are without it.
+      Tensor<2, dim> coupling;
 
       template <typename Action>
       void
@@ -248,6 +251,9 @@ namespace greville
                        outer_product(direction, direction);
           stiffness *= most / shear.norm();
           shear *= most / shear.norm();
+          if (pressure > 0.)
+            result.coupling =
+              law.friction * normal_stiffness * outer_product(direction, n);
           slip = -shear / law.shear_stiffness;
         }
       else if (most == 0.)
@@ -364,7 +370,7 @@ namespace greville
       for (unsigned int side = 0; side < 2; ++side)
         key.inverse_weights[side] =
           sum.weight[side] > 0. ? 1. / sum.weight[side] : 0.;
-      key.stiffness = w * force.stiffness;
+      key.stiffness = w * (force.stiffness + force.coupling);
       tangent_keys.push_back(key);
     };
     // Each key belongs to a process.

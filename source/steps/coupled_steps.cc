@@ -353,8 +353,9 @@ namespace greville
                                const double      tolerance)
   {
     std::vector<TangentSystem<dim> *> systems;
-    bool                              with_cg   = true;
-    unsigned int                      n_vectors = 0;
+    // Restarts of FGMRES lose what couples the parts.
+    bool         with_cg   = contacts->is_symmetric();
+    unsigned int n_vectors = 100;
     for (const Part &part : parts)
       {
         systems.push_back(&part.steps->system);

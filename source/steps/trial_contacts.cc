@@ -5,6 +5,7 @@
 #include <greville/steps/trial_contacts.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace greville
@@ -247,6 +248,20 @@ namespace greville
           steps[k]->system.add_stiffness(surfaces[k], stiffness[k]);
       }
     return "";
+  }
+
+
+
+  template <int dim>
+  bool
+  TrialContacts<dim>::is_symmetric() const
+  {
+    return std::all_of(contacts.contacts.begin(),
+                       contacts.contacts.end(),
+                       [](const Contact &contact) {
+                         const double mu = contact.average->law().friction;
+                         return mu == 0. || !std::isfinite(mu);
+                       });
   }
 
 

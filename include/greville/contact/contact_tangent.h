@@ -25,11 +25,11 @@ namespace greville
    *     - \frac{1}{w^B_k} \sum_{s \in B} a_s \psi_k(x_s) u_s \Bigr), \qquad
    *   f_s = \pm \frac{a_s \psi_k(x_s)}{w^{A, B}_k} F_k,
    * @f]
-   * with the positive semidefinite D_k of a key, Pa / m: the stiffness of its
-   * pressure along its normal, and of the shear stress along the plane; of a
-   * key that slides, across the direction of sliding only, with the shear
-   * stress as it is. So it is symmetric. Without a side 1 the second sum is
-   * zero.
+   * with D_k of a key, Pa / m: the stiffness of its pressure along its normal,
+   * and of the shear stress along the plane. It is symmetric and positive, but
+   * for a key that slides: its shear stress changes with the pressure, and with
+   * displacements across the direction of sliding. Without a side 1 the second
+   * sum is zero.
    *
    * It couples all points with a common key, on whatever processes they are:
    * keys have owners, to which sums go.

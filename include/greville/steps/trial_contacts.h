@@ -55,6 +55,10 @@ namespace greville
       return forces[part];
     }
 
+    /// Whether the tangent is symmetric: where nothing slides with friction.
+    bool
+    is_symmetric() const;
+
     /**
      * Collective. To the products of the parts' matrices with @p src add what
      * their tangent has beyond the stiffness of single points.
