@@ -49,9 +49,9 @@ namespace greville
             upper[d] = box.upper_bound(d);
             AssertThrow(std::isfinite(lower[d]) && std::isfinite(upper[d]),
                         ExcMessage("'" + section +
-                                   "' is free and has a 'Density', but its "
-                                   "shape has no end: give 'Mass' and "
-                                   "'Inertia'."));
+                                   "' is free and has a 'Density', but it is "
+                                   "not known where its shape ends: give "
+                                   "'Mass' and 'Inertia'."));
             const double more = 1e-3 * (upper[d] - lower[d]);
             lower[d] -= more;
             upper[d] += more;

@@ -115,7 +115,7 @@ namespace greville
     class ClosestFacet : public ClosestSurface<dim>
     {
     public:
-      ClosestFacet(ClosedSurface<dim> surface);
+      ClosestFacet(const ClosedSurface<dim> &surface);
 
       std::optional<ClosestPoint<dim>>
       closest(const Point<dim> &x, const double within) const override;
@@ -123,22 +123,16 @@ namespace greville
       BoundingBox<dim>
       box() const override
       {
-        return BoundingBox<dim>({lower, upper});
-      }
-
-      ClosedSurface<dim>
-      facets(const double, const BoundingBox<dim> &) const override
-      {
-        return surface;
+        return extent;
       }
 
     private:
       using Entry = std::pair<BoundingBox<dim>, unsigned int>;
 
-      ClosedSurface<dim>          surface;
-      std::vector<FlatFacet<dim>> flat_facets;
+      std::vector<FlatFacet<dim>> facets;
       RTree<Entry>                tree;
-      Point<dim>                  lower, upper;
+      BoundingBox<dim>            extent;
+      double                      size = 0.; // of coordinates
 
       // For searches: facets with near boxes, those at about the least
       // distance.
@@ -149,12 +143,10 @@ namespace greville
 
 
     template <int dim>
-    ClosestFacet<dim>::ClosestFacet(ClosedSurface<dim> given)
-      : surface(std::move(given))
+    ClosestFacet<dim>::ClosestFacet(const ClosedSurface<dim> &surface)
     {
       Assert(!surface.empty(), ExcMessage("The surface has no facets."));
       std::vector<Entry> entries;
-      lower = upper = surface[0][0];
       for (const Facet<dim> &corners : surface)
         {
           AssertDimension(corners.size(), dim);
@@ -166,15 +158,14 @@ namespace greville
           else
             facet.normal = cross_product_3d(along, corners[2] - corners[0]);
           facet.normal /= facet.normal.norm();
-          entries.emplace_back(BoundingBox<dim>(corners), flat_facets.size());
-          flat_facets.push_back(facet);
+          entries.emplace_back(BoundingBox<dim>(corners), facets.size());
+          facets.push_back(facet);
           for (const Point<dim> &corner : corners)
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                lower[d] = std::min(lower[d], corner[d]);
-                upper[d] = std::max(upper[d], corner[d]);
-              }
+            size = std::max(size, corner.norm());
         }
+      extent = entries[0].first;
+      for (const Entry &entry : entries)
+        extent.merge_with(entry.first);
       tree = pack_rtree(entries);
     }
 
@@ -184,55 +175,38 @@ namespace greville
     std::optional<ClosestPoint<dim>>
     ClosestFacet<dim>::closest(const Point<dim> &x, const double within) const
     {
-      namespace bgi = boost::geometry::index;
-      double size   = within;
-      // No more than from the box to its far end.
-      double far = 0.;
       for (unsigned int d = 0; d < dim; ++d)
+        if (std::max(extent.lower_bound(d) - x[d],
+                     x[d] - extent.upper_bound(d)) > within)
+          return std::nullopt;
+      const double tolerance = same_closest_point * (x.norm() + size);
+      double       least     = within + tolerance;
+      // Some facets with near boxes bound the distance.
+      for (const bool is_last : {false, true})
         {
-          const double outside = std::max(lower[d] - x[d], x[d] - upper[d]);
-          if (outside > within)
-            return std::nullopt;
-          far += std::pow(std::max(x[d] - lower[d], upper[d] - x[d]), 2);
-        }
-      size                   = std::min(size, std::sqrt(far));
-      const double tolerance = same_closest_point * (x.norm() + std::sqrt(far));
-      size += tolerance;
-      double least = size;
-      // Facets by the distance of their boxes, until none that is left out can
-      // be nearer.
-      for (unsigned int k = 8;; k *= 8)
-        {
+          namespace bgi  = boost::geometry::index;
           Point<dim> low = x, high = x;
           for (unsigned int d = 0; d < dim; ++d)
             {
               low[d] -= least + tolerance;
               high[d] += least + tolerance;
             }
-          nearest.clear();
+          const BoundingBox<dim> around({low, high});
           found.clear();
-          tree.query(bgi::intersects(BoundingBox<dim>({low, high})) &&
-                       bgi::nearest(x, k),
-                     std::back_inserter(found));
-          double furthest_box = 0.;
+          if (is_last)
+            tree.query(bgi::intersects(around), std::back_inserter(found));
+          else
+            tree.query(bgi::nearest(x, 8), std::back_inserter(found));
+          nearest.clear();
           for (const Entry &entry : found)
             {
-              double to_box = 0.;
-              for (unsigned int d = 0; d < dim; ++d)
-                to_box += std::pow(std::max({entry.first.lower_bound(d) - x[d],
-                                             x[d] - entry.first.upper_bound(d),
-                                             0.}),
-                                   2);
-              furthest_box       = std::max(furthest_box, to_box);
-              const Point<dim> y = closest_of(flat_facets[entry.second], x);
+              const Point<dim> y        = closest_of(facets[entry.second], x);
               const double     distance = x.distance(y);
               if (distance > least + tolerance)
                 continue;
               least = std::min(least, distance);
               nearest.emplace_back(entry.second, y);
             }
-          if (found.size() < k || std::sqrt(furthest_box) > least + tolerance)
-            break;
         }
       const Point<dim> *point = nullptr;
       for (const auto &[facet, y] : nearest)
@@ -251,8 +225,8 @@ namespace greville
         if (y.distance(*point) < 4. * tolerance)
           {
             const double angle =
-              angle_at(flat_facets[facet], *point, 4. * tolerance);
-            sum += angle * flat_facets[facet].normal;
+              angle_at(facets[facet], *point, 4. * tolerance);
+            sum += angle * facets[facet].normal;
             if (angle > largest)
               {
                 largest = angle;
@@ -263,7 +237,7 @@ namespace greville
       const double         side    = towards * sum < 0. ? -1. : 1.;
       result.distance              = side * least;
       if (largest == 1.)
-        result.normal = flat_facets[widest].normal;
+        result.normal = facets[widest].normal;
       else if (least > 10. * tolerance)
         result.normal = side / least * towards;
       else
@@ -276,15 +250,15 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<ClosestSurface<dim>>
-  make_closest_surface(ClosedSurface<dim> surface)
+  make_closest_surface(const ClosedSurface<dim> &surface)
   {
-    return std::make_unique<ClosestFacet<dim>>(std::move(surface));
+    return std::make_unique<ClosestFacet<dim>>(surface);
   }
 
 
 
   template std::unique_ptr<ClosestSurface<2>>
-    make_closest_surface(ClosedSurface<2>);
+  make_closest_surface(const ClosedSurface<2> &);
   template std::unique_ptr<ClosestSurface<3>>
-    make_closest_surface(ClosedSurface<3>);
+  make_closest_surface(const ClosedSurface<3> &);
 } // namespace greville

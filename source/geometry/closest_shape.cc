@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include "closest_shape.h"
+#include <greville/geometry/closest_surface.h>
+#include <greville/geometry/level_set.h>
+#include <greville/geometry/shape.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,17 +13,111 @@ namespace greville
 
   namespace
   {
-    using internal::ConstrainedPoint;
-    using internal::Edge;
+    // Relative to coordinates: the error of closest points, and how far beside
+    // them it is seen whether the shape ends there.
+    constexpr double converged_distance = 1e-13, beside_surface = 1e-8;
 
-    // Rays for surfaces of formulas end at these parts of the distance.
-    constexpr double ray_parts[3] = {0.35, 0.65, 0.95};
 
-    // Searches from other points than x.
-    constexpr unsigned int most_searches = 12;
 
-    // Of a level set that is not searched.
-    constexpr double infinitely_far = std::numeric_limits<double>::max();
+    template <int dim>
+    struct Query
+    {
+      Point<dim>     x;
+      double         within;
+      double         size; // of coordinates
+      Tensor<1, dim> cell; // for derivatives of formulas
+    };
+
+
+
+    /// A point where the first n of some level sets are zero or are to be zero.
+    template <int dim>
+    struct Candidate
+    {
+      Point<dim>                             point;
+      double                                 distance = 0.;
+      Tensor<1, dim>                         normal; // of the shape
+      unsigned int                           n = 0;
+      std::array<const LevelSet<dim> *, dim> level_sets;
+
+      /// Unit normals of the level sets are a lower triangle times orthonormal
+      /// vectors (Gram and Schmidt).
+      std::array<Tensor<1, dim>, dim> basis, factor;
+      std::array<double, dim>         offsets; // to the zeros, along normals
+
+      /// False where normals depend on each other.
+      bool
+      linearize(const Tensor<1, dim> &cell)
+      {
+        for (unsigned int i = 0; i < n; ++i)
+          {
+            basis[i]          = level_sets[i]->gradient(point, cell);
+            const double norm = basis[i].norm();
+            if (norm == 0.)
+              return false;
+            offsets[i] = -level_sets[i]->value(point) / norm;
+            basis[i] /= norm;
+            for (unsigned int k = 0; k < i; ++k)
+              {
+                factor[i][k] = basis[k] * basis[i];
+                basis[i] -= factor[i][k] * basis[k];
+              }
+            factor[i][i] = basis[i].norm();
+            if (factor[i][i] < 1e-6)
+              return false;
+            basis[i] /= factor[i][i];
+          }
+        return true;
+      }
+
+      /// The shortest vector with these products with the unit normals.
+      Tensor<1, dim>
+      across(std::array<double, dim> products) const
+      {
+        Tensor<1, dim> result;
+        for (unsigned int i = 0; i < n; ++i)
+          {
+            for (unsigned int k = 0; k < i; ++k)
+              products[i] -= factor[i][k] * products[k];
+            products[i] /= factor[i][i];
+            result += products[i] * basis[i];
+          }
+        return result;
+      }
+
+      /// Go to the closest point where all level sets are zero. False where it
+      /// is not found or too far away.
+      bool
+      approach(const Query<dim> &query)
+      {
+        Tensor<1, dim> last_along, step;
+        for (unsigned int k = 0; k < 50; ++k)
+          {
+            if (!linearize(query.cell))
+              return false;
+            // Newton's step to the level sets, and one along them towards x,
+            // of a length from its last change (Barzilai and Borwein).
+            const Tensor<1, dim> newton = across(offsets);
+            Tensor<1, dim>       along  = query.x - point;
+            for (unsigned int i = 0; i < n; ++i)
+              along -= (along * basis[i]) * basis[i];
+            distance = query.x.distance(point);
+            if (newton.norm() + along.norm() < converged_distance * query.size)
+              return distance <= query.within;
+            if (distance > 3. * query.within ||
+                newton.norm() > 10. * query.within)
+              return false;
+            const Tensor<1, dim> change = last_along - along;
+            const double product = change * step, square = change * change;
+            step = newton;
+            step += (product > 0.01 * square ? product / square : 1.) * along;
+            step *= std::min(1., query.within / step.norm());
+            point += step;
+            last_along = along;
+          }
+        return false;
+      }
+    };
 
 
 
@@ -29,516 +125,179 @@ namespace greville
     class ClosestOfShape : public ClosestSurface<dim>
     {
     public:
-      ClosestOfShape(const std::string &formula, const std::string &parameter);
+      ClosestOfShape(const std::string &formula, const std::string &parameter)
+        : tree(formula, parameter)
+        , sides(tree.level_sets().size())
+        , active(sides.size())
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          ones[d] = 1.;
+        for (const LevelSet<dim> &level_set : tree.level_sets())
+          length = std::max(length,
+                            std::abs(level_set.as_plane.offset) +
+                              level_set.radius + level_set.center.norm());
+      }
 
       std::optional<ClosestPoint<dim>>
-      closest(const Point<dim> &x, const double within) const override;
+      closest(const Point<dim> &x, const double within) const override
+      {
+        Query<dim> query;
+        query.x      = x;
+        query.size   = length + x.norm() + std::min(within, 1.);
+        query.within = within + 1e-15 * query.size; // at it, too
+        // Differences over less would be round-off.
+        query.cell = std::max(std::min(within, 1.), 1e-4 * query.size) * ones;
+        singles.clear();
+        for (const LevelSet<dim> &level_set : tree.level_sets())
+          {
+            Candidate<dim> single;
+            single.point         = x;
+            single.level_sets[0] = &level_set;
+            single.n             = 1;
+            if (level_set.kind == LevelSet<dim>::plane)
+              single.point -= level_set.value(x) * level_set.as_plane.normal;
+            else if (level_set.kind == LevelSet<dim>::quadric)
+              {
+                auto out = level_set.metric * (x - level_set.center);
+                single.point -= out;
+                // All directions are the same from the center or the axis.
+                for (unsigned int d = 0; d < dim && out.norm() == 0.; ++d)
+                  out = level_set.metric * Point<dim>::unit_vector(d);
+                single.point += level_set.radius / out.norm() * out;
+              }
+            if (single.approach(query))
+              singles.push_back(single);
+          }
+        std::sort(singles.begin(), singles.end(), [](auto &a, auto &b) {
+          return a.distance < b.distance;
+        });
+        Candidate<dim> best;
+        best.distance       = query.within;
+        unsigned int n_near = 0;
+        for (; n_near < singles.size() && best.n == 0; ++n_near)
+          if (is_on_surface(singles[n_near], query.size))
+            best = singles[n_near];
+        // Only level sets that are nearer can meet at a point that is nearer.
+        for (unsigned int i = 0; i < n_near; ++i)
+          for (unsigned int j = 0; j < i; ++j)
+            for (unsigned int k = dim == 3 ? 0 : j; k <= j; ++k)
+              if (singles[i].distance < best.distance)
+                {
+                  Candidate<dim> common;
+                  for (const unsigned int l : {i, j, k})
+                    if (common.n < 2 || k < j) // else a pair
+                      common.level_sets[common.n++] = singles[l].level_sets[0];
+                  for (const unsigned int l : {i, j, k})
+                    {
+                      common.point = singles[l].point;
+                      if (common.approach(query) &&
+                          common.distance < best.distance &&
+                          is_on_surface(common, query.size))
+                        best = common;
+                    }
+                }
+        if (best.n == 0)
+          return std::nullopt;
 
+        ClosestPoint<dim> result;
+        result.point    = best.point;
+        result.distance = contains(x) ? -best.distance : best.distance;
+        result.normal   = best.n == 1 || best.distance < 1e-12 * query.size
+                            ? best.normal / best.normal.norm()
+                            : (x - best.point) / result.distance;
+        return result;
+      }
+
+      /// Around the cells of a lattice that are not outside; infinite where the
+      /// first lattice has some at its sides, and for formulas.
       BoundingBox<dim>
       box() const override
       {
-        return extent;
-      }
-
-      ClosedSurface<dim>
-      facets(const double size, const BoundingBox<dim> &clip) const override
-      {
-        return internal::facets_of(shape, size, clip);
+        const Point<dim> infinite(std::numeric_limits<double>::infinity() *
+                                  ones);
+        const BoundingBox<dim> everything({-infinite, infinite});
+        // Much larger than numbers in the formula.
+        Point<dim> upper(64. * (length > 0. ? length : 1.) * ones);
+        Point<dim> lower = -upper;
+        for (unsigned int pass = 0; pass < 6; ++pass)
+          {
+            const Tensor<1, dim>           size = (upper - lower) / 16.;
+            std::vector<CellLevelSet<dim>> level_sets;
+            for (const LevelSet<dim> &level_set : tree.level_sets())
+              if (level_set.kind == LevelSet<dim>::formula)
+                return everything;
+              else
+                level_sets.emplace_back(level_set, lower, size);
+            Point<dim> low = infinite, high = -infinite;
+            for (unsigned int cell = 0; cell < (1u << (4 * dim)); ++cell)
+              {
+                Point<dim> corner;
+                for (unsigned int d = 0; d < dim; ++d)
+                  corner[d] = (cell >> (4 * d)) & 15;
+                const BoundingBox<dim> part({corner, corner + ones});
+                for (unsigned int k = 0; k < sides.size(); ++k)
+                  sides[k] = Side(level_sets[k].sign(part));
+                if (tree.evaluate(sides, active) != ShapeTree<dim>::outside)
+                  for (unsigned int d = 0; d < dim; ++d)
+                    {
+                      low[d]  = std::min(low[d], corner[d]);
+                      high[d] = std::max(high[d], corner[d] + 1.);
+                    }
+              }
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                if (low[d] > high[d] ||
+                    (pass == 0 && (low[d] == 0. || high[d] == 16.)))
+                  return everything;
+                upper[d] = lower[d] + high[d] * size[d];
+                lower[d] += low[d] * size[d];
+              }
+          }
+        return BoundingBox<dim>({lower, upper});
       }
 
     private:
-      /**
-       * The nearest point of the surface so far.
-       */
-      struct Best
-      {
-        double                        distance;
-        double                        length; // for differences
-        Point<dim>                    point;
-        std::array<unsigned int, dim> level_sets{};
-        unsigned int                  n        = 0; // level sets
-        bool                          is_found = false;
-      };
+      using Side = typename ShapeTree<dim>::Side;
 
-      /**
-       * Take @p y if it is nearer and on the surface.
-       */
       bool
-      take(const Point<dim>                    &x,
-           const Point<dim>                    &y,
-           const std::array<unsigned int, dim> &level_sets,
-           const unsigned int                   n,
-           Best                                &best) const;
-
-      void
-      take_edges(const Point<dim> &x, Best &best) const;
-
-      /**
-       * Points that are closest to @p x on level sets of formulas and where
-       * they meet others, by Newton's method from @p start.
-       */
-      void
-      search(const Point<dim> &x, const Point<dim> &start, Best &best) const;
-
-      /**
-       * Call @p visit(level_sets, n) for all level sets of formulas, and all
-       * pairs and triples that contain one.
-       */
-      template <typename Visit>
-      void
-      visit_choices(const Visit &visit) const;
-
-      /**
-       * Points all over the surfaces and edges of formulas of a bounded body.
-       */
-      void
-      find_seeds();
-
-      /**
-       * As search(), for each surface or edge from the nearest seed.
-       */
-      void
-      search_from_seeds(const Point<dim> &x, Best &best) const;
-
-      /**
-       * The same from where rays from @p x meet the surface.
-       */
-      void
-      search_along_rays(const Point<dim> &x,
-                        const bool        is_inside,
-                        Best             &best) const;
-
-      /**
-       * Whether a formula is zero nowhere around, as samples say.
-       */
-      bool
-      is_far(const LevelSet<dim> &level_set,
-             const Point<dim>    &x,
-             const double         within) const;
-
-      internal::SidesOfShape<dim>        shape;
-      BoundingBox<dim>                   extent;
-      std::vector<Edge>                  edges;
-      std::vector<internal::Corner<dim>> corners;
-      std::vector<Tensor<1, dim>>        rays;
-
-      // On these level sets.
-      struct Seeds
+      contains(const Point<dim> &x) const
       {
-        std::array<unsigned int, dim> level_sets;
-        unsigned int                  n;
-        std::vector<Point<dim>>       points;
-      };
-      std::vector<Seeds> seeds;
+        for (unsigned int k = 0; k < sides.size(); ++k)
+          sides[k] = Side(tree.level_sets()[k].value(x) <= 0. ? -1 : 1);
+        return tree.evaluate(sides, active) == ShapeTree<dim>::inside;
+      }
 
-      // By level set, of the current x: no less than this, 0 where unknown.
-      mutable std::vector<double> distances;
+      /// Whether both sides of the surface are in the sectors between the level
+      /// sets; sets the normal.
+      bool
+      is_on_surface(Candidate<dim> &candidate, const double size) const
+      {
+        candidate.normal = 0.;
+        bool found[2]    = {false, false};
+        for (unsigned int s = 0; s < (1u << candidate.n); ++s)
+          {
+            std::array<double, dim> signs;
+            for (unsigned int i = 0; i < dim; ++i)
+              signs[i] = (s >> i) & 1 ? 1. : -1.;
+            Tensor<1, dim> direction = candidate.across(signs);
+            direction /= direction.norm();
+            const bool is_inside =
+              contains(candidate.point + beside_surface * size * direction);
+            candidate.normal += (is_inside ? -1. : 1.) * direction;
+            found[is_inside] = true;
+          }
+        return found[0] && found[1];
+      }
+
+      ShapeTree<dim> tree;
+      double         length = 0.; // of numbers in the formula
+      Tensor<1, dim> ones;
+
+      // For searches.
+      mutable std::vector<Side>           sides;
+      mutable std::vector<bool>           active;
+      mutable std::vector<Candidate<dim>> singles;
     };
-
-
-
-    template <int dim>
-    ClosestOfShape<dim>::ClosestOfShape(const std::string &formula,
-                                        const std::string &parameter)
-      : shape(formula, parameter)
-      , extent(shape.box())
-    {
-      const auto &all = shape.level_sets();
-      distances.assign(all.size(), 0.);
-      std::vector<internal::Corner<dim>> points;
-      if constexpr (dim == 3)
-        {
-          edges = internal::find_edges(all, shape.numbers, shape.length);
-          points =
-            internal::find_corners(all, shape.numbers, edges, shape.length);
-        }
-      else
-        points = internal::find_corners(all, shape.numbers, shape.length);
-      for (const auto &point : points)
-        // Formulas may be undefined far away.
-        if (shape.has_formulas ||
-            shape.is_on_surface(point.x, point.level_sets, dim, shape.length))
-          corners.push_back(point);
-      unsigned int n_rays = 1;
-      for (unsigned int d = 0; d < dim; ++d)
-        n_rays *= 3;
-      if (shape.has_formulas)
-        for (unsigned int k = 0; k < n_rays; ++k)
-          if (k != n_rays / 2)
-            {
-              // Not along axes, which formulas like.
-              Tensor<1, dim> ray;
-              for (unsigned int d = 0, rest = k; d < dim; ++d, rest /= 3)
-                ray[d] = rest % 3 - 1. + 0.1 * (d + 1.);
-              rays.push_back(ray / ray.norm());
-            }
-      find_seeds();
-    }
-
-
-
-    template <int dim>
-    bool
-    ClosestOfShape<dim>::take(const Point<dim>                    &x,
-                              const Point<dim>                    &y,
-                              const std::array<unsigned int, dim> &level_sets,
-                              const unsigned int                   n,
-                              Best                                &best) const
-    {
-      const double distance = x.distance(y);
-      if (!(distance < best.distance) ||
-          !shape.is_on_surface(y, level_sets, n, best.length))
-        return false;
-      best.distance   = distance;
-      best.point      = y;
-      best.level_sets = level_sets;
-      best.n          = n;
-      best.is_found   = true;
-      return true;
-    }
-
-
-
-    template <int dim>
-    void
-    ClosestOfShape<dim>::take_edges(const Point<dim> &x, Best &best) const
-    {
-      if constexpr (dim == 3)
-        for (const Edge &edge : edges)
-          {
-            const unsigned int a = edge.level_sets[0], b = edge.level_sets[1];
-            if (distances[a] >= best.distance || distances[b] >= best.distance)
-              continue;
-            const auto   towards = x - edge.center;
-            const double along   = edge.direction * towards;
-            if (edge.kind == Edge::line)
-              take(x, edge.center + along * edge.direction, {{a, b}}, 2, best);
-            else if (edge.kind == Edge::circle)
-              {
-                const auto   out      = towards - along * edge.direction;
-                const double distance = out.norm();
-                take(x,
-                     distance > 1e-14 * edge.radius
-                       ? edge.center + edge.radius / distance * out
-                       : edge.center + edge.radius * edge.across,
-                     {{a, b}},
-                     2,
-                     best);
-              }
-            else
-              {
-                const ConstrainedPoint<dim> point({{&shape.level_sets()[a],
-                                                    &shape.level_sets()[b]}},
-                                                  2,
-                                                  best.length);
-                edge.visit_minima(
-                  [&](const Point<3> &y) { return (x - y).norm_square(); },
-                  [&](Point<3> y) {
-                    if (point.approach(x, y))
-                      take(x, y, {{a, b}}, 2, best);
-                  });
-              }
-          }
-    }
-
-
-
-    template <int dim>
-    template <typename Visit>
-    void
-    ClosestOfShape<dim>::visit_choices(const Visit &visit) const
-    {
-      const auto                   &numbers = shape.numbers;
-      std::array<unsigned int, dim> chosen{};
-      const auto                    try_chosen = [&](const unsigned int n) {
-        for (unsigned int i = 0; i < n; ++i)
-          if (shape.level_sets()[chosen[i]].kind == LevelSet<dim>::formula)
-            {
-              visit(chosen, n);
-              return;
-            }
-      };
-      for (unsigned int i = 0; i < numbers.size(); ++i)
-        {
-          chosen[0] = numbers[i];
-          try_chosen(1);
-        }
-      for (unsigned int i = 0; i < numbers.size(); ++i)
-        for (unsigned int j = 0; j < i; ++j)
-          {
-            chosen[0] = numbers[i];
-            chosen[1] = numbers[j];
-            try_chosen(2);
-            if constexpr (dim == 3)
-              for (unsigned int k = 0; k < j; ++k)
-                {
-                  chosen[2] = numbers[k];
-                  try_chosen(3);
-                }
-          }
-    }
-
-
-
-    template <int dim>
-    void
-    ClosestOfShape<dim>::find_seeds()
-    {
-      bool   is_finite = shape.has_formulas;
-      double size      = 0.;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          is_finite = is_finite && std::isfinite(extent.lower_bound(d)) &&
-                      std::isfinite(extent.upper_bound(d));
-          size = std::max(size, extent.side_length(d));
-        }
-      if (!is_finite)
-        return;
-      visit_choices([&](const std::array<unsigned int, dim> &chosen,
-                        const unsigned int                   n) {
-        const ConstrainedPoint<dim> point(shape.pointers(chosen, n),
-                                          n,
-                                          std::min(size, 1.));
-        Seeds                       found    = {chosen, n, {}};
-        const unsigned int          n_starts = dim == 2 ? 12 : n == 3 ? 4 : 6;
-        for (unsigned int k = 0; k < std::pow(n_starts, dim); ++k)
-          {
-            Point<dim> y;
-            for (unsigned int d = 0, rest = k; d < dim; ++d, rest /= n_starts)
-              y[d] = extent.lower_bound(d) +
-                     (rest % n_starts + 0.5) / n_starts * extent.side_length(d);
-            try
-              {
-                if (point.restore(y) &&
-                    std::none_of(found.points.begin(),
-                                 found.points.end(),
-                                 [&](const Point<dim> &other) {
-                                   return y.distance(other) < 1e-9 * size;
-                                 }) &&
-                    shape.is_on_surface(y, chosen, n, std::min(size, 1.)))
-                  found.points.push_back(y);
-              }
-            catch (const std::exception &)
-              {
-                // A formula is undefined there.
-              }
-          }
-        if (!found.points.empty())
-          seeds.push_back(found);
-      });
-    }
-
-
-
-    template <int dim>
-    void
-    ClosestOfShape<dim>::search_from_seeds(const Point<dim> &x,
-                                           Best             &best) const
-    {
-      for (const Seeds &some : seeds)
-        {
-          bool is_far = false;
-          for (unsigned int i = 0; i < some.n; ++i)
-            is_far = is_far || distances[some.level_sets[i]] == infinitely_far;
-          if (is_far)
-            continue;
-          const Point<dim> *nearest = &some.points[0];
-          for (const Point<dim> &y : some.points)
-            if ((x - y).norm_square() < (x - *nearest).norm_square())
-              nearest = &y;
-          const ConstrainedPoint<dim> point(
-            shape.pointers(some.level_sets, some.n), some.n, best.length);
-          Point<dim> y = *nearest;
-          if (point.approach(x, y))
-            take(x, y, some.level_sets, some.n, best);
-        }
-    }
-
-
-
-    template <int dim>
-    void
-    ClosestOfShape<dim>::search(const Point<dim> &x,
-                                const Point<dim> &start,
-                                Best             &best) const
-    {
-      visit_choices(
-        [&](const std::array<unsigned int, dim> &chosen, const unsigned int n) {
-          if (distances[chosen[0]] == infinitely_far)
-            return;
-          for (unsigned int i = 0; i < n; ++i)
-            if (n > 1 && distances[chosen[i]] >= best.distance)
-              return;
-          const ConstrainedPoint<dim> point(shape.pointers(chosen, n),
-                                            n,
-                                            best.length);
-          Point<dim>                  y = start;
-          if (!point.approach(x, y))
-            return;
-          take(x, y, chosen, n, best);
-          // What other level sets have in common with it is further away.
-          double &distance = distances[chosen[0]];
-          if (n == 1 && (distance == 0. || x.distance(y) < distance))
-            distance = x.distance(y);
-        });
-    }
-
-
-
-    template <int dim>
-    void
-    ClosestOfShape<dim>::search_along_rays(const Point<dim> &x,
-                                           const bool        is_inside,
-                                           Best             &best) const
-    {
-      // Without any point so far, in balls that grow.
-      const bool   is_unbounded = std::isinf(best.distance);
-      double       radius       = is_unbounded ? best.length : best.distance;
-      unsigned int n_searches   = 0;
-      for (unsigned int growth = 0; growth < (is_unbounded ? 40 : 1); ++growth)
-        {
-          for (const Tensor<1, dim> &ray : rays)
-            {
-              double before = 0.;
-              for (const double part : ray_parts)
-                {
-                  double after = part * std::min(radius, best.distance);
-                  if (shape.is_inside(x + after * ray) == is_inside)
-                    {
-                      before = after;
-                      continue;
-                    }
-                  for (unsigned int k = 0; k < 12; ++k)
-                    {
-                      const double middle = 0.5 * (before + after);
-                      (shape.is_inside(x + middle * ray) == is_inside ? before
-                                                                      : after) =
-                        middle;
-                    }
-                  search(x, x + 0.5 * (before + after) * ray, best);
-                  if (++n_searches == most_searches && !is_unbounded)
-                    return;
-                  break;
-                }
-            }
-          if (n_searches > 0)
-            break;
-          radius *= 2.;
-        }
-      if (is_unbounded && best.is_found)
-        search_along_rays(x, is_inside, best);
-    }
-
-
-
-    template <int dim>
-    bool
-    ClosestOfShape<dim>::is_far(const LevelSet<dim> &level_set,
-                                const Point<dim>    &x,
-                                const double         within) const
-    {
-      if (!(within < 1e3 * (1. + shape.length + x.norm())))
-        return false;
-      const double value  = level_set.value(x);
-      double       change = 0.;
-      for (unsigned int d = 0; d < dim; ++d)
-        for (const int side : {-1, 1})
-          {
-            Point<dim> shifted = x;
-            shifted[d] += side * within;
-            change =
-              std::max(change, std::abs(level_set.value(shifted) - value));
-          }
-      return std::abs(value) > 2. * std::sqrt(double(dim)) * change;
-    }
-
-
-
-    template <int dim>
-    std::optional<ClosestPoint<dim>>
-    ClosestOfShape<dim>::closest(const Point<dim> &x, const double within) const
-    {
-      double outside_of_box = 0.;
-      for (unsigned int d = 0; d < dim; ++d)
-        outside_of_box = std::max({outside_of_box,
-                                   extent.lower_bound(d) - x[d],
-                                   x[d] - extent.upper_bound(d)});
-      if (outside_of_box > within)
-        return std::nullopt;
-
-      const auto &all = shape.level_sets();
-      Best        best;
-      // Also what is at this distance.
-      best.distance =
-        within + 1e-15 * (shape.length + x.norm() + std::abs(within));
-      // Differences over less would be round-off.
-      best.length =
-        std::max(std::min(within, 1.), 1e-4 * (shape.length + x.norm()));
-      bool has_formulas = false;
-      for (const unsigned int k : shape.numbers)
-        {
-          if (all[k].kind == LevelSet<dim>::formula)
-            {
-              const bool far = is_far(all[k], x, within);
-              distances[k]   = far ? infinitely_far : 0.;
-              has_formulas   = has_formulas || !far;
-              continue;
-            }
-          const Point<dim> y = internal::project(all[k], x);
-          distances[k]       = x.distance(y);
-          std::array<unsigned int, dim> chosen{};
-          chosen[0] = k;
-          take(x, y, chosen, 1, best);
-        }
-      take_edges(x, best);
-      for (const auto &corner : corners)
-        take(x, corner.x, corner.level_sets, dim, best);
-      const bool is_inside = shape.is_inside(x);
-      if (has_formulas)
-        {
-          search(x, x, best);
-          // Corners next to the point so far, to which Newton's method does
-          // not come from x.
-          const auto search_again = [&]() {
-            double last = infinitely_far;
-            while (shape.numbers.size() > 1 && best.is_found &&
-                   best.distance < last)
-              {
-                last = best.distance;
-                search(x, Point<dim>(best.point), best);
-              }
-          };
-          search_from_seeds(x, best);
-          search_again();
-          search_along_rays(x, is_inside, best);
-          search_again();
-        }
-      if (!best.is_found)
-        return std::nullopt;
-
-      ClosestPoint<dim> result;
-      result.point      = best.point;
-      result.distance   = is_inside ? -best.distance : best.distance;
-      const double tiny = 1e-12 * (shape.length + x.norm() + best.point.norm());
-      const Tensor<1, dim> towards = x - best.point;
-      if (best.distance > tiny && best.n == 1)
-        {
-          result.normal = internal::derivatives(all[best.level_sets[0]],
-                                                best.point,
-                                                best.length,
-                                                false)
-                            .gradient;
-          if (result.normal * towards * result.distance < 0.)
-            result.normal = -result.normal;
-        }
-      else if (best.distance <= tiny)
-        shape.is_on_surface(
-          best.point, best.level_sets, best.n, best.length, &result.normal);
-      if (!(result.normal.norm() > 0.))
-        result.normal = towards / result.distance;
-      result.normal /= result.normal.norm();
-      return result;
-    }
   } // namespace
 
 
@@ -547,6 +306,8 @@ namespace greville
   std::unique_ptr<ClosestSurface<dim>>
   make_closest_surface(const std::string &formula, const std::string &parameter)
   {
+    // The tree relies on the right numbers of arguments.
+    const Shape<dim> checked(formula, parameter);
     return std::make_unique<ClosestOfShape<dim>>(formula, parameter);
   }
 

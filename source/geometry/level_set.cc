@@ -37,6 +37,30 @@ namespace greville
 
 
   template <int dim>
+  Tensor<1, dim>
+  LevelSet<dim>::gradient(const Point<dim> &x, const Tensor<1, dim> &size) const
+  {
+    if (kind == plane)
+      return as_plane.normal;
+    if (kind == quadric)
+      return metric * (x - center) / radius;
+    Tensor<1, dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (int k = 1; k <= 3; ++k)
+        for (const int side : {-1, 1})
+          {
+            const double step    = difference_step * size[d];
+            Point<dim>   shifted = x;
+            shifted[d] += side * k * step;
+            result[d] +=
+              side * difference_weights[k - 1] / step * value(shifted);
+          }
+    return result;
+  }
+
+
+
+  template <int dim>
   bool
   LevelSet<dim>::operator==(const LevelSet &other) const
   {
@@ -75,13 +99,22 @@ namespace greville
 
 
   template <int dim>
-  double
-  CellLevelSet<dim>::value(const Point<dim> &xi, const unsigned int) const
+  Point<dim>
+  CellLevelSet<dim>::position(const Point<dim> &xi) const
   {
     Point<dim> x = corner;
     for (unsigned int d = 0; d < dim; ++d)
       x[d] += xi[d] * size[d];
-    return scale * level_set.value(x);
+    return x;
+  }
+
+
+
+  template <int dim>
+  double
+  CellLevelSet<dim>::value(const Point<dim> &xi, const unsigned int) const
+  {
+    return scale * level_set.value(position(xi));
   }
 
 
@@ -90,29 +123,7 @@ namespace greville
   Tensor<1, dim>
   CellLevelSet<dim>::gradient(const Point<dim> &xi, const unsigned int) const
   {
-    Tensor<1, dim> result;
-    if (level_set.kind == LevelSet<dim>::formula)
-      {
-        for (unsigned int d = 0; d < dim; ++d)
-          for (int k = 1; k <= 3; ++k)
-            for (const int side : {-1, 1})
-              {
-                Point<dim> shifted = xi;
-                shifted[d] += side * k * difference_step;
-                result[d] += side * difference_weights[k - 1] /
-                             difference_step * value(shifted);
-              }
-        return result;
-      }
-    if (level_set.kind == LevelSet<dim>::plane)
-      result = level_set.as_plane.normal;
-    else
-      {
-        Tensor<1, dim> x = corner - level_set.center;
-        for (unsigned int d = 0; d < dim; ++d)
-          x[d] += xi[d] * size[d];
-        result = level_set.metric * x / level_set.radius;
-      }
+    Tensor<1, dim> result = level_set.gradient(position(xi), size);
     for (unsigned int d = 0; d < dim; ++d)
       result[d] *= scale * size[d];
     return result;

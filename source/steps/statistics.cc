@@ -54,7 +54,7 @@ namespace greville
     for (const auto &[name, contact] : contacts)
       {
         const std::string begin = "contact_" + name;
-        add(begin, contact.force);
+        add("contact_" + name, contact.force);
         if (dim == 2)
           result.emplace_back(begin + "_moment", contact.moment[0]);
         else
@@ -62,13 +62,13 @@ namespace greville
         result.emplace_back(begin + "_gap", contact.gap);
         result.emplace_back(begin + "_area", contact.area);
         const auto found = work.contacts.find(name);
-        result.emplace_back("work_" + begin,
+        result.emplace_back("work_contact_" + name,
                             found == work.contacts.end() ? 0. : found->second);
       }
     for (const auto &[name, body] : rigid_bodies)
       {
         const std::string begin = "rigid_" + name;
-        add(begin, current_position(body, body.reference));
+        add("rigid_" + name, current_position(body, body.reference));
         for (unsigned int d = 0; d < dim; ++d)
           result.emplace_back(begin + "_v" + "xyz"[d], body.velocity[d]);
       }

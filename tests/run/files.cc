@@ -44,6 +44,8 @@ namespace
   run(const Text &text, const std::string &directory)
   {
     const bool first = Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+    // Others may still read what is removed here.
+    MPI_Barrier(MPI_COMM_WORLD);
     if (first)
       {
         std::filesystem::remove_all(directory);

@@ -48,35 +48,32 @@ namespace greville
     closest(const dealii::Point<dim> &x, const double within) const = 0;
 
     /**
-     * A box around the body, which may be larger by some hundredths, and
-     * infinite in some directions.
+     * A box around the body, which may be larger by a quarter, or infinite
+     * where the end of the body is not known.
      */
     virtual dealii::BoundingBox<dim>
     box() const = 0;
-
-    /**
-     * Facets for pictures, as a ClosedSurface where the body lies inside of
-     * @p clip. Meshes are as they were given. Shapes of formulas are cut by a
-     * lattice of about @p size (m) inside of @p clip, which has to be finite:
-     * the corners of facets are on the surface, edges are cut off.
-     */
-    virtual ClosedSurface<dim>
-    facets(const double size, const dealii::BoundingBox<dim> &clip) const = 0;
   };
 
 
 
   /**
    * The surface of a body from a @p formula that ShapeTree takes. The closest
-   * point is one of the projections of x onto single level sets, onto curves in
-   * which two of them meet, or is a corner; of those that separate the inside
-   * from the outside it is the nearest. For planes, balls and cylinders all
-   * projections are found, so that the distance is exact. For formulas they are
-   * found by Newton's method from x, from points all over the surface where the
-   * box around the body is finite, and, where samples in the ball around x that
-   * reaches to the nearest point lie on the other side of the surface, from
-   * there. Formulas have to be smooth where they are zero; derivatives are
-   * differences of sixth order.
+   * point is the projection of x onto a single level set, or onto points that
+   * two or three of them have in common; of those with the inside on one side
+   * and the outside on the other it is the nearest.
+   *
+   * Projections onto single planes, balls and cylinders are closed forms. All
+   * others are found by Newton's method across the level sets and steps along
+   * them as long as Barzilai and Borwein's. They start from x for a formula,
+   * and from a projection onto a curved level set for edges and corners. So
+   * they find a closest point where x is nearer to it than the radius of
+   * curvature and other parts of the same level sets or edges; elsewhere the
+   * distance may be too large, or nothing may be found.
+   *
+   * Formulas have to be defined, and smooth where they are zero, within three
+   * times @p within; their derivatives are differences of sixth order over
+   * hundredths of it. The box of a formula is infinite.
    *
    * Throws dealii::ExcMessage, which names the @p parameter, where the formula
    * is wrong.
@@ -97,7 +94,7 @@ namespace greville
    */
   template <int dim>
   std::unique_ptr<ClosestSurface<dim>>
-  make_closest_surface(ClosedSurface<dim> surface);
+  make_closest_surface(const ClosedSurface<dim> &surface);
 } // namespace greville
 
 #endif

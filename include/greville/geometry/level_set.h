@@ -32,6 +32,13 @@ namespace greville
     double
     value(const dealii::Point<dim> &x) const;
 
+    /**
+     * Of formulas, from differences of sixth order over hundredths of @p size.
+     */
+    dealii::Tensor<1, dim>
+    gradient(const dealii::Point<dim>     &x,
+             const dealii::Tensor<1, dim> &size) const;
+
     bool
     operator==(const LevelSet &other) const;
 
@@ -105,6 +112,9 @@ namespace greville
     }
 
   private:
+    dealii::Point<dim>
+    position(const dealii::Point<dim> &xi) const;
+
     const LevelSet<dim>   &level_set;
     dealii::Point<dim>     corner;
     dealii::Tensor<1, dim> size;
