@@ -4,7 +4,7 @@
 // Every shipped parameter file, those of the user guide and the examples of the
 // reference parse, their files are there, their points can be made on a coarse
 // grid, and doc/simulation_parameters.md is what the program says, with an
-// example in each section. It has at most 190 rows, and some shipped file sets
+// example in each section. It has at most 195 rows, and some shipped file sets
 // what each of them describes.
 #include <greville/base/templates.h>
 #include <greville/steps/ensemble.h>
@@ -62,7 +62,7 @@ namespace
   void
   check_rows(const std::filesystem::path &page, const std::set<Parameter> &set)
   {
-    constexpr unsigned int largest_number = 190;
+    constexpr unsigned int largest_number = 195;
     std::ifstream          lines(page);
     std::string            section;
     unsigned int           n_rows = 0;
