@@ -71,7 +71,7 @@ namespace greville
       out << "  " << std::left << std::setw(16) << body.name << " "
           << std::setw(16) << body.parameters->material << std::right
           << std::setw(7) << body.n_points << '\n';
-    if (ensemble.n_parts() > 1)
+    if (parameters.has_body_grids() || ensemble.n_parts() > 1)
       {
         out << "\n  grid of          cells            order\n";
         for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
@@ -122,7 +122,7 @@ namespace greville
         << ", quadrature by " << scheme.quadrature << "\n\n";
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
-        if (ensemble.n_parts() > 1)
+        if (parameters.has_body_grids() || ensemble.n_parts() > 1)
           out << "  grid of " << ensemble.part(k).bodies()[0].name << ":\n";
         print_levels(out, ensemble.part(k), parameters);
       }
