@@ -45,7 +45,8 @@ namespace
       {
         const std::string section = std::regex_replace(
           std::regex_replace(line.section, std::regex("^Stage [^/]+/"), ""),
-          std::regex("^(Body|Material|Stage|Surface load|Rigid body|Contact) [^/]+"),
+          std::regex(
+            "^(Body|Material|Stage|Surface load|Rigid body|Contact) [^/]+"),
           "$1 NAME");
         result.emplace(section, line.name);
         if (section == "Material NAME")
