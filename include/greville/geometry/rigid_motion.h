@@ -20,8 +20,7 @@ namespace greville
 
 
   /**
-   * Where a rigid body is, and how it moves: what was at X in the beginning is
-   * at
+   * Where a rigid body is, and how it moves: what was initially at X is at
    *   x = X_0 + u + R (X - X_0),
    * and has the velocity v + w x (x - X_0 - u), with the reference point X_0,
    * the displacement u (m), rotation R, velocity v (m/s) and spin w (rad/s).
@@ -84,7 +83,7 @@ namespace greville
 
 
   /**
-   * Where the point is that was at @p X in the beginning.
+   * Where the point is that was initially at @p X.
    */
   template <int dim>
   dealii::Point<dim>
@@ -97,7 +96,7 @@ namespace greville
 
 
   /**
-   * Where the point was in the beginning that is at @p x: the inverse of
+   * Where the point was initially that is at @p x: the inverse of
    * current_position().
    */
   template <int dim>
