@@ -458,10 +458,8 @@ class Run:
             sample = mine[np.linspace(0, len(mine) - 1, 200).astype(int)] if len(mine) > 1 else []
             squares = [np.partition(((mine - s)**2).sum(axis=1), 1)[1] for s in sample] or [1e-4]
             volumes[b] = np.median(squares)**(self.dim / 2)
-        # The mass in the statistics is that of the bodies without an imposed velocity.
-        free = np.array([not self.parameters.get(f"Body {name}/Imposed velocity") for name in self.bodies] or [True] * len(volumes))[body]
-        if free.any() and (self.folder / "statistics.csv").exists():
-            volumes *= self.statistics["mass"][0] / np.sum((points["density"] * volumes[body] * points["J"])[free])
+        if (self.folder / "statistics.csv").exists():
+            volumes *= self.statistics["mass"][0] / np.sum(points["density"] * volumes[body] * points["J"])
         return volumes
 
     def reference(self, name):

@@ -163,8 +163,7 @@ namespace greville
                       << " s from " << names(false);
               AssertThrow(false, ExcMessage(message.str()));
             }
-          if (!body.rigid_motion)
-            largest = std::max(largest, size);
+          largest = std::max(largest, size);
         });
       }
   }
@@ -177,14 +176,14 @@ namespace greville
                         const double                  t) const
   {
     std::vector<LoadedSurface<dim>> result;
-    for (const Body<dim> *body : deformable_bodies(bodies))
+    for (const Body<dim> &body : bodies)
       {
         std::vector<typename PointLoad<dim>::AtPosition> accelerations;
         for (const auto &load : point_loads)
-          if (auto acceleration = load->at_position(body->points.layout(), t))
+          if (auto acceleration = load->at_position(body.points.layout(), t))
             accelerations.push_back(std::move(acceleration));
         if (!accelerations.empty())
-          result.push_back({&body->points,
+          result.push_back({&body.points,
                             [accelerations](const ConstPointRef<dim> p,
                                             const SurfaceState<dim> &state) {
                               Tensor<1, dim> sum;

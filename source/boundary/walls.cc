@@ -218,8 +218,8 @@ namespace greville
                     " s. Walls of the grid can move along themselves only (or "
                     "a tenth of a cell, " +
                     std::to_string(0.1 * h) +
-                    " m), but for total Lagrangian steps: take a body with an "
-                    "'Imposed velocity' as a piston."));
+                    " m), but for total Lagrangian steps: take one of "
+                    "'Simulation/Rigid bodies' as a piston."));
               }
           }
   }

@@ -301,9 +301,5 @@ namespace greville
              "'Walls/" + WallParameters::names[w] + "' = friction",
              "walls act on the initial configuration, which does not slide "
              "along them.");
-    for (const auto &[name, body] : bodies)
-      refuse(!body.imposed_velocity.empty(),
-             "'Body " + name + "/Imposed velocity'",
-             "bodies do not see one another.");
   }
 } // namespace greville

@@ -218,10 +218,6 @@ namespace greville
               continue;
             }
           const BodyParameters &body = all_bodies.at(name);
-          AssertThrow(body.imposed_velocity.empty(),
-                      ExcMessage(parameter +
-                                 ", which has an 'Imposed velocity': make it "
-                                 "one of 'Simulation/Rigid bodies'."));
           AssertThrow(body.points_file.empty(),
                       ExcMessage(parameter +
                                  ", which has a 'Points file': its surface is "

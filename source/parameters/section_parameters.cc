@@ -162,10 +162,6 @@ namespace greville
                      ? "'Placement' is " + bearer.placement
                      : "there is a 'Points file'") +
                   "."));
-    AssertThrow(bearer.imposed_velocity.empty(),
-                ExcMessage("'" + section + "' acts on 'Body " + body +
-                           "', which has an 'Imposed velocity' and feels no "
-                           "force."));
     // What each kind needs, and all others do without.
     const auto belongs = [&](const bool                      is_given,
                              const std::string              &name,

@@ -354,8 +354,7 @@ namespace greville
             }
           // APIC's matrix is the gradient of the velocity at the place to
           // which the displacement has moved the point.
-          if (affine && !velocity.is_zero() &&
-              parameters.imposed_velocity.empty())
+          if (affine && !velocity.is_zero())
             {
               const Tensor<2, 3> C =
                 gradient_of<dim>(velocity, point.image, steps) *
@@ -404,10 +403,6 @@ namespace greville
                                      layout.is_total_lagrangian(),
                                      space);
         insert_points(body, file.points, file, section, gravity);
-        if (!parameters.imposed_velocity.empty())
-          body.rigid_motion.emplace(parameters.imposed_velocity,
-                                    section + "/Imposed velocity",
-                                    std::vector<std::string>{"t"});
       },
       space.communicator());
 

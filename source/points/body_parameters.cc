@@ -80,9 +80,5 @@ namespace greville
       "For K0: where the body ends against gravity, as the coordinate along "
       "the axis of gravity; a formula of x, y (, z). No point may lie beyond "
       "it by half a cell or more. Unit: m.");
-    add_parameter(prm, "Imposed velocity", imposed_velocity)(
-      "Formulas of t, separated by semicolons: points follow this velocity and "
-      "feel no force. Other bodies stick to them, whatever their density, and "
-      "let go where they would be pulled. Empty: a free body. Unit: m / s.");
   }
 } // namespace greville

@@ -259,11 +259,10 @@ namespace greville
   template <int dim>
   void
   RowSums<dim>::add(const MaterialPoints<dim> &points,
-                    const PointTransfer<dim>  *transfer,
-                    const Tensor<1, dim>      *imposed)
+                    const PointTransfer<dim>  *transfer)
   {
-    const PointField *field = points.layout().find("affine");
-    double            v[dim * n_lanes], D[dim * n_lanes] = {};
+    const PointField *field            = points.layout().find("affine");
+    double            D[dim * n_lanes] = {};
     for (const unsigned int cell : points.cells())
       {
         unsigned int count = points.n_in_first_group(cell);
@@ -275,11 +274,8 @@ namespace greville
             add_group(points, group, count);
             if (!transfer)
               continue;
-            std::copy_n(group + PointLayout<dim>::velocity * n_lanes,
-                        dim * n_lanes,
-                        v);
-            for (unsigned int d = 0; imposed && d < dim; ++d)
-              std::fill_n(v + d * n_lanes, n_lanes, (*imposed)[d]);
+            const double *const v =
+              group + PointLayout<dim>::velocity * n_lanes;
             if (!field)
               {
                 add_motion(group, count, v);

@@ -244,8 +244,6 @@ namespace greville
     std::set<std::string> names;
     for (const Body<dim> &body : bodies)
       {
-        if (body.rigid_motion)
-          continue;
         const Material    &material = *body.material;
         const Moduli       moduli   = material.moduli();
         const std::string &name     = body.parameters->material;
@@ -268,7 +266,7 @@ namespace greville
           }
         if (body.parameters->K0 >= 0.)
           for (const Body<dim> &other : bodies)
-            if (&other != &body && !other.rigid_motion)
+            if (&other != &body)
               {
                 const auto above = mass_above(body, other, first_gravity, comm);
                 if (above.second > least_load * above.first)

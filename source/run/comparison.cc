@@ -303,11 +303,10 @@ namespace greville
       return (p.reference(1) > y) != has_failed;
     };
     for (const Body<dim> &body : bodies)
-      if (!body.rigid_motion)
-        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-          if (is_wrong(p))
-            area += p.volume0();
-        });
+      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        if (is_wrong(p))
+          area += p.volume0();
+      });
     return Utilities::MPI::sum(area, comm) / length;
   }
 

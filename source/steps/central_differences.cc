@@ -122,9 +122,7 @@ namespace greville
 
   template <int dim>
   ContactStep<dim>
-  CentralDifferences<dim>::contact_step(State<dim> &state,
-                                        const bool  knows_force,
-                                        const bool  knows_velocity)
+  CentralDifferences<dim>::contact_step(State<dim> &state)
   {
     const double     begin = state.velocity_time;
     ContactStep<dim> step{state,
@@ -132,11 +130,8 @@ namespace greville
                           discretization.transfer(),
                           begin,
                           begin + trial.velocity_step,
-                          trial.velocity_step,
-                          loads.gravity(state.time)};
-    step.knows_force    = knows_force;
-    step.knows_velocity = knows_velocity;
-    step.row            = row;
+                          trial.velocity_step};
+    step.row = row;
     return step;
   }
 
@@ -144,15 +139,13 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::constrain(State<dim> &state,
-                                     const bool  knows_force,
-                                     const bool  knows_velocity)
+  CentralDifferences<dim>::constrain(State<dim> &state)
   {
     if (!have_constraints)
       return;
     for (GridField<dim> &field : discretization.fields())
       field.constraints.clear(discretization.space().owned_functions().size());
-    ContactStep<dim> step = contact_step(state, knows_force, knows_velocity);
+    ContactStep<dim> step = contact_step(state);
     for (const auto &contact : contacts)
       contact->constrain(step);
     for (GridField<dim> &field : discretization.fields())
@@ -181,7 +174,6 @@ namespace greville
   void
   CentralDifferences<dim>::begin_step(State<dim> &state)
   {
-    impose_velocities(state.bodies, state.time + 0.5 * trial.step);
     // Both ends do work.
     fail_with(
       [&]() {
@@ -189,9 +181,6 @@ namespace greville
         loads.gravity(state.time + trial.step);
       },
       false);
-    const ContactStep<dim> step = contact_step(state, false, false);
-    for (const auto &contact : contacts)
-      contact->begin_step(step);
     const PartTimer timer(log, "loads");
     const auto      set = [&]() {
       loads.set(state.bodies, state.time);
@@ -240,7 +229,7 @@ namespace greville
     const double share = kept_share(state);
     discretization.sum(state, true);
     set_guesses(state);
-    constrain(state, true, false);
+    constrain(state);
     add_gravity(state.time);
     for (GridField<dim> &field : discretization.fields())
       {

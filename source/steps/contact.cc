@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/steps/obstacles.h>
 #include <greville/steps/wall_friction.h>
 
 namespace greville
@@ -15,9 +14,7 @@ namespace greville
     contacts()
     {
       static std::vector<MakeContact<dim>> list = {
-        LumpedWallFriction<dim>::make,
-        WallFriction<dim>::make,
-        Obstacles<dim>::make};
+        LumpedWallFriction<dim>::make, WallFriction<dim>::make};
       return list;
     }
   } // namespace

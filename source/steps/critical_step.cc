@@ -186,7 +186,7 @@ namespace greville
       {
         const Moduli moduli = body->material->moduli();
         const bool   flows  = moduli.viscosity + moduli.bulk_viscosity > 0.;
-        if (body->rigid_motion || !(moduli.bulk + moduli.shear > 0. || flows))
+        if (!(moduli.bulk + moduli.shear > 0. || flows))
           continue;
         bodies.push_back(body);
         is_viscous = is_viscous || flows;

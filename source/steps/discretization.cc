@@ -214,14 +214,8 @@ namespace greville
     grid_fields.clear();
     for (const auto &of_field : bodies)
       {
-        bool has_points = false;
-        for (const unsigned int b : of_field)
-          has_points =
-            has_points || parameters.bodies.at(parameters.general.bodies[b])
-                            .imposed_velocity.empty();
-        AssertThrow(bodies.size() == 1 || has_points,
-                    ExcMessage("One of GridParameters::fields has no body "
-                               "without an 'Imposed velocity'."));
+        AssertThrow(!of_field.empty(),
+                    ExcMessage("One of GridParameters::fields has no body."));
         grid_fields.emplace_back();
         GridField<dim> &field = grid_fields.back();
         field.bodies          = of_field;
@@ -283,8 +277,6 @@ namespace greville
     for (const unsigned int b : field.bodies)
       {
         const Body<dim> &body = state.bodies[b];
-        if (body.rigid_motion)
-          continue;
         if (!sums_over_points && anew)
           reconstruction->reconstruct(body.points, reconstructed[b]);
         field.points.push_back(sums_over_points ? &body.points
@@ -453,18 +445,16 @@ namespace greville
   {
     const PartTimer timer(log, "transport");
     std::string     problem;
-    // All points, free ones, removed ones, and the mass of the last: integers
-    // are exact in doubles.
-    std::vector<double> counts(4);
+    // Points, removed ones, and the mass of the last: integers are exact in
+    // doubles.
+    std::vector<double> counts(3);
     for (unsigned int b = 0; b < state.bodies.size(); ++b)
       {
         Body<dim> &body   = state.bodies[b];
         const auto result = point_transport.move(body.points, left_cells[b]);
         counts[0] += body.points.n_points();
-        if (!body.rigid_motion)
-          counts[1] += body.points.n_points();
-        counts[2] += result.n_removed;
-        counts[3] += result.removed_mass;
+        counts[1] += result.n_removed;
+        counts[2] += result.removed_mass;
         state.n_sent += result.n_sent;
         if (result.n_removed > 0 && problem.empty() &&
             (parameters.scheme.stops_outside() ||
@@ -501,10 +491,9 @@ namespace greville
     state.points_have_changed();
     Utilities::MPI::sum(counts, comm, counts);
     state.n_points = std::uint64_t(counts[0]);
-    state.n_free   = std::uint64_t(counts[1]);
-    state.n_removed += std::uint64_t(counts[2]);
+    state.n_removed += std::uint64_t(counts[1]);
     state.removed_mass += state.mass_removed_last;
-    state.mass_removed_last = counts[3];
+    state.mass_removed_last = counts[2];
     return problem;
   }
 

@@ -257,9 +257,8 @@ namespace greville
       {
         std::vector<const RowSums<dim> *> sums;
         for (const auto &part : parts)
-          for (unsigned int b = 0; b < part->state().bodies.size(); ++b)
-            if (!part->state().bodies[b].rigid_motion)
-              sums.push_back(&part->late_row().sums[b]);
+          for (const RowSums<dim> &own : part->late_row().sums)
+            sums.push_back(&own);
         result.front_99 = front_quantile(sums, comm);
       }
     sort_loads(result);

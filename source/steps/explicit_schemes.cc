@@ -27,7 +27,7 @@ namespace greville
     const double share = this->kept_share(state);
     this->discretization.sum(state);
     this->set_guesses(state);
-    this->constrain(state, false, false);
+    this->constrain(state);
     for (GridField<dim> &field : this->discretization.fields())
       {
         this->solve(field, {&field.velocity}, {&field.momentum});
@@ -39,7 +39,7 @@ namespace greville
       }
     this->update(state, nullptr, nullptr, &GridField<dim>::velocity, false);
     this->discretization.sum(state, true);
-    this->constrain(state, true, true);
+    this->constrain(state);
     this->add_gravity(state.time);
     for (GridField<dim> &field : this->discretization.fields())
       {
@@ -74,15 +74,11 @@ namespace greville
                  nullptr,
                  false);
     this->discretization.sum_momentum(state);
-    auto &fields = this->discretization.fields();
-    for (unsigned int k = 0; k < fields.size(); ++k)
+    for (GridField<dim> &field : this->discretization.fields())
       {
-        GridField<dim>   &field = fields[k];
-        VectorField<dim> &w     = field.velocity;
-        w                       = field.new_velocity;
+        VectorField<dim> &w = field.velocity;
+        w                   = field.new_velocity;
         this->walls.hold_velocity(w, this->wall_time(state));
-        for (const auto &contact : this->contacts)
-          contact->set_values(w, k);
         this->solve(field, {&w}, {&field.momentum});
         this->stop(w, field);
       }

@@ -50,25 +50,22 @@ namespace greville
     // beyond the force.
     if ((walls.have_moving() || have_constraints) && trial.velocity_step > 0.)
       {
-        double power_of_walls = 0., power_of_obstacles = 0.;
+        double power_of_walls = 0.;
         for (const GridField<dim> &field : discretization.fields())
           {
-            const GridMass<dim> &mass = *field.mass;
-            mass.held_residual(work_field, field.force, field.acceleration);
+            field.mass->held_residual(work_field,
+                                      field.force,
+                                      field.acceleration);
             for (unsigned int d = 0; d < dim; ++d)
               for (unsigned int i = 0;
                    i < field.lumped_mass.locally_owned_size();
                    ++i)
-                ((mass.held_by_walls(i) >> d) & 1 ? power_of_walls
-                                                  : power_of_obstacles) -=
-                  field.lumped_mass.local_element(i) *
-                  work_field[d].local_element(i) *
-                  field.new_velocity[d].local_element(i);
+                power_of_walls -= field.lumped_mass.local_element(i) *
+                                  work_field[d].local_element(i) *
+                                  field.new_velocity[d].local_element(i);
           }
         state.energy.add_work(EnergyBalance::walls,
                               trial.step * power_of_walls);
-        state.energy.add_work(EnergyBalance::obstacles,
-                              trial.step * power_of_obstacles);
       }
   }
 
@@ -82,10 +79,10 @@ namespace greville
     if (!loads.act_on_points())
       return;
     double power = 0.;
-    for (const Body<dim> *body : deformable_bodies(state.bodies))
+    for (const Body<dim> &body : state.bodies)
       {
-        const unsigned int load = body->points.layout().first("load");
-        body->points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        const unsigned int load = body.points.layout().first("load");
+        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
             power += p.mass() * p[load + d] * p.velocity(d);
         });

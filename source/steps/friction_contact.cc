@@ -74,7 +74,7 @@ namespace greville
   FrictionContact<dim>::speed_into_wall(const Contact          &contact,
                                         const VectorField<dim> &v) const
   {
-    // Obstacles go first.
+    // What is held otherwise is no contact.
     if ((mass.held_components(contact.function) >> (contact.wall / 2)) & 1)
       return 0.;
     return (contact.wall % 2 == 0 ? -1. : 1.) *

@@ -37,16 +37,12 @@ namespace greville
     refuse(discretization.walls().have_friction(),
            "'Walls' = friction",
            "implicit steps have fixed, sliding and moving walls.");
-    const std::vector<Body<dim>> &initial = parts.initial.bodies;
-    refuse(!rigid_bodies(initial).empty(),
-           "'Imposed velocity' of a body",
-           "implicit steps do not know obstacles.");
     // Those of the library are the ones above.
     refuse(
       !make_contacts(parts).empty(),
       "a contact of add_contact()",
       "contacts act in explicit steps; its maker has to return null here.");
-    for (const Body<dim> &body : initial)
+    for (const Body<dim> &body : parts.initial.bodies)
       refuse(scheme.is_static && body.material->moduli().shear == 0.,
              "the material '" + body.parameters->material + "' of the body '" +
                body.name + "'",

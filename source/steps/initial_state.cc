@@ -274,9 +274,7 @@ namespace greville
      */
     template <int dim>
     void
-    add_fields(PointLayout<dim>    &layout,
-               SimulationParameters parameters,
-               const bool           is_rigid)
+    add_fields(PointLayout<dim> &layout, SimulationParameters parameters)
     {
       for (unsigned int k = 0; k < parameters.n_stages(); ++k)
         {
@@ -290,7 +288,7 @@ namespace greville
               !parameters.scheme.is_total_lagrangian())
             layout.add("acceleration", dim);
           Loads<dim>(parameters).add_fields(layout);
-          if (parameters.scheme.has_projection() && !is_rigid)
+          if (parameters.scheme.has_projection())
             layout.add_projected_J();
         }
     }
@@ -354,9 +352,7 @@ namespace greville
       {
         Body<dim>        body = make_body<dim>(name, parameters);
         PointLayout<dim> layout(body.material->state_names());
-        add_fields(layout,
-                   parameters,
-                   !body.parameters->imposed_velocity.empty());
+        add_fields(layout, parameters);
         if (parameters.scheme.is_total_lagrangian())
           {
             layout.basis_position = PointLayout<dim>::reference;
@@ -371,8 +367,7 @@ namespace greville
         AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
                     ExcMessage("The parameter 'Body " + name +
                                "/Displacement' moves points out of the grid."));
-        if (!body.rigid_motion)
-          state.n_free += body.n_points;
+        state.n_points += body.n_points;
         state.bodies.push_back(std::move(body));
       }
     state.partition = discretization.partition();
@@ -393,9 +388,6 @@ namespace greville
     check_overlap_of_shapes(state.bodies, space);
     if (parameters.scheme.is_total_lagrangian())
       check_distances(state.bodies, space);
-    AssertThrow(state.n_free > 0,
-                ExcMessage("All bodies have an 'Imposed velocity': there is "
-                           "none that feels forces."));
     discretization.initialize_fields(state);
     state.points_have_changed();
     return state;

@@ -17,38 +17,6 @@ namespace greville
     // take in the time that a wave needs for a cell.
     constexpr unsigned int share_every = 10;
     constexpr double       share_rate  = 0.025;
-
-
-
-    /**
-     * Points with an imposed velocity go on by @p dt. Returns the cells that
-     * they leave, and their largest speed. @p sums get their mass, and what
-     * they cross.
-     */
-    template <int dim>
-    std::pair<std::vector<unsigned int>, double>
-    move_rigidly(MaterialPoints<dim> &points, const double dt, PointSums &sums)
-    {
-      std::vector<unsigned int> left;
-      double                    speed   = 0.;
-      const auto               &lattice = points.space().lattice();
-      points.for_each([&](const unsigned int cell, PointRef<dim> p) {
-        double square = 0.;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double v = p.velocity(d);
-            p.position(d) += dt * v;
-            square += v * v;
-            sums.crossed =
-              std::max(sums.crossed, std::abs(dt * v) / lattice.cell_size(d));
-          }
-        sums.mass += p.mass();
-        speed = std::max(speed, std::sqrt(square));
-        if (!points.is_inside(cell, p) && (left.empty() || left.back() != cell))
-          left.push_back(cell);
-      });
-      return {left, speed};
-    }
   } // namespace
 
 
@@ -82,22 +50,6 @@ namespace greville
 
   template <int dim>
   void
-  impose_velocities(std::vector<Body<dim>> &bodies, const double t)
-  {
-    for (Body<dim> *body : rigid_bodies(bodies))
-      {
-        const Tensor<1, dim> v = (*body->rigid_motion)(t);
-        body->points.for_each([&](const unsigned int, PointRef<dim> p) {
-          for (unsigned int d = 0; d < dim; ++d)
-            p.velocity(d) = v[d];
-        });
-      }
-  }
-
-
-
-  template <int dim>
-  void
   stop_points(State<dim> &state)
   {
     for (Surface<dim> &surface : state.surfaces)
@@ -105,10 +57,10 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           p.velocity(d) = 0.;
       });
-    for (Body<dim> *body : deformable_bodies(state.bodies))
+    for (Body<dim> &body : state.bodies)
       {
-        const PointField *affine = body->points.layout().find("affine");
-        body->points.for_each([&](const unsigned int, PointRef<dim> p) {
+        const PointField *affine = body.points.layout().find("affine");
+        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
             p.velocity(d) = 0.;
           if (affine)
@@ -133,25 +85,8 @@ namespace greville
     motion.left_cells.resize(bodies.size());
     for (const unsigned int b : numbers)
       {
-        Body<dim>          &body = bodies[b];
-        RowSums<dim> *const sums =
-          row && update.acceleration ? &row->sums[b] : nullptr;
-        if (body.rigid_motion)
-          {
-            if (sums)
-              {
-                const Tensor<1, dim> v = (*body.rigid_motion)(row->row.time);
-                sums->add(body.points, &transfer, &v);
-              }
-            if (!update.move)
-              continue;
-            const auto [left, speed] =
-              move_rigidly(body.points, update.step, motion.sums);
-            motion.left_cells[b]  = left;
-            motion.fastest_signal = std::max(motion.fastest_signal, speed);
-            continue;
-          }
-        update.row                = sums;
+        Body<dim> &body = bodies[b];
+        update.row      = row && update.acceleration ? &row->sums[b] : nullptr;
         update.row_fraction       = row ? row->fraction : 0.;
         update.material           = body.material;
         update.strength_reduction = body.material->strength_reduction(time);
@@ -235,13 +170,13 @@ namespace greville
     state.time_to_share += state.step;
     if (state.n_steps % share_every != 0)
       return;
-    for (Body<dim> *body : deformable_bodies(state.bodies))
-      if (body->material->shares_volume() &&
-          !body->points.layout().is_total_lagrangian())
+    for (Body<dim> &body : state.bodies)
+      if (body.material->shares_volume() &&
+          !body.points.layout().is_total_lagrangian())
         {
           const double c =
-            std::sqrt(body->material->moduli().bulk / body->material->density);
-          transfer.share_volume(body->points,
+            std::sqrt(body.material->moduli().bulk / body.material->density);
+          transfer.share_volume(body.points,
                                 -std::expm1(-share_rate * c *
                                             state.time_to_share / h));
         }
@@ -250,10 +185,8 @@ namespace greville
 
 
 
-  template decltype(stop_points<2>)       stop_points<2>;
-  template decltype(stop_points<3>)       stop_points<3>;
-  template decltype(impose_velocities<2>) impose_velocities<2>;
-  template decltype(impose_velocities<3>) impose_velocities<3>;
+  template decltype(stop_points<2>) stop_points<2>;
+  template decltype(stop_points<3>) stop_points<3>;
   template void
   update_points<2>(std::vector<Body<2>> &,
                    const std::vector<unsigned int> &,

@@ -76,7 +76,7 @@ namespace greville
   {
     return (is_stage_finished() &&
             current.stage + 1 == parameters.n_stages()) ||
-           current.n_free == 0 || exceeds_displacement() ||
+           current.n_points == 0 || exceeds_displacement() ||
            (parameters.time.max_steps > 0 &&
             current.n_steps >= parameters.time.max_steps);
   }
@@ -350,7 +350,8 @@ namespace greville
     const EndOfStep<dim> end_of_step(*this, "energy");
     const PartTimer      timer(log, "energy");
     return current.energy.totals(
-      free_energy<dim>(current.bodies, discretization.transfer(), comm), comm);
+      energy_of_bodies<dim>(current.bodies, discretization.transfer(), comm),
+      comm);
   }
 
 
@@ -380,9 +381,9 @@ namespace greville
           result.gravity[d] = std::numeric_limits<double>::quiet_NaN();
       }
     for (const Body<dim> &body : current.bodies)
-      result.sums.emplace_back(body.rigid_motion ? nullptr : body.material,
+      result.sums.emplace_back(body.material,
                                parameters.output.front_above,
-                               body.rigid_motion ? 0. : outer_mass);
+                               outer_mass);
     return result;
   }
 
@@ -446,12 +447,11 @@ namespace greville
     const auto work = [&](const unsigned int source) {
       return energy.at("work_" + std::to_string(source));
     };
-    result.work.gravity   = work(EnergyBalance::gravity);
-    result.work.loads     = work(EnergyBalance::loads);
-    result.work.walls     = work(EnergyBalance::walls);
-    result.work.obstacles = work(EnergyBalance::obstacles);
-    result.work.friction  = energy.at("friction");
-    result.work.damping   = energy.at("damping");
+    result.work.gravity  = work(EnergyBalance::gravity);
+    result.work.loads    = work(EnergyBalance::loads);
+    result.work.walls    = work(EnergyBalance::walls);
+    result.work.friction = energy.at("friction");
+    result.work.damping  = energy.at("damping");
     for (unsigned int k = 0; k < current.surfaces.size(); ++k)
       {
         const double of_surface = work(EnergyBalance::surfaces + k);

@@ -135,11 +135,10 @@ namespace greville
         const PartTimer timer(log, "energy");
         double          energy = 0.;
         for (unsigned int b = 0; b < current.bodies.size(); ++b)
-          if (!current.bodies[b].rigid_motion)
-            for (const auto &lane : {asked.sums[b].kinetic,
-                                     asked.sums[b].strain,
-                                     asked.sums[b].dissipation})
-              energy += asked.sums[b].sum(lane);
+          for (const auto &lane : {asked.sums[b].kinetic,
+                                   asked.sums[b].strain,
+                                   asked.sums[b].dissipation})
+            energy += asked.sums[b].sum(lane);
         guard.set_swing(asked.swing);
         guard.check_energy(
           current,
@@ -159,7 +158,7 @@ namespace greville
   void
   Simulation<dim>::end_step()
   {
-    if (current.n_free == 0)
+    if (current.n_points == 0)
       log.warnings.push_back("The last point has left the grid at t = " +
                              std::to_string(current.time) +
                              " s: the run ends.");

@@ -62,7 +62,7 @@ namespace greville
       all("stage", state.stage);
       all("n_steps", state.n_steps);
       all("n_removed", state.n_removed);
-      all("n_free", state.n_free);
+      all("n_points", state.n_points);
       all("displacement", state.displacement);
       sum("n_sent", state.n_sent);
       all("n_iterations", state.n_iterations);
@@ -513,12 +513,11 @@ namespace greville
       }
     for (Surface<dim> &surface : state.surfaces)
       set_points_anew(surface, content, discretization);
-    state.n_free = 0;
-    for (const Body<dim> *body : deformable_bodies(state.bodies))
-      state.n_free += body->n_points;
-    AssertThrow(state.n_free > 0,
-                ExcMessage("all points of the bodies that feel forces have "
-                           "left its grid"));
+    state.n_points = 0;
+    for (const Body<dim> &body : state.bodies)
+      state.n_points += body.n_points;
+    AssertThrow(state.n_points > 0,
+                ExcMessage("all points have left its grid"));
     state.signals      = initial_signals(state.bodies, discretization.space());
     state.first_signal = state.signals.fastest;
     state.points_have_changed();

@@ -43,7 +43,6 @@ namespace greville
     result.emplace_back("work_gravity", work.gravity);
     result.emplace_back("work_loads", work.loads);
     result.emplace_back("work_walls", work.walls);
-    result.emplace_back("work_obstacles", work.obstacles);
     result.emplace_back("work_friction", work.friction);
     result.emplace_back("work_damping", work.damping);
     for (const auto &load : loads)
@@ -152,7 +151,6 @@ namespace greville
     work.gravity += other.work.gravity;
     work.loads += other.work.loads;
     work.walls += other.work.walls;
-    work.obstacles += other.work.obstacles;
     work.friction += other.work.friction;
     work.damping += other.work.damping;
     work.surfaces.insert(work.surfaces.end(),
@@ -239,8 +237,6 @@ namespace greville
           moment[d] = *value++;
         const double *const spins = value;
         value += n_spins;
-        if (bodies[b].rigid_motion)
-          continue;
         of_fronts.push_back(&sums[b]);
         for (const double square : sums[b].square_of_speed)
           speeds[b].add(square);
@@ -261,12 +257,11 @@ namespace greville
     find_largest(extremes, comm);
     Largest square_of_speed;
     for (unsigned int b = 0; b < sums.size(); ++b)
-      if (!bodies[b].rigid_motion)
-        {
-          square_of_speed.add(speeds[b]);
-          row.front.add(row.bodies[b].front);
-          row.height.add(row.bodies[b].height);
-        }
+      {
+        square_of_speed.add(speeds[b]);
+        row.front.add(row.bodies[b].front);
+        row.height.add(row.bodies[b].height);
+      }
     row.largest_speed = std::sqrt(square_of_speed);
     if (row.mass > 0.)
       row.center = first_moment / row.mass;
@@ -347,13 +342,12 @@ namespace greville
     std::vector<RowSums<dim>>         sums;
     std::vector<const RowSums<dim> *> pointers;
     for (const Body<dim> &body : bodies)
-      if (!body.rigid_motion)
-        {
-          sums.emplace_back(nullptr,
-                            front_above,
-                            std::numeric_limits<double>::max());
-          sums.back().add(body.points);
-        }
+      {
+        sums.emplace_back(nullptr,
+                          front_above,
+                          std::numeric_limits<double>::max());
+        sums.back().add(body.points);
+      }
     for (const RowSums<dim> &own : sums)
       pointers.push_back(&own);
     return front_quantile(pointers, comm);
@@ -363,15 +357,15 @@ namespace greville
 
   template <int dim>
   double
-  free_energy(const std::vector<Body<dim>> &bodies,
-              const PointTransfer<dim>     &transfer,
-              const MPI_Comm                comm)
+  energy_of_bodies(const std::vector<Body<dim>> &bodies,
+                   const PointTransfer<dim>     &transfer,
+                   const MPI_Comm                comm)
   {
     double sum = 0.;
-    for (const Body<dim> *body : deformable_bodies(bodies))
+    for (const Body<dim> &body : bodies)
       {
-        RowSums<dim> own(body->material);
-        own.add(body->points, &transfer);
+        RowSums<dim> own(body.material);
+        own.add(body.points, &transfer);
         sum +=
           own.sum(own.kinetic) + own.sum(own.strain) + own.sum(own.dissipation);
       }
@@ -386,9 +380,8 @@ namespace greville
                        const MPI_Comm                comm)
   {
     double square = 0.;
-    for (const Body<dim> *body : deformable_bodies(bodies))
-      body->points.for_each([&](const unsigned int,
-                                const ConstPointRef<dim> p) {
+    for (const Body<dim> &body : bodies)
+      body.points.for_each([&](const unsigned int, const ConstPointRef<dim> p) {
         square = std::max(square, p.position().distance_square(p.reference()));
       });
     return std::sqrt(Utilities::MPI::max(square, comm));
@@ -408,8 +401,8 @@ namespace greville
   front_quantile(const BodyList<2> &, const MPI_Comm, const double);
   template Largest
   front_quantile(const BodyList<3> &, const MPI_Comm, const double);
-  template decltype(free_energy<2>)          free_energy<2>;
-  template decltype(free_energy<3>)          free_energy<3>;
+  template decltype(energy_of_bodies<2>)     energy_of_bodies<2>;
+  template decltype(energy_of_bodies<3>)     energy_of_bodies<3>;
   template decltype(largest_displacement<2>) largest_displacement<2>;
   template decltype(largest_displacement<3>) largest_displacement<3>;
 } // namespace greville

@@ -131,9 +131,9 @@ namespace greville
   {
     weigh(state);
     // Speeds of 1e-8 times that of waves are round-off.
-    state.energy.reinit(free_energy<dim>(state.bodies,
-                                         discretization.transfer(),
-                                         discretization.communicator()),
+    state.energy.reinit(energy_of_bodies<dim>(state.bodies,
+                                              discretization.transfer(),
+                                              discretization.communicator()),
                         1e-16 * state.mass * state.first_signal *
                           state.first_signal);
   }

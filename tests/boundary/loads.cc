@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Loads, imposed velocities and damping.
+// Loads and damping.
 #include "simulation.h"
 
 void
@@ -38,37 +38,6 @@ test_main()
     check("body force of x",
           std::abs(Q.first[0] / Q.second / 0.04875 - 1.),
           0.05);
-  }
-  // A body with an imposed velocity goes where it is told and pushes the other.
-  {
-    Simulated<2> run(
-      Text(block)
-        .with("Simulation", {"Bodies = body, ram", "Materials = solid, steel"})
-        .with("Body ram",
-              {"Material = steel",
-               "Shape = box(0.0625, 0.25, 0.25, 0.75)",
-               "Imposed velocity = 0.5; 0"})
-        .with("Material steel",
-              {"Model = linear-elastic",
-               "Density = 100",
-               "Young modulus = 100",
-               "Poisson ratio = 0"})
-        .with("Time", {"End = 0.2"}));
-    run.run();
-    double worst = 0., momentum = 0.;
-    for (const auto &body : run->bodies())
-      {
-        body.points.for_each([&](const unsigned int, const auto p) {
-          if (body.name == "ram")
-            worst =
-              std::max(worst, std::abs(p.position(0) - p.reference(0) - 0.1));
-          else
-            momentum += p.mass() * p.velocity(0);
-        });
-      }
-    check("imposed velocity", max_all(worst), 1e-12);
-    check("it pushes the other body",
-          Utilities::MPI::sum(momentum, MPI_COMM_WORLD) > 0.05);
   }
   // Damping brings a column to rest, at half of its largest deflection.
   const Text column =

@@ -448,10 +448,6 @@ namespace
                           {"Points file = points.csv", "Shape = "}),
                   "here there is a 'Points file'");
     check_refused(
-      "rigid body",
-      loaded(block, pull).with("Body body", {"Imposed velocity = 1; 0"}),
-      "has an 'Imposed velocity' and feels no force");
-    check_refused(
       "nothing selected",
       loaded(block, pull).with("Surface load load", {"Where = x > 0.8"}),
       "'Surface load load/Where' is <x > 0.8>: no point of the "

@@ -227,7 +227,6 @@ test_placement()
     body.shape                = "box(0, 0, 1, 1.5)";
     body.points_per_direction = {2, 3};
     body.velocity             = "x + 2 * y; x * y";
-    body.imposed_velocity     = "2 * t; t^2";
   });
   check("  equal distances",
         even.largest([](const auto p) {
@@ -259,8 +258,6 @@ test_placement()
           return error;
         }),
         1e-13);
-  check("  imposed velocity",
-        on_all((*even.body.rigid_motion)(3.) == Tensor<1, 2>({6., 9.})));
   // Ids are different.
   std::vector<double> counts(even.body.n_points, 0.);
   bool                ids = true;
@@ -689,8 +686,6 @@ test_errors()
                    body.surface = "1";
                  }),
                  slanted);
-  print_error<2>(
-    with_box([](BodyParameters &body) { body.imposed_velocity = "x; 0"; }));
   // A single point, so that it is always the same.
   print_error<2>([](BodyParameters &body) {
     body.shape                = "ball(0.6, 0.6, 0.1)";

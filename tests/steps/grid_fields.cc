@@ -313,7 +313,7 @@ test_main()
       check(order + ", along it", std::abs(u * Rail::normal), 1e-10);
       // What is constrained does no work where it does not move.
       check(order + ", work",
-            std::abs(sliding->statistics().work.obstacles),
+            std::abs(sliding->statistics().work.walls),
             1e-10);
     }
   for (const std::string mass : {"consistent", "fmpm-2"})

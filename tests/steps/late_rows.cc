@@ -2,10 +2,9 @@
 
 // Rows that a step sums up for the time at which it begins. Where the same
 // forces act before and after this time, they are those of EndOfStep, which
-// takes half of a kick, to round-off. Impacts on walls and obstacles act within
-// one step: there rows differ by up to two per cent, and leave as much of the
-// balance of energy open. With SHOW in the environment, the columns that differ
-// most.
+// takes half of a kick, to round-off. Impacts on walls act within one step:
+// there rows differ by up to two per cent, and leave as much of the balance of
+// energy open. With SHOW in the environment, the columns that differ most.
 #include <greville/steps/end_of_step.h>
 #include <greville/steps/ensemble.h>
 
@@ -195,11 +194,12 @@ test_main()
                     .with("Loads", {"Cundall damping = 0.2"}));
       check_close("piston, " + mass,
                   ball.with("Scheme", {"Mass = " + mass})
-                    .with("Simulation", {"Bodies = body, piston"})
-                    .with("Body piston",
-                          {"Material = solid",
-                           "Shape = box(0.7, 0, 0.85, 1)",
-                           "Imposed velocity = -0.5 * cos(9 * t); 0"}));
+                    .with("Simulation",
+                          {"Rigid bodies = piston", "Contacts = push"})
+                    .with("Rigid body piston",
+                          {"Shape = box(0.7, 0, 0.85, 1)",
+                           "Velocity = -0.5 * cos(9 * t); 0"})
+                    .with("Contact push", {"Bodies = body, piston"}));
     }
   check_close("APIC", ball.with("Scheme", {"Transfer = APIC"}));
   check_close("two grids",

@@ -254,12 +254,12 @@ test_main()
           flying.with("Scheme", {"Mass = consistent"})
             .with("Solver", {"Tolerance = 1e-13"}),
           1e-8);
-  test<2>("two bodies, one of them rigid",
+  test<2>("two bodies",
           flying.with("Simulation", {"Bodies = body, wall"})
             .with("Body wall",
                   {"Material = solid",
                    "Shape = box(0.8, 0.1, 0.9, 0.9)",
-                   "Imposed velocity = -2; 0"}));
+                   "Velocity = -2; 0"}));
   test<2>("points that leave the grid",
           flying.with("Scheme", {"Points outside = remove"})
             .with("Body body", {"Velocity = 12; 0"})

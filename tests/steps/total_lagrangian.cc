@@ -301,8 +301,7 @@ namespace
            {{"Scheme",
              "Quadrature = least-squares",
              "'Scheme/Quadrature' = least-squares"}},
-           {{"Walls", "Bottom = friction", "'Walls/Bottom' = friction"}},
-           {{"Body body", "Imposed velocity = 1; 0", "Imposed velocity'"}}})
+           {{"Walls", "Bottom = friction", "'Walls/Bottom' = friction"}}})
       check_refused(line, good.with(section, {line}), wanted);
 
     const auto stages = [&](const std::string &line) {

@@ -5,13 +5,11 @@
 
 #include <deal.II/base/parameter_handler.h>
 
-#include <greville/base/expression.h>
 #include <greville/geometry/placement.h>
 #include <greville/materials/material.h>
 #include <greville/points/material_points.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 
 namespace greville
@@ -32,7 +30,6 @@ namespace greville
     std::string stress;
     double      K0 = -1.;
     std::string surface;
-    std::string imposed_velocity;
   };
 
 
@@ -49,41 +46,7 @@ namespace greville
     MaterialPoints<dim>   points;
     /// Number of points of all processes.
     std::uint64_t n_points = 0;
-    /// The imposed velocity of a rigid body (m / s, of t): all of its points
-    /// have it, whatever acts on them. Others meet it by Obstacles.
-    std::optional<VectorExpression<dim>> rigid_motion;
   };
-
-
-
-  /**
-   * Pointers to the @p bodies that are rigid, or to those that are not, in
-   * their order.
-   */
-  template <typename Bodies>
-  auto
-  select_bodies(Bodies &bodies, const bool rigid)
-  {
-    std::vector<decltype(&bodies[0])> result;
-    for (auto &body : bodies)
-      if (body.rigid_motion.has_value() == rigid)
-        result.push_back(&body);
-    return result;
-  }
-
-  template <typename Bodies>
-  auto
-  rigid_bodies(Bodies &bodies)
-  {
-    return select_bodies(bodies, true);
-  }
-
-  template <typename Bodies>
-  auto
-  deformable_bodies(Bodies &bodies)
-  {
-    return select_bodies(bodies, false);
-  }
 
 
 

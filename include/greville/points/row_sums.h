@@ -141,13 +141,12 @@ namespace greville
                const double      *D = nullptr);
 
     /**
-     * All points as they are, with the velocity @p imposed where it is given.
-     * Without the @p transfer what depends on velocities is left out.
+     * All points as they are. Without the @p transfer what depends on
+     * velocities is left out.
      */
     void
-    add(const MaterialPoints<dim>    &points,
-        const PointTransfer<dim>     *transfer = nullptr,
-        const dealii::Tensor<1, dim> *imposed  = nullptr);
+    add(const MaterialPoints<dim> &points,
+        const PointTransfer<dim>  *transfer = nullptr);
 
     const OuterPoints &
     outer_points() const

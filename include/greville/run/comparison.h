@@ -169,8 +169,8 @@ namespace greville
     /**
      * Collective. Mean distance (m) in 2D between the measured failure line and
      * that of the run: the area between them over the length of the measured
-     * one. The area is that of the points of free bodies which were above the
-     * line and have not failed, or below and have, where the line has an x.
+     * one. The area is that of the points which were above the line and have
+     * not failed, or below and have, where the line has an x.
      */
     double
     failure_line_distance(const BodyList<dim> &bodies,

@@ -110,9 +110,7 @@ namespace greville
 
     /// Hold what contacts constrain, see Contact::constrain().
     void
-    constrain(State<dim> &state,
-              const bool  knows_force,
-              const bool  knows_velocity);
+    constrain(State<dim> &state);
 
     void
     add_gravity(const double t);
@@ -188,14 +186,12 @@ namespace greville
     bool
     may_reject() const;
 
-    /// Bodies that are moved, contacts and loads at the start of the step.
+    /// Contacts and loads at the start of the step.
     void
     begin_step(State<dim> &state);
 
     ContactStep<dim>
-    contact_step(State<dim> &state,
-                 const bool  knows_force    = true,
-                 const bool  knows_velocity = true);
+    contact_step(State<dim> &state);
 
     /// Points to grid, and the solves for velocity and acceleration.
     void
@@ -223,8 +219,8 @@ namespace greville
     void
     take_held_residual(const State<dim> &state, GridField<dim> &field);
 
-    /// Work that loads, walls and obstacles do in this step; of loads on points
-    /// half of it, with their velocities before the kick.
+    /// Work that loads and walls do in this step; of loads on points half of
+    /// it, with their velocities before the kick.
     void
     add_work(State<dim> &state);
 

@@ -20,11 +20,6 @@ namespace greville
     /// The times to which v and v' belong, and the length of the step between
     /// them, s.
     double begin = 0., end = 0., dt = 0.;
-    /// m / s^2
-    dealii::Tensor<1, dim> gravity;
-    /// Whether GridField::force has been summed up, and GridField::velocity has
-    /// been solved for.
-    bool knows_force = false, knows_velocity = false;
     /// Iterations of all solves of contacts, and of the one that needed most.
     unsigned int n_iterations = 0, most_iterations = 0;
     /// The row of statistics that the step sums up, or null.
@@ -48,7 +43,6 @@ namespace greville
   /**
    * What acts between velocity fields of the grid, or on one of them, in
    * explicit steps. A step calls, for all fields at once,
-   * - begin_step(), with the points at the start of the step;
    * - constrain(), with the sums over the points, before solves: what is
    *   constrained then keeps its value in them;
    * - apply(), with the new velocity that the forces lead to.
@@ -64,17 +58,9 @@ namespace greville
     virtual ~Contact() = default;
 
     /**
-     * Collective.
-     */
-    virtual void
-    begin_step(const ContactStep<dim> &)
-    {}
-
-    /**
      * Collective. Add to GridField::constraints, and set the velocity and the
-     * acceleration that is given there; a velocity that is known stays. Called
-     * once for each solve, in steps that solve for the velocity before the
-     * force is known twice.
+     * acceleration that is given there. Called once for each solve, in steps
+     * that solve for the velocity before the force is known twice.
      */
     virtual void
     constrain(ContactStep<dim> &)
@@ -91,15 +77,6 @@ namespace greville
     {}
 
     /**
-     * Give a velocity of the field number @p field the values at the end of the
-     * step where constrain() constrains it: before it is found from the points
-     * once more.
-     */
-    virtual void
-    set_values(VectorField<dim> &, const unsigned int) const
-    {}
-
-    /**
      * Take from a velocity of a field that has been found from the points what
      * this contact does not let through. Returns the momentum that walls give.
      */
@@ -111,7 +88,7 @@ namespace greville
 
     /**
      * Whether constrain() may constrain something. What that gives to the
-     * momentum is not added up, and its work is that of obstacles.
+     * momentum is not added up, and its work is part of that of walls.
      */
     virtual bool
     constrains() const

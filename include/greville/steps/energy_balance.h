@@ -26,11 +26,11 @@ namespace greville
 
 
   /**
-   * The balance of energy of the bodies that move freely,
+   * The balance of energy of the bodies,
    *   E(t) = kinetic + strain energy + dissipation <= E(0) + W(t) + D(t),
-   * with the work W of gravity, loads, walls and obstacles that move, and the
-   * work D <= 0 of Cundall's damping. What E has beyond that comes
-   * from nothing, and shows an instability.
+   * with the work W of gravity, loads and walls that move, and the work D <= 0
+   * of Cundall's damping. What E has beyond that comes from nothing, and shows
+   * an instability.
    *
    * Transfers between points and grid, the filter and friction at walls take
    * energy, too. They are not part of W and D: E may be smaller. The work of
@@ -47,8 +47,7 @@ namespace greville
     {
       gravity,
       loads, // on points
-      walls,
-      obstacles,
+      walls, // and what contacts constrain
       surfaces
     };
 

@@ -24,7 +24,7 @@ namespace greville
     /// Numbers of the bodies in State::bodies, and of their surfaces in
     /// State::surfaces.
     std::vector<unsigned int> bodies, surfaces;
-    /// What has been summed over: points of bodies that feel forces, or their
+    /// What has been summed over: points of the bodies, or their
     /// reconstruction.
     std::vector<const MaterialPoints<dim> *> points;
 

@@ -30,9 +30,8 @@ namespace greville
   /**
    * Collective. The bodies with their points, at rest on the grid. Throws
    * dealii::ExcMessage where two bodies fill the same cells, by half a cell or
-   * more, where an initial displacement moves points out of the grid, and where
-   * no body feels forces. Points have the fields of all
-   * stages.
+   * more, and where an initial displacement moves points out of the grid.
+   * Points have the fields of all stages.
    */
   template <int dim>
   State<dim>

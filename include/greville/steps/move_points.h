@@ -45,18 +45,11 @@ namespace greville
              const double            dt);
 
   /**
-   * Set the velocities of bodies that feel forces, and of surfaces, to zero.
+   * Set the velocities of bodies and surfaces to zero.
    */
   template <int dim>
   void
   stop_points(State<dim> &state);
-
-  /**
-   * Give bodies that are moved their velocity at time @p t, s.
-   */
-  template <int dim>
-  void
-  impose_velocities(std::vector<Body<dim>> &bodies, const double t);
 
   /**
    * Collective. One pass over the points of the bodies of the given numbers,

@@ -121,9 +121,8 @@ namespace greville
 
     unsigned int  n_steps   = 0;
     std::uint64_t n_removed = 0; // points outside of the grid
-    std::uint64_t n_free    = 0; // points of bodies that feel forces
+    std::uint64_t n_points  = 0; // those in the grid, of all processes
     std::uint64_t n_sent    = 0; // points that left this process
-    std::uint64_t n_points  = 0; // those of all bodies after the last step
 
     /// largest_displacement() of the points where 'Time/Largest displacement'
     /// asks for it, and else 0, m.

@@ -20,12 +20,11 @@ namespace greville
    */
   struct Work
   {
-    double gravity   = 0.;
-    double loads     = 0.; // on points
-    double walls     = 0.; // that move
-    double obstacles = 0.;
-    double friction  = 0.; // of friction walls
-    double damping   = 0.; // Cundall's and kinetic
+    double gravity  = 0.;
+    double loads    = 0.; // on points
+    double walls    = 0.; // that move
+    double friction = 0.; // of friction walls
+    double damping  = 0.; // Cundall's and kinetic
     /// In the order of Statistics::loads.
     std::vector<double> surfaces;
     /// By name, on both sides.
@@ -51,9 +50,8 @@ namespace greville
 
 
   /**
-   * Sums and extremes over the points of all free bodies, those without an
-   * imposed velocity, and of all processes. Units: kg, m, s, J; in 2D per metre
-   * of thickness.
+   * Sums and extremes over the points of all bodies and processes. Units: kg,
+   * m, s, J; in 2D per metre of thickness.
    */
   template <int dim>
   struct Statistics
@@ -79,8 +77,7 @@ namespace greville
     std::uint64_t active        = 0;
     /// Cells whose points see no well-filled cell (consistent mass).
     std::uint64_t fragments = 0;
-    /// Of all bodies.
-    std::uint64_t n_points = 0;
+    std::uint64_t n_points  = 0;
     /// Steps that have been done again with a shorter length, since the begin.
     std::uint64_t redone = 0;
     Work          work;
@@ -153,7 +150,7 @@ namespace greville
                  const MPI_Comm                           comm);
 
   /**
-   * Collective. Of all free points above @p front_above.
+   * Collective. Of all points above @p front_above.
    */
   template <int dim>
   Largest
@@ -163,14 +160,14 @@ namespace greville
     const double         front_above = std::numeric_limits<double>::lowest());
 
   /**
-   * Collective. Kinetic and strain energy and dissipation of the bodies whose
-   * velocity is not imposed: what EnergyBalance watches.
+   * Collective. Kinetic and strain energy and dissipation of the bodies: what
+   * EnergyBalance watches.
    */
   template <int dim>
   double
-  free_energy(const std::vector<Body<dim>> &bodies,
-              const PointTransfer<dim>     &transfer,
-              const MPI_Comm                comm);
+  energy_of_bodies(const std::vector<Body<dim>> &bodies,
+                   const PointTransfer<dim>     &transfer,
+                   const MPI_Comm                comm);
 
   /**
    * Collective. The largest distance of a point of these bodies from its

@@ -9,8 +9,8 @@
 namespace greville
 {
   /**
-   * The momentum of bodies that feel forces, as a step changes it: the share of
-   * this process, N s (2D: N s / m).
+   * The momentum of bodies, as a step changes it: the share of this process, N
+   * s (2D: N s / m).
    */
   template <int dim>
   struct MomentumBalance
@@ -54,8 +54,8 @@ namespace greville
    * - the momentum of the points is what it was and what forces and walls have
    *   given. Explicit steps take forces and walls as they are on the grid;
    *   implicit ones, whose forces are those of Newton's method, what the grid
-   *   gives to the points. It is not known with obstacles, Cundall's damping
-   *   and quadratures of reconstructions.
+   *   gives to the points. It is not known with contacts that constrain,
+   *   Cundall's damping and quadratures of reconstructions.
    * The sums come from the passes over points and grid that a step has anyway.
    *
    * Every hundred steps it looks at the EnergyBalance of the state, in explicit

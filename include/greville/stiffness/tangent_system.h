@@ -14,7 +14,7 @@
 namespace greville
 {
   /**
-   * Points that feel forces, and their law.
+   * Points of a body, and their law.
    */
   template <int dim>
   struct TrialBody
