@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/base/numbers.h>
-
 #include <greville/base/mixed_bits.h>
 #include <greville/contact/averaged_contact.h>
 
-#include <array>
+#include "hats.h"
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -14,15 +13,10 @@
 namespace greville
 {
   using namespace dealii;
+  using namespace internal;
 
   namespace
   {
-    constexpr unsigned int
-    n_functions(const unsigned int dim)
-    {
-      return 1u << dim;
-    }
-
     /**
      * The sums of a key over points, which are added up over processes.
      */
@@ -91,85 +85,6 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           for (unsigned int e = 0; e < dim; ++e)
             action(stiffness[d][e]);
-      }
-    };
-
-
-
-    /**
-     * The sector of a normal: in 2D one of 60 degrees, in 3D around an axis.
-     * Common directions (multiples of 15 degrees, diagonals) are not on the
-     * border of two sectors.
-     */
-    template <int dim>
-    unsigned int
-    sector_of(const Tensor<1, dim> &n)
-    {
-      if constexpr (dim == 2)
-        {
-          constexpr double shift = 0.187; // rad
-          const double     turns =
-            (std::atan2(n[1], n[0]) + shift) / (2. * numbers::PI);
-          return unsigned(std::floor((turns - std::floor(turns)) * 6.)) % 6;
-        }
-      else
-        {
-          // Axes turned by a rotation without symmetry.
-          static const double axes[3][3] = {{0.9705, 0.1889, -0.1499},
-                                            {-0.1639, 0.9727, 0.1644},
-                                            {0.1769, -0.1350, 0.9749}};
-          unsigned int        largest    = 0;
-          double              values[3];
-          for (unsigned int k = 0; k < 3; ++k)
-            {
-              values[k] =
-                axes[k][0] * n[0] + axes[k][1] * n[1] + axes[k][2] * n[2];
-              if (std::abs(values[k]) > std::abs(values[largest]))
-                largest = k;
-            }
-          return 2 * largest + (values[largest] > 0.);
-        }
-    }
-
-
-
-    /**
-     * The keys of a point with the values of their hat functions.
-     */
-    template <int dim>
-    struct Hats
-    {
-      std::array<std::uint64_t, n_functions(dim)> keys;
-      std::array<double, n_functions(dim)>        values;
-
-      Hats(const Point<dim>     &x,
-           const Tensor<1, dim> &normal,
-           const Point<dim>     &corner,
-           const Tensor<1, dim> &h)
-      {
-        constexpr std::int64_t zero = 1 << 19; // of 20 bits
-        std::int64_t           cell[dim];
-        double                 xi[dim];
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double position = (x[d] - corner[d]) / h[d];
-            cell[d]               = std::int64_t(std::floor(position));
-            xi[d]                 = position - double(cell[d]);
-          }
-        const std::uint64_t sector = sector_of<dim>(normal);
-        for (unsigned int k = 0; k < n_functions(dim); ++k)
-          {
-            std::uint64_t key = sector;
-            values[k]         = 1.;
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                const unsigned int side = (k >> d) & 1;
-                values[k] *= side ? xi[d] : 1. - xi[d];
-                key = (key << 20) |
-                      (std::uint64_t(cell[d] + side + zero) & ((1 << 20) - 1));
-              }
-            keys[k] = key;
-          }
       }
     };
 
@@ -273,6 +188,250 @@ namespace greville
         area += weight;
       return result;
     }
+
+
+    template <int dim>
+    Tensor<1, dim>
+    oriented_normal(const ContactPoint<dim> &point)
+    {
+      return (point.side == 0 ? 1. : -1.) * point.target_normal;
+    }
+
+
+
+    /**
+     * The sums of keys over the points of this process. The @p hats are those
+     * of the points that face the other side, in their order.
+     */
+    template <int dim>
+    std::unordered_map<std::uint64_t, KeySums<dim>>
+    sums_of_keys(const std::vector<ContactPoint<dim>> &points,
+                 const std::vector<Hats<dim>>         &hats,
+                 const bool                            has_two_sides)
+    {
+      std::unordered_map<std::uint64_t, KeySums<dim>> sums;
+      auto                                            next = hats.begin();
+      for (const ContactPoint<dim> &point : points)
+        {
+          if (!point.is_facing)
+            continue;
+          const Tensor<1, dim> normal = oriented_normal(point);
+          const Hats<dim>     &own    = *next++;
+          for (unsigned int k = 0; k < Hats<dim>::n; ++k)
+            {
+              const double  w   = point.area * own.values[k];
+              KeySums<dim> &sum = sums[own.keys[k]];
+              sum.weight[point.side] += w;
+              sum.gap += w * point.gap;
+              sum.start_pressure += w * point.start_pressure;
+              sum.normal += w * normal;
+              sum.slip += w * point.slip;
+              sum.motion[point.side] += w * point.motion;
+              if (!has_two_sides)
+                sum.motion[1] += w * point.target_motion;
+            }
+        }
+      return sums;
+    }
+
+
+
+    /**
+     * The law at the keys that belong to this process: their forces, pressures
+     * and tangents.
+     */
+    template <int dim>
+    class KeyLaw
+    {
+    public:
+      using TangentKey = typename ContactTangent<dim>::Key;
+
+      KeyLaw(const ContactLaw &law,
+             const double      dt,
+             const double      share,
+             KeyPressures     *pressures,
+             const bool        with_tangent)
+        : law(law)
+        , dt(dt)
+        , share(share)
+        , pressures(pressures)
+        , with_tangent(with_tangent)
+      {
+        if (!pressures)
+          return;
+        pressures->found.clear();
+        if (pressures->is_first_round)
+          pressures->given.clear();
+      }
+
+      KeyForce<dim>
+      force(const std::uint64_t name, const KeySums<dim> &sum)
+      {
+        double given = 0.;
+        if (pressures && pressures->is_first_round)
+          {
+            given = sum.start_pressure / (sum.weight[0] + sum.weight[1]);
+            if (given > 0.)
+              pressures->given[name] = given;
+          }
+        else if (pressures && pressures->given.count(name) > 0)
+          given = pressures->given.at(name);
+        KeyForce<dim> result =
+          force_of_key<dim>(law, sum, dt, given, share, area);
+        if (pressures && result.pressure > 0.)
+          pressures->found[name] = result.pressure;
+        if (!with_tangent)
+          return result;
+        result.number = tangent_keys.size();
+        TangentKey   key;
+        const double w = result.shares[0] * sum.weight[0];
+        for (unsigned int side = 0; side < 2; ++side)
+          key.inverse_weights[side] =
+            sum.weight[side] > 0. ? 1. / sum.weight[side] : 0.;
+        key.stiffness = w * (result.stiffness + result.coupling);
+        tangent_keys.push_back(key);
+        return result;
+      }
+
+      double area = 0.; // under pressure
+      /// In the order of their numbers.
+      std::vector<TangentKey> tangent_keys;
+
+    private:
+      const ContactLaw &law;
+      const double      dt, share;
+      KeyPressures     *pressures;
+      const bool        with_tangent;
+    };
+
+
+
+    /**
+     * Collective. The forces of the keys that points of this process have.
+     * Each key belongs to a process, which adds up its sums.
+     */
+    template <int dim>
+    std::unordered_map<std::uint64_t, KeyForce<dim>>
+    forces_of_keys(std::unordered_map<std::uint64_t, KeySums<dim>> sums,
+                   KeyLaw<dim>                                    &law,
+                   ContactTangent<dim>                            *tangent,
+                   const MPI_Comm                                  comm)
+    {
+      std::unordered_map<std::uint64_t, KeyForce<dim>> forces;
+
+      const bool         with_tangent = tangent != nullptr;
+      std::uint64_t      first_number = 0;
+      const unsigned int n_processes  = Utilities::MPI::n_mpi_processes(comm);
+      if (n_processes == 1)
+        for (const auto &[key, sum] : sums)
+          forces[key] = law.force(key, sum);
+      else
+        {
+          std::map<unsigned int, std::vector<std::uint64_t>> keys;
+          std::map<unsigned int, std::vector<double>>        values;
+          for (auto &[key, sum] : sums)
+            {
+              const unsigned int owner = mixed_bits(key) % n_processes;
+              keys[owner].push_back(key);
+              sum.for_each([&, owner = owner](const double value) {
+                values[owner].push_back(value);
+              });
+            }
+          const auto keys_here   = Utilities::MPI::some_to_some(comm, keys);
+          const auto values_here = Utilities::MPI::some_to_some(comm, values);
+
+          std::unordered_map<std::uint64_t, KeySums<dim>> owned;
+          for (const auto &[process, of_process] : keys_here)
+            {
+              const double *value = values_here.at(process).data();
+              for (const std::uint64_t key : of_process)
+                owned[key].for_each([&](double &entry) { entry += *value++; });
+            }
+          for (const auto &[key, sum] : owned)
+            forces[key] = law.force(key, sum);
+          if (with_tangent)
+            {
+              const std::uint64_t n_own = law.tangent_keys.size();
+              const int           ierr  = MPI_Exscan(
+                &n_own, &first_number, 1, MPI_UINT64_T, MPI_SUM, comm);
+              AssertThrowMPI(ierr);
+              for (auto &key : forces)
+                key.second.number += double(first_number);
+            }
+          values.clear();
+          for (const auto &[process, of_process] : keys_here)
+            for (const std::uint64_t key : of_process)
+              forces[key].for_each(with_tangent,
+                                   [&, to = process](const double value) {
+                                     values[to].push_back(value);
+                                   });
+          const auto answers = Utilities::MPI::some_to_some(comm, values);
+          forces.clear();
+          for (const auto &[process, of_process] : keys)
+            {
+              const double *value = answers.at(process).data();
+              for (const std::uint64_t key : of_process)
+                forces[key].for_each(with_tangent,
+                                     [&](double &entry) { entry = *value++; });
+            }
+        }
+      if (with_tangent)
+        {
+          std::vector<std::uint64_t> numbers;
+          for (const auto &[key, force] : forces)
+            numbers.push_back(std::uint64_t(force.number));
+          tangent->begin(std::move(law.tangent_keys),
+                         first_number,
+                         numbers,
+                         comm);
+        }
+      return forces;
+    }
+
+
+
+    /**
+     * Give the forces of keys to the points.
+     */
+    template <int dim>
+    void
+    set_forces(std::vector<ContactPoint<dim>>                         &points,
+               const std::vector<Hats<dim>>                           &hats,
+               const std::unordered_map<std::uint64_t, KeyForce<dim>> &forces,
+               ContactTangent<dim>                                    *tangent)
+    {
+      auto next = hats.begin();
+      for (ContactPoint<dim> &point : points)
+        {
+          point.force    = Tensor<1, dim>();
+          point.new_slip = Tensor<1, dim>();
+          if (tangent)
+            {
+              point.stiffness = Tensor<2, dim>();
+              tangent->add_point(point.side);
+            }
+          if (!point.is_facing)
+            continue;
+          const Hats<dim> &own    = *next++;
+          double           active = 0.;
+          Tensor<1, dim>   slip   = point.slip;
+          for (unsigned int k = 0; k < Hats<dim>::n; ++k)
+            {
+              const KeyForce<dim> &key    = forces.at(own.keys[k]);
+              const double         weight = point.area * own.values[k];
+              point.force += weight * key.force[point.side];
+              slip += own.values[k] * key.slip_change;
+              active += own.values[k] * key.is_active;
+              if (!tangent || key.shares[0] == 0.)
+                continue;
+              point.stiffness +=
+                weight * key.shares[point.side] * key.stiffness;
+              tangent->add_share(std::uint64_t(key.number), weight);
+            }
+          if (active > 0.)
+            point.new_slip = slip;
+        }
+    }
   } // namespace
 
 
@@ -299,186 +458,38 @@ namespace greville
                             KeyPressures                   *pressures,
                             const double                    share) const
   {
-    const bool         has_two_sides = contact_law.has_two_sides;
     ContactResult<dim> result;
     result.gap = std::numeric_limits<double>::infinity();
-
-    // Sums over the points of this process.
-    std::unordered_map<std::uint64_t, KeySums<dim>> sums;
-    for (ContactPoint<dim> &point : points)
-      {
-        point.force    = Tensor<1, dim>();
-        point.new_slip = Tensor<1, dim>();
-        if (!point.is_facing)
-          continue;
-        result.gap = std::min(result.gap, point.gap);
-        const Tensor<1, dim> normal =
-          (point.side == 0 ? 1. : -1.) * point.target_normal;
-        const Hats<dim> hats(point.x - point.since_hats,
-                             normal,
-                             corner,
-                             cell_size);
-        for (unsigned int k = 0; k < n_functions(dim); ++k)
-          {
-            const double  w   = point.area * hats.values[k];
-            KeySums<dim> &sum = sums[hats.keys[k]];
-            sum.weight[point.side] += w;
-            sum.gap += w * point.gap;
-            sum.start_pressure += w * point.start_pressure;
-            sum.normal += w * normal;
-            sum.slip += w * point.slip;
-            sum.motion[point.side] += w * point.motion;
-            if (!has_two_sides)
-              sum.motion[1] += w * point.target_motion;
-          }
-      }
-
-    std::unordered_map<std::uint64_t, KeyForce<dim>> forces;
-    // Of the keys of this process in the order of their numbers, from the first
-    // one on.
-    using TangentKey = typename ContactTangent<dim>::Key;
-    std::vector<TangentKey> tangent_keys;
-    std::uint64_t           first_number = 0;
-    const bool              with_tangent = tangent != nullptr;
-    if (pressures)
-      {
-        pressures->found.clear();
-        if (pressures->is_first_round)
-          pressures->given.clear();
-      }
-    const auto find_force = [&](const std::uint64_t name,
-                                const KeySums<dim> &sum,
-                                KeyForce<dim>      &force) {
-      double given = 0.;
-      if (pressures && pressures->is_first_round)
+    std::vector<Hats<dim>> hats; // of the points that face the other side
+    for (const ContactPoint<dim> &point : points)
+      if (point.is_facing)
         {
-          given = sum.start_pressure / (sum.weight[0] + sum.weight[1]);
-          if (given > 0.)
-            pressures->given[name] = given;
+          result.gap = std::min(result.gap, point.gap);
+          hats.emplace_back(point.x - point.since_hats,
+                            oriented_normal(point),
+                            corner,
+                            cell_size);
         }
-      else if (pressures && pressures->given.count(name) > 0)
-        given = pressures->given.at(name);
-      force =
-        force_of_key<dim>(contact_law, sum, dt, given, share, result.area);
-      if (pressures && force.pressure > 0.)
-        pressures->found[name] = force.pressure;
-      if (!with_tangent)
-        return;
-      force.number = tangent_keys.size();
-      TangentKey   key;
-      const double w = force.shares[0] * sum.weight[0];
-      for (unsigned int side = 0; side < 2; ++side)
-        key.inverse_weights[side] =
-          sum.weight[side] > 0. ? 1. / sum.weight[side] : 0.;
-      key.stiffness = w * (force.stiffness + force.coupling);
-      tangent_keys.push_back(key);
-    };
-    // Each key belongs to a process.
-    const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
-    if (n_processes == 1)
-      for (const auto &[key, sum] : sums)
-        find_force(key, sum, forces[key]);
-    else
-      {
-        std::map<unsigned int, std::vector<std::uint64_t>> keys;
-        std::map<unsigned int, std::vector<double>>        values;
-        for (auto &[key, sum] : sums)
-          {
-            const unsigned int owner = mixed_bits(key) % n_processes;
-            keys[owner].push_back(key);
-            sum.for_each([&, owner = owner](const double value) {
-              values[owner].push_back(value);
-            });
-          }
-        const auto keys_here   = Utilities::MPI::some_to_some(comm, keys);
-        const auto values_here = Utilities::MPI::some_to_some(comm, values);
+    KeyLaw<dim> law(contact_law, dt, share, pressures, tangent != nullptr);
+    const auto  forces =
+      forces_of_keys(sums_of_keys(points, hats, contact_law.has_two_sides),
+                     law,
+                     tangent,
+                     comm);
+    set_forces(points, hats, forces, tangent);
 
-        std::unordered_map<std::uint64_t, KeySums<dim>> owned;
-        for (const auto &[process, of_process] : keys_here)
-          {
-            const double *value = values_here.at(process).data();
-            for (const std::uint64_t key : of_process)
-              owned[key].for_each([&](double &entry) { entry += *value++; });
-          }
-        for (const auto &[key, sum] : owned)
-          find_force(key, sum, forces[key]);
-        if (with_tangent)
-          {
-            const std::uint64_t n_own = tangent_keys.size();
-            const int           ierr =
-              MPI_Exscan(&n_own, &first_number, 1, MPI_UINT64_T, MPI_SUM, comm);
-            AssertThrowMPI(ierr);
-            for (auto &key : forces)
-              key.second.number += double(first_number);
-          }
-        values.clear();
-        for (const auto &[process, of_process] : keys_here)
-          for (const std::uint64_t key : of_process)
-            forces[key].for_each(with_tangent,
-                                 [&, to = process](const double value) {
-                                   values[to].push_back(value);
-                                 });
-        const auto answers = Utilities::MPI::some_to_some(comm, values);
-        forces.clear();
-        for (const auto &[process, of_process] : keys)
-          {
-            const double *value = answers.at(process).data();
-            for (const std::uint64_t key : of_process)
-              forces[key].for_each(with_tangent,
-                                   [&](double &entry) { entry = *value++; });
-          }
-      }
-    if (with_tangent)
-      {
-        std::vector<std::uint64_t> numbers;
-        for (const auto &[key, force] : forces)
-          numbers.push_back(std::uint64_t(force.number));
-        tangent->begin(std::move(tangent_keys), first_number, numbers, comm);
-      }
-
-    for (ContactPoint<dim> &point : points)
-      {
-        if (with_tangent)
-          {
-            point.stiffness = Tensor<2, dim>();
-            tangent->add_point(point.side);
-          }
-        if (!point.is_facing)
-          continue;
-        const Tensor<1, dim> normal =
-          (point.side == 0 ? 1. : -1.) * point.target_normal;
-        const Hats<dim> hats(point.x - point.since_hats,
-                             normal,
-                             corner,
-                             cell_size);
-        double          active = 0.;
-        Tensor<1, dim>  slip   = point.slip;
-        for (unsigned int k = 0; k < n_functions(dim); ++k)
-          {
-            const KeyForce<dim> &key = forces.at(hats.keys[k]);
-            point.force += point.area * hats.values[k] * key.force[point.side];
-            slip += hats.values[k] * key.slip_change;
-            active += hats.values[k] * key.is_active;
-            if (!with_tangent || key.shares[0] == 0.)
-              continue;
-            const double weight = point.area * hats.values[k];
-            point.stiffness += weight * key.shares[point.side] * key.stiffness;
-            tangent->add_share(std::uint64_t(key.number), weight);
-          }
-        if (active > 0.)
-          point.new_slip = slip;
-        if (point.side == 0)
-          {
-            const Tensor<1, dim> arm = point.x - about;
-            result.force += point.force;
-            if constexpr (dim == 2)
-              result.moment[0] +=
-                arm[0] * point.force[1] - arm[1] * point.force[0];
-            else
-              result.moment += cross_product_3d(arm, point.force);
-          }
-      }
-    std::vector<double> all = {result.area};
+    for (const ContactPoint<dim> &point : points)
+      if (point.is_facing && point.side == 0)
+        {
+          const Tensor<1, dim> arm = point.x - about;
+          result.force += point.force;
+          if constexpr (dim == 2)
+            result.moment[0] +=
+              arm[0] * point.force[1] - arm[1] * point.force[0];
+          else
+            result.moment += cross_product_3d(arm, point.force);
+        }
+    std::vector<double> all = {law.area};
     for (unsigned int d = 0; d < dim; ++d)
       all.push_back(result.force[d]);
     for (unsigned int k = 0; k < result.moment.dimension; ++k)
