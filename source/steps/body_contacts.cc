@@ -119,7 +119,6 @@ namespace greville
     const ContactParameters &given = parameters.contacts.at(name);
     Contact                  contact;
     contact.name     = name;
-    contact.bodies   = given.bodies;
     const auto sides = given.sides();
 
     contact.given     = given;
@@ -295,7 +294,8 @@ namespace greville
     depth = Utilities::MPI::max(depth, comm);
     AssertThrow(depth <= deepest,
                 ErrorOnAll("The bodies of 'Contact " + contact.name + "', <" +
-                           contact.bodies + ">, overlap by " + text_of(depth) +
+                           contact.given.bodies + ">, overlap by " +
+                           text_of(depth) +
                            " m at the start: leave a gap between them, or let "
                            "them touch."));
   }

@@ -80,7 +80,7 @@ namespace greville
 
     struct Contact
     {
-      std::string                       name, bodies;
+      std::string                       name;
       std::array<std::vector<Place>, 2> sides;
       int                               rigid = -1; // number of the rigid body
       // What the law consists of: of both sides the modulus E', Pa, and the
