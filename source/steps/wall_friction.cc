@@ -23,6 +23,23 @@ namespace greville
 
 
   template <int dim>
+  FrictionWalls<dim>::FrictionWalls(const Walls<dim> &walls)
+    : walls(walls)
+  {}
+
+
+
+  template <int dim>
+  WallSums<dim>
+  FrictionWalls<dim>::stop(VectorField<dim>     &velocity,
+                           const GridField<dim> &field) const
+  {
+    return walls.stop(velocity, field.lumped_mass);
+  }
+
+
+
+  template <int dim>
   std::unique_ptr<Contact<dim>>
   LumpedWallFriction<dim>::make(const IntegratorParts<dim> &parts)
   {
@@ -36,7 +53,7 @@ namespace greville
 
   template <int dim>
   LumpedWallFriction<dim>::LumpedWallFriction(const Walls<dim> &walls)
-    : walls(walls)
+    : FrictionWalls<dim>(walls)
   {}
 
 
@@ -49,10 +66,10 @@ namespace greville
       {
         before = field.new_velocity;
         add_to<dim>(field.momentum_of_walls,
-                    walls.add_contact(field.new_velocity,
-                                      field.acceleration,
-                                      step.dt,
-                                      field.lumped_mass));
+                    this->walls.add_contact(field.new_velocity,
+                                            field.acceleration,
+                                            step.dt,
+                                            field.lumped_mass));
         // What the impulses give to the kinetic energy.
         const VectorType &lumped      = field.lumped_mass;
         double            work_before = 0., work_after = 0.;
@@ -67,16 +84,6 @@ namespace greville
             }
         step.add_work(work_before, work_after);
       }
-  }
-
-
-
-  template <int dim>
-  WallSums<dim>
-  LumpedWallFriction<dim>::stop(VectorField<dim>     &velocity,
-                                const GridField<dim> &field) const
-  {
-    return walls.stop(velocity, field.lumped_mass);
   }
 
 
@@ -99,7 +106,7 @@ namespace greville
   WallFriction<dim>::WallFriction(const Walls<dim>            &walls,
                                   std::vector<GridField<dim>> &fields,
                                   StepLog                     &log)
-    : walls(walls)
+    : FrictionWalls<dim>(walls)
     , log(log)
   {
     for (GridField<dim> &field : fields)
@@ -135,16 +142,6 @@ namespace greville
 
 
   template <int dim>
-  WallSums<dim>
-  WallFriction<dim>::stop(VectorField<dim>     &velocity,
-                          const GridField<dim> &field) const
-  {
-    return walls.stop(velocity, field.lumped_mass);
-  }
-
-
-
-  template <int dim>
   void
   WallFriction<dim>::begin_trial()
   {
@@ -175,6 +172,8 @@ namespace greville
 
 
 
+  template class FrictionWalls<2>;
+  template class FrictionWalls<3>;
   template class LumpedWallFriction<2>;
   template class LumpedWallFriction<3>;
   template class WallFriction<2>;

@@ -9,11 +9,36 @@
 namespace greville
 {
   /**
+   * What friction walls do with all masses.
+   */
+  template <int dim>
+  class FrictionWalls : public Contact<dim>
+  {
+  public:
+    /**
+     * By Walls::stop().
+     */
+    WallSums<dim>
+    stop(VectorField<dim>     &velocity,
+         const GridField<dim> &field) const override;
+
+  protected:
+    /**
+     * The walls are kept by reference.
+     */
+    explicit FrictionWalls(const Walls<dim> &walls);
+
+    const Walls<dim> &walls;
+  };
+
+
+
+  /**
    * Friction walls with lumped mass and FMPM: each coefficient for itself, see
    * Walls::add_contact().
    */
   template <int dim>
-  class LumpedWallFriction : public Contact<dim>
+  class LumpedWallFriction : public FrictionWalls<dim>
   {
   public:
     /**
@@ -30,13 +55,8 @@ namespace greville
     void
     apply(ContactStep<dim> &step) override;
 
-    WallSums<dim>
-    stop(VectorField<dim>     &velocity,
-         const GridField<dim> &field) const override;
-
   private:
-    const Walls<dim> &walls;
-    VectorField<dim>  before;
+    VectorField<dim> before;
   };
 
 
@@ -45,7 +65,7 @@ namespace greville
    * Friction walls with the consistent mass: a FrictionContact for each field.
    */
   template <int dim>
-  class WallFriction : public Contact<dim>
+  class WallFriction : public FrictionWalls<dim>
   {
   public:
     /**
@@ -67,10 +87,6 @@ namespace greville
     void
     apply(ContactStep<dim> &step) override;
 
-    WallSums<dim>
-    stop(VectorField<dim>     &velocity,
-         const GridField<dim> &field) const override;
-
     void
     begin_trial() override;
 
@@ -84,7 +100,6 @@ namespace greville
     forget() override;
 
   private:
-    const Walls<dim>                                &walls;
     std::vector<FrictionContact<dim>>                of_fields;
     std::vector<std::vector<dealii::Tensor<1, dim>>> loads_before_trial;
     StepLog                                         &log;
