@@ -84,7 +84,7 @@ namespace greville
   {
     std::array<bool, dim> result;
     for (unsigned int d = 0; d < dim; ++d)
-      result[d] = wall_type(parameters.type[2 * d]) == WallType::periodic;
+      result[d] = parameters.is_periodic(2 * d);
     return result;
   }
 

@@ -129,8 +129,8 @@ namespace greville
           {
             SimulationParameters first = *this;
             first.enter_stage(0);
-            AssertThrow((parameters.walls.type[w] == "periodic") ==
-                          (first.walls.type[w] == "periodic"),
+            AssertThrow(parameters.walls.is_periodic(w) ==
+                          first.walls.is_periodic(w),
                         ExcMessage(stage_text(k) + "the wall '" +
                                    WallParameters::names[w] + "' is " +
                                    parameters.walls.type[w] + ", but it is " +
@@ -189,7 +189,7 @@ namespace greville
         }
     for (unsigned int w = 0; w < 2 * general.dimension && !contacts.empty();
          ++w)
-      AssertThrow(walls.type[w] != "periodic",
+      AssertThrow(!walls.is_periodic(w),
                   ExcMessage("'Walls/" + WallParameters::names[w] +
                              "' is periodic, which does not go with "
                              "'Simulation/Contacts': surfaces do not meet "
@@ -232,8 +232,8 @@ namespace greville
       }
     for (unsigned int w = 0; w < 2 * dim; w += 2)
       {
-        const bool is_periodic = walls.type[w] == "periodic";
-        AssertThrow(is_periodic == (walls.type[w + 1] == "periodic"),
+        const bool is_periodic = walls.is_periodic(w);
+        AssertThrow(is_periodic == walls.is_periodic(w + 1),
                     ExcMessage("The wall '" + WallParameters::names[w] +
                                "' is " + walls.type[w] + " and '" +
                                WallParameters::names[w + 1] + "' is " +

@@ -272,7 +272,7 @@ namespace greville
                                    "'Lower corner' in all directions, but " +
                                    text_of(whole.upper[d]) + " is not above " +
                                    text_of(whole.lower[d]) + "."));
-            if (walls.type[2 * d] != "periodic")
+            if (!walls.is_periodic(2 * d))
               continue;
             AssertThrow(whole.lower[d] == grid.lower[d] &&
                           whole.upper[d] == grid.upper[d],

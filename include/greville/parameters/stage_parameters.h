@@ -185,6 +185,12 @@ namespace greville
     std::array<std::string, 6> velocity;
     std::array<std::string, 6> displacement;
     std::array<double, 6>      friction{};
+
+    bool
+    is_periodic(const unsigned int wall) const
+    {
+      return type[wall] == "periodic";
+    }
   };
 
 
