@@ -79,13 +79,14 @@ namespace greville
       AssertThrow(false,
                   ExcMessage(
                     "The parameter '" + parameter +
-                    "' with points that are fitted takes shapes, comparisons "
-                    "f < g, level_set(f) with an f that is negative inside, "
-                    "and what union(), intersection(), difference(), & and | "
-                    "make of them. <" +
+                    "' has to tell where the surface is, which fitted points, "
+                    "contacts and rigid bodies need: it takes shapes, "
+                    "comparisons f < g, level_set(f) with an f that is "
+                    "negative inside, and what union(), intersection(), "
+                    "difference(), & and | make of them. <" +
                     text +
-                    "> is only true or false, so that it is unknown where "
-                    "the surface is: write one of these in its place."));
+                    "> is only true or false: write one of these in its "
+                    "place."));
       std::abort();
     }
 
@@ -258,8 +259,10 @@ namespace greville
           };
           AssertThrow(at(one) == at(other),
                       ExcMessage("The parameter '" + parameter +
-                                 "' with points that are fitted takes shapes "
-                                 "made of numbers only; <" +
+                                 "' has to tell where the surface is, which "
+                                 "fitted points, contacts and rigid bodies "
+                                 "need: it takes shapes made of numbers only; "
+                                 "<" +
                                  argument + "> depends on the position."));
           result.push_back(at(one));
         }
