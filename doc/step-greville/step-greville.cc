@@ -168,7 +168,7 @@ namespace StepGreville
                         const SurfaceState<dim> &point) {
         return Point<dim>(0., floor_kappa * floor_depth(point.x) - gravity);
       };
-      system->add_surfaces({{points[0], b}}, u, {0.5}, with_stiffness, load);
+      system->surfaces().add({{points[0], b}}, u, {0.5}, with_stiffness, load);
       for (unsigned int d = 0; d < dim; ++d)
         force[d] -= load[d];
     }

@@ -27,11 +27,11 @@ namespace greville
     if (!surfaces.empty())
       try
         {
-          const bool symmetric = system.add_surfaces(surfaces,
-                                                     displacement,
-                                                     surface_motion,
-                                                     with_stiffness,
-                                                     new_surface_loads);
+          const bool symmetric = system.surfaces().add(surfaces,
+                                                       displacement,
+                                                       surface_motion,
+                                                       with_stiffness,
+                                                       new_surface_loads);
           if (with_stiffness)
             surfaces_are_symmetric = symmetric;
         }
@@ -141,7 +141,7 @@ namespace greville
     for (const auto *corner : {&parameters.grid.lower, &parameters.grid.upper})
       for (const double coordinate : *corner)
         x = std::max(x, std::abs(coordinate));
-    const double of_surfaces = system.surface_stiffness_scale() * x;
+    const double of_surfaces = system.surfaces().stiffness_scale() * x;
     return units *
            (system.stiffness_scale() * (1. + u / discretization.cell_size()) +
             of_surfaces + force_scale + inertia_at_begin);

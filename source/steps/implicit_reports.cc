@@ -325,12 +325,12 @@ namespace greville
     for (unsigned int k = 0; k < surfaces.size(); ++k)
       {
         VectorField<dim> &load = new_surface_loads;
-        system.add_surfaces(
+        system.surfaces().add(
           {surfaces[k]}, displacement, surface_motion, false, load);
         add_power(k, load, share);
         if (k >= n_surfaces)
           continue;
-        system.add_surfaces({before[k]}, at_rest, begin, false, load);
+        system.surfaces().add({before[k]}, at_rest, begin, false, load);
         add_power(k, load, 1. - share);
       }
   }

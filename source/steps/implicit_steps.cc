@@ -307,11 +307,11 @@ namespace greville
     begin.v = scheme.is_static ? nullptr : &velocity;
     for (VectorType &component : displacement)
       component = 0.;
-    system.add_surfaces(loads.surfaces().loaded(state.surfaces, state.time),
-                        displacement,
-                        begin,
-                        false,
-                        old_surface_loads);
+    system.surfaces().add(loads.surfaces().loaded(state.surfaces, state.time),
+                          displacement,
+                          begin,
+                          false,
+                          old_surface_loads);
     for (unsigned int d = 0; d < dim; ++d)
       old_loads[d] += old_surface_loads[d];
     surface_motion.share = scheme.load_time;

@@ -153,7 +153,7 @@ namespace greville
         ContactPoint<dim>  *point      = points[contact].data() + side.begin;
         ImplicitSteps<dim> &integrator = *steps[side.part];
         motion.share                   = share_now;
-        integrator.system.move_surface(
+        integrator.system.surfaces().move(
           points_of(side),
           integrator.displacement,
           motion,
@@ -243,9 +243,11 @@ namespace greville
         }
     for (unsigned int k = 0; k < steps.size(); ++k)
       {
-        steps[k]->system.spread(surfaces[k], of_points[k], forces[k]);
+        steps[k]->system.surfaces().spread(surfaces[k],
+                                           of_points[k],
+                                           forces[k]);
         if (with_stiffness)
-          steps[k]->system.add_stiffness(surfaces[k], stiffness[k]);
+          steps[k]->system.surfaces().add_stiffness(surfaces[k], stiffness[k]);
       }
     return "";
   }
@@ -280,7 +282,7 @@ namespace greville
     for (const Side &side : sides)
       {
         Tensor<1, dim> *u = displacements[side.contact].data() + side.begin;
-        steps[side.part]->system.move_surface(
+        steps[side.part]->system.surfaces().move(
           points_of(side),
           directions[side.part],
           motion,
@@ -301,7 +303,7 @@ namespace greville
     for (unsigned int k = 0; k < steps.size(); ++k)
       {
         TangentSystem<dim> &system = steps[k]->system;
-        system.spread(surfaces[k], of_points[k], products[k]);
+        system.surfaces().spread(surfaces[k], of_points[k], products[k]);
         system.initialize(rows);
         system.restrict(rows, products[k], nullptr);
         dst[k] += rows;

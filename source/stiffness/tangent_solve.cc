@@ -29,7 +29,7 @@ namespace greville
     extend(direction, src);
     sums.back().clear();
     std::vector<TrialPoint<dim>> trials;
-    for (const ProjectedBody &body : projected_bodies)
+    for (const ProjectedBody<dim> &body : projected_bodies)
       {
         const MaterialPoints<dim> &points = *body.points;
         const double              *change = projection

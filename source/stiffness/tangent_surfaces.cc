@@ -1,29 +1,43 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/stiffness/tangent_system.h>
+#include <greville/stiffness/tangent_surfaces.h>
 
 #include <cmath>
 
-// Forces on surfaces in a TangentSystem.
 namespace greville
 {
   using namespace dealii;
 
   template <int dim>
+  void
+  TangentSurfaces<dim>::reinit(
+    const OrderHierarchy<dim>              &orders,
+    const std::vector<TangentLevel<dim> *> &new_levels)
+  {
+    levels = new_levels;
+    sums.resize(levels.size());
+    for (unsigned int l = 0; l < levels.size(); ++l)
+      sums[l].reinit(orders[l]);
+    trial_surfaces.reinit(orders.finest());
+    comm = orders.finest().communicator();
+  }
+
+
+
+  template <int dim>
   bool
-  TangentSystem<dim>::add_surfaces(
-    const std::vector<LoadedSurface<dim>> &surfaces,
-    const VectorField<dim>                &u,
-    const SurfaceMotion<dim>              &motion,
-    const bool                             with_stiffness,
-    VectorField<dim>                      &force)
+  TangentSurfaces<dim>::add(const std::vector<LoadedSurface<dim>> &surfaces,
+                            const VectorField<dim>                &u,
+                            const SurfaceMotion<dim>              &motion,
+                            const bool        with_stiffness,
+                            VectorField<dim> &force)
   {
     // Derivatives are differences.
     constexpr double round_off = 1e-6;
 
     unsigned int is_asymmetric = 0;
     double       square        = 0.;
-    surface_sums.clear();
+    sums.back().clear();
     for (const LoadedSurface<dim> &surface : surfaces)
       trial_surfaces.evaluate(
         surface,
@@ -31,7 +45,7 @@ namespace greville
         motion,
         with_stiffness,
         [&](const unsigned int cell, const auto &points) {
-          surface_sums.add_force(cell, points);
+          sums.back().add_force(cell, points);
           if (!with_stiffness)
             return;
           for (unsigned int l = 0; l < levels.size(); ++l)
@@ -48,22 +62,21 @@ namespace greville
             }
           square += of_cell * of_cell;
         });
-    surface_sums.take_force(force);
+    sums.back().take_force(force);
     if (!with_stiffness)
       return true;
-    surface_stiffness =
-      std::sqrt(Utilities::MPI::sum(square, space().communicator()));
-    return Utilities::MPI::max(is_asymmetric, space().communicator()) == 0;
+    scale_of_loads = std::sqrt(Utilities::MPI::sum(square, comm));
+    return Utilities::MPI::max(is_asymmetric, comm) == 0;
   }
 
 
 
   template <int dim>
   void
-  TangentSystem<dim>::move_surface(const MaterialPoints<dim> &points,
-                                   const VectorField<dim>    &u,
-                                   const SurfaceMotion<dim>  &motion,
-                                   const SurfaceAction       &action)
+  TangentSurfaces<dim>::move(const MaterialPoints<dim> &points,
+                             const VectorField<dim>    &u,
+                             const SurfaceMotion<dim>  &motion,
+                             const Action              &action)
   {
     trial_surfaces.evaluate({&points,
                              [&](const ConstPointRef<dim> p,
@@ -114,12 +127,12 @@ namespace greville
 
   template <int dim>
   void
-  TangentSystem<dim>::spread(
+  TangentSurfaces<dim>::spread(
     const std::vector<const MaterialPoints<dim> *> &surfaces,
     const std::vector<Tensor<1, dim>>              &forces,
     VectorField<dim>                               &result)
   {
-    surface_sums.clear();
+    sums.back().clear();
     for_each_cell<dim>(
       surfaces,
       forces,
@@ -127,16 +140,16 @@ namespace greville
         trial.load = force;
       },
       [&](const unsigned int cell, const auto &points) {
-        surface_sums.add_force(cell, points);
+        sums.back().add_force(cell, points);
       });
-    surface_sums.take_force(result);
+    sums.back().take_force(result);
   }
 
 
 
   template <int dim>
   void
-  TangentSystem<dim>::add_stiffness(
+  TangentSurfaces<dim>::add_stiffness(
     const std::vector<const MaterialPoints<dim> *> &surfaces,
     const std::vector<Tensor<2, dim>>              &stiffness)
   {
@@ -158,31 +171,11 @@ namespace greville
           levels[l]->stiffness().add_cell(cell,
                                           sums[l].stiffness(cell, points));
       });
-    point_stiffness =
-      std::sqrt(Utilities::MPI::sum(square, space().communicator()));
+    scale_of_points = std::sqrt(Utilities::MPI::sum(square, comm));
   }
 
 
 
-#define INSTANTIATE(dim)                                                      \
-  template bool TangentSystem<dim>::add_surfaces(                             \
-    const std::vector<LoadedSurface<dim>> &,                                  \
-    const VectorField<dim> &,                                                 \
-    const SurfaceMotion<dim> &,                                               \
-    const bool,                                                               \
-    VectorField<dim> &);                                                      \
-  template void TangentSystem<dim>::move_surface(const MaterialPoints<dim> &, \
-                                                 const VectorField<dim> &,    \
-                                                 const SurfaceMotion<dim> &,  \
-                                                 const SurfaceAction &);      \
-  template void TangentSystem<dim>::spread(                                   \
-    const std::vector<const MaterialPoints<dim> *> &,                         \
-    const std::vector<Tensor<1, dim>> &,                                      \
-    VectorField<dim> &);                                                      \
-  template void TangentSystem<dim>::add_stiffness(                            \
-    const std::vector<const MaterialPoints<dim> *> &,                         \
-    const std::vector<Tensor<2, dim>> &);
-  INSTANTIATE(2)
-  INSTANTIATE(3)
-#undef INSTANTIATE
+  template class TangentSurfaces<2>;
+  template class TangentSurfaces<3>;
 } // namespace greville

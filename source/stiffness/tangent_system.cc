@@ -27,15 +27,16 @@ namespace greville
   {
     filling.reinit(orders.finest());
     trial.reinit(orders.finest());
-    trial_surfaces.reinit(orders.finest());
-    surface_sums.reinit(orders.finest());
+    std::vector<TangentLevel<dim> *> all;
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
       {
         transfers[l].reinit(orders[l]);
         sums[l].reinit(orders[l]);
         levels.push_back(std::make_unique<TangentLevel<dim>>(
           orders[l], held ? held(orders[l]) : std::vector<unsigned char>()));
+        all.push_back(levels.back().get());
       }
+    of_surfaces.reinit(orders, all);
   }
 
 
@@ -164,7 +165,7 @@ namespace greville
       {
         for (auto &level : levels)
           level->begin_tangent();
-        point_stiffness = 0.;
+        of_surfaces.clear_stiffness();
         if (projection)
           displacement = u;
         projected_bodies.clear();
@@ -173,12 +174,12 @@ namespace greville
       {
         const bool is_symmetric = body.material->has_symmetric_tangent() &&
                                   stress == StepStress::end && !projection;
-        PointReport   report;
-        ProjectedBody projected{body.points,
-                                share_of_volume_stiffness(
-                                  body.material->moduli()),
-                                {},
-                                {}};
+        PointReport        report;
+        ProjectedBody<dim> projected{body.points,
+                                     share_of_volume_stiffness(
+                                       body.material->moduli()),
+                                     {},
+                                     {}};
         if (projection)
           projected.J_hat = projection->project(*body.points, u, 1.);
         // A law may throw on one process, and all go on with the next body.

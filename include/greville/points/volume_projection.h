@@ -10,6 +10,21 @@
 namespace greville
 {
   /**
+   * The projected J of a body's points, the derivatives of their P by its
+   * logarithm, and the share of these that a stiffness matrix has.
+   */
+  template <int dim>
+  struct ProjectedBody
+  {
+    const MaterialPoints<dim>          *points;
+    double                              share;
+    std::vector<double>                 J_hat;
+    std::vector<dealii::Tensor<2, dim>> derivatives;
+  };
+
+
+
+  /**
    * A projection of ratios of volumes against locking, F-bar: the material of a
    * body sees, in place of F and J = det F of the motion,
    * @f[

@@ -4,30 +4,16 @@
 #define greville_stiffness_tangent_system_h
 
 #include <greville/linear_algebra/solve_result.h>
-#include <greville/points/trial_step.h>
 #include <greville/points/volume_projection.h>
 #include <greville/stiffness/tangent_level.h>
 #include <greville/stiffness/tangent_parameters.h>
+#include <greville/stiffness/tangent_surfaces.h>
+#include <greville/stiffness/trial_body.h>
 
 #include <string>
 
 namespace greville
 {
-  /**
-   * Points of a body, and their law.
-   */
-  template <int dim>
-  struct TrialBody
-  {
-    const MaterialPoints<dim> *points;
-    const Material            *material;
-    std::string                name;
-    /// Material::strength_reduction() of the step.
-    double strength_reduction = 1.;
-  };
-
-
-
   /**
    * The linear systems of implicit steps on extended B-splines,
    * @f[ E^T (c \tilde M + K) E \, x = E^T b, @f]
@@ -113,48 +99,13 @@ namespace greville
              const bool                         with_stiffness,
              VectorField<dim>                  &force);
 
-    /**
-     * Collective. The force of loads on @p surfaces for the displacement @p u.
-     * If @p with_stiffness, add their stiffness to that of the last evaluate().
-     * Returns whether all derivatives are symmetric; true without them.
-     */
-    bool
-    add_surfaces(const std::vector<LoadedSurface<dim>> &surfaces,
-                 const VectorField<dim>                &u,
-                 const SurfaceMotion<dim>              &motion,
-                 const bool                             with_stiffness,
-                 VectorField<dim>                      &force);
-
-    /**
-     * Collective. Call @p action(p, state) for the points of a surface where
-     * the displacement @p u has brought them, in the order of
-     * MaterialPoints::for_each().
-     */
-    using SurfaceAction = std::function<void(const ConstPointRef<dim> p,
-                                             const SurfaceState<dim> &state)>;
-
-    void
-    move_surface(const MaterialPoints<dim> &points,
-                 const VectorField<dim>    &u,
-                 const SurfaceMotion<dim>  &motion,
-                 const SurfaceAction       &action);
-
-    /**
-     * Collective. The force on the grid of forces on the points of @p surfaces,
-     * of one after another, N (2D: N / m).
-     */
-    void
-    spread(const std::vector<const MaterialPoints<dim> *> &surfaces,
-           const std::vector<dealii::Tensor<1, dim>>      &forces,
-           VectorField<dim>                               &result);
-
-    /**
-     * Collective. Add the stiffness of such points against displacements, N / m
-     * (2D: N / m^2), to that of the last evaluate().
-     */
-    void
-    add_stiffness(const std::vector<const MaterialPoints<dim> *> &surfaces,
-                  const std::vector<dealii::Tensor<2, dim>>      &stiffness);
+    /// Forces on surfaces, and their stiffness, which adds to that of the last
+    /// evaluate().
+    TangentSurfaces<dim> &
+    surfaces()
+    {
+      return of_surfaces;
+    }
 
     /**
      * Collective. The Euclidean norm of the forces that the cells give to the
@@ -171,13 +122,6 @@ namespace greville
     stiffness_scale() const
     {
       return force_of_strain;
-    }
-
-    /// The like for forces on surfaces that a displacement changes, N / m.
-    double
-    surface_stiffness_scale() const
-    {
-      return surface_stiffness + point_stiffness;
     }
 
     /**
@@ -279,18 +223,6 @@ namespace greville
     initialize(VectorType &vector) const;
 
   private:
-    /**
-     * The projected J of a body's points, the derivatives of their P by its
-     * logarithm, and the share of these that K has.
-     */
-    struct ProjectedBody
-    {
-      const MaterialPoints<dim>          *points;
-      double                              share;
-      std::vector<double>                 J_hat;
-      std::vector<dealii::Tensor<2, dim>> derivatives;
-    };
-
     /// Whether coarse levels pay for an operator with this mass factor.
     bool
     needs_levels(const double mass_factor) const;
@@ -327,19 +259,17 @@ namespace greville
     std::vector<std::unique_ptr<TangentLevel<dim>>> levels;
     std::vector<TrialSums<dim>>                     sums;
     TrialStep<dim>                                  trial;
-    TrialSurfaces<dim>                              trial_surfaces;
-    TrialSums<dim>                                  surface_sums;
+    TangentSurfaces<dim>                            of_surfaces;
     std::unique_ptr<PMultigrid<dim>>                multigrid;
     bool                                            symmetric = true;
     VolumeProjection<dim>                          *projection;
     // Of the last evaluate() with stiffness and a projection.
-    VectorField<dim>           displacement;
-    std::vector<ProjectedBody> projected_bodies;
+    VectorField<dim>                displacement;
+    std::vector<ProjectedBody<dim>> projected_bodies;
 
     // Sums of the moduli of compression and of shear of all points.
     std::array<double, 2> moduli{};
-    double                force_of_strain   = 0.;
-    double                surface_stiffness = 0., point_stiffness = 0.;
+    double                force_of_strain = 0.;
 
     // Of the set-up; iterations are those for a tenth of the residual.
     bool         has_levels = false, is_fresh = false;

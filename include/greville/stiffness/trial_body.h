@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_stiffness_trial_body_h
+#define greville_stiffness_trial_body_h
+
+#include <greville/materials/material.h>
+#include <greville/points/material_points.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * Points of a body, and their law, in a step of a TangentSystem.
+   */
+  template <int dim>
+  struct TrialBody
+  {
+    const MaterialPoints<dim> *points;
+    const Material            *material;
+    std::string                name;
+    /// Material::strength_reduction() of the step.
+    double strength_reduction = 1.;
+  };
+} // namespace greville
+
+#endif
