@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/steps/body_grids.h>
+#include <greville/steps/common_step.h>
 #include <greville/steps/ensemble.h>
 #include <greville/steps/state_tables.h>
 
@@ -66,7 +67,7 @@ namespace greville
   void
   Ensemble<dim>::step()
   {
-    Simulation<dim>::step_together(pointers(), contacts.get());
+    CommonStep<dim>(pointers(), contacts.get()).take();
   }
 
 

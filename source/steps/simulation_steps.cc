@@ -2,11 +2,9 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
-#include <greville/steps/coupled_steps.h>
+#include <greville/steps/common_step.h>
 #include <greville/steps/move_points.h>
-#include <greville/steps/simulation.h>
 #include <greville/steps/step_size.h>
-#include <greville/steps/trial_contacts.h>
 
 #include <algorithm>
 #include <sstream>
@@ -20,9 +18,6 @@ namespace greville
   {
     // Steps between two snapshots.
     constexpr unsigned int remember_every = 50;
-
-    // Times that a step is rejected.
-    constexpr unsigned int most_rejections = 20;
   } // namespace
 
 
@@ -46,7 +41,6 @@ namespace greville
       good.take(current);
     if (programs_have_points)
       current.points_have_changed();
-    proposed = current.step;
   }
 
 
@@ -60,39 +54,6 @@ namespace greville
       next_stage();
     log.newton.clear();
     current.n_rejections = 0;
-    propose();
-  }
-
-
-
-  template <int dim>
-  void
-  Simulation<dim>::propose()
-  {
-    // It depends on what all processes know.
-    try
-      {
-        proposed = integrator->propose_step(current);
-      }
-    catch (const ExcMessage &error)
-      {
-        AssertThrow(false, ErrorOnAll(message_of(error)));
-      }
-  }
-
-
-
-  template <int dim>
-  void
-  Simulation<dim>::propose_again(const StepRejected &rejection)
-  {
-    ++current.n_all_rejections;
-    if (current.n_rejections == most_rejections)
-      throw StepFailed("the step has been shortened " +
-                       std::to_string(most_rejections) + " times, and still " +
-                       rejection.what());
-    ++current.n_rejections;
-    propose();
   }
 
 
@@ -174,122 +135,7 @@ namespace greville
                 ExcMessage("There are 'Simulation/Contacts': "
                            "greville::Ensemble takes the steps of bodies "
                            "that meet."));
-    step_together({this});
-  }
-
-
-
-  template <int dim>
-  std::unique_ptr<TrialContacts<dim>>
-  Simulation<dim>::try_implicit(const std::vector<Simulation *> &simulations,
-                                BodyContacts<dim>               &contacts,
-                                const double                     dt)
-  {
-    std::vector<typename CoupledSteps<dim>::Part> coupled;
-    std::vector<ImplicitSteps<dim> *>             steps;
-    for (Simulation *simulation : simulations)
-      {
-        steps.push_back(
-          dynamic_cast<ImplicitSteps<dim> *>(simulation->integrator.get()));
-        if (!steps.back())
-          throw StepFailed(
-            "'Scheme/Stress update' = " +
-              simulation->parameters.scheme.stress_update +
-              " does not go with 'Simulation/Contacts': they act "
-              "in explicit steps and in those of ImplicitSteps",
-            false);
-        coupled.push_back({steps.back(), &simulation->current});
-      }
-    auto trial = std::make_unique<TrialContacts<dim>>(contacts, steps, dt);
-    CoupledSteps<dim>(coupled, trial.get(), dt).try_step();
-    return trial;
-  }
-
-
-
-  template <int dim>
-  void
-  Simulation<dim>::step_together(const std::vector<Simulation *> &simulations,
-                                 BodyContacts<dim>               *contacts)
-  {
-    bool is_shared = false;
-    for (Simulation *simulation : simulations)
-      is_shared = simulation->balance_load() || is_shared;
-    for (Simulation *simulation : simulations)
-      {
-        simulation->remember();
-        // All of them keep the state of the same step.
-        if (is_shared)
-          simulation->good.take(simulation->current);
-      }
-    // Whose turn it is, and the step that is being tried.
-    std::unique_ptr<TrialContacts<dim>> trial;
-    Simulation                         *at_hand  = simulations.front();
-    double                              dt       = at_hand->proposed;
-    const auto                          for_each = [&](const auto &action) {
-      for (Simulation *simulation : simulations)
-        {
-          at_hand = simulation;
-          action(*simulation);
-        }
-    };
-    const auto restore_others = [&](const Simulation *failed) {
-      for (Simulation *simulation : simulations)
-        if (simulation != failed)
-          simulation->restore();
-    };
-    try
-      {
-        // The end of a stage needs it, too.
-        if (contacts)
-          contacts->act();
-        const bool enters_stage = simulations.front()->is_stage_finished();
-        for_each([](Simulation &simulation) { simulation.begin_step(); });
-        // All of them, or none.
-        if (enters_stage)
-          for_each([](Simulation &simulation) {
-            simulation.good.take(simulation.current);
-          });
-        for (bool is_rejected = true; is_rejected;)
-          {
-            dt = simulations.front()->proposed;
-            for (const Simulation *simulation : simulations)
-              dt = std::min(dt, simulation->proposed);
-            try
-              {
-                at_hand = simulations.front();
-                if (contacts && at_hand->is_implicit())
-                  trial = try_implicit(simulations, *contacts, dt);
-                else
-                  for_each([&](Simulation &simulation) {
-                    simulation.integrator->try_step(simulation.current, dt);
-                  });
-                is_rejected = false;
-              }
-            catch (const StepRejected &rejection)
-              {
-                at_hand->propose_again(rejection);
-              }
-          }
-        if (trial)
-          trial->accept();
-        else if (contacts)
-          contacts->begin_step(dt);
-        for_each([&](Simulation &simulation) { simulation.take_step(dt); });
-        if (trial)
-          contacts->end_step();
-      }
-    catch (const StepFailed &failure)
-      {
-        restore_others(at_hand);
-        at_hand->go_back(failure, dt);
-      }
-    catch (const ExcMessage &)
-      {
-        restore_others(nullptr);
-        throw;
-      }
-    for_each([](Simulation &simulation) { simulation.end_step(); });
+    CommonStep<dim>({this}).take();
   }
 
 

@@ -15,6 +15,8 @@ namespace greville
   template <int dim>
   class BodyContacts;
   template <int dim>
+  class CommonStep;
+  template <int dim>
   class TrialContacts;
 
   /**
@@ -41,17 +43,10 @@ namespace greville
     /// Collective. One step; not beyond the end. Throws StepGivenUp with step,
     /// time and point where a point is lost or breaks, or a StepGuard finds
     /// something wrong; the state is then the last good one that was kept, to
-    /// single precision. For an exact one keep a copy of state().
+    /// single precision. For an exact one keep a copy of state(). Those of
+    /// several simulations are a CommonStep.
     void
     step();
-
-    /// Collective. step() of several simulations of the same times and stages,
-    /// as long as the shortest that one proposes. Where one rejects it, all try
-    /// a shorter one; where one fails, all go back. The @p contacts of their
-    /// bodies act at the start of the step.
-    static void
-    step_together(const std::vector<Simulation *> &simulations,
-                  BodyContacts<dim>               *contacts = nullptr);
 
     bool
     is_finished() const;
@@ -235,6 +230,7 @@ namespace greville
 
   private:
     friend class BodyContacts<dim>;
+    friend class CommonStep<dim>;
     friend class TrialContacts<dim>;
     friend class EndOfStep<dim>;
 
@@ -261,18 +257,6 @@ namespace greville
     remember();
     void
     begin_step();
-
-    // Propose a step, and another one after it has been rejected.
-    void
-    propose();
-    void
-    propose_again(const StepRejected &rejection);
-
-    // Try an implicit step of all, which contacts couple.
-    static std::unique_ptr<TrialContacts<dim>>
-    try_implicit(const std::vector<Simulation *> &simulations,
-                 BodyContacts<dim>               &contacts,
-                 const double                     dt);
 
     // Take the step that has been tried, and what is due after all have.
     void
@@ -304,7 +288,6 @@ namespace greville
     bool                                 programs_have_points = false;
 
     // The step at hand.
-    double       proposed               = 0.; // s
     bool         is_first_step_of_stage = false;
     unsigned int entered_stage          = 0; // that of the parameters
   };

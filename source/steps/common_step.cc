@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/step_errors.h>
+#include <greville/steps/common_step.h>
+#include <greville/steps/coupled_steps.h>
+#include <greville/steps/trial_contacts.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Times that a step is rejected.
+    constexpr unsigned int most_rejections = 20;
+  } // namespace
+
+
+
+  template <int dim>
+  CommonStep<dim>::CommonStep(const std::vector<Simulation<dim> *> &simulations,
+                              BodyContacts<dim>                    *contacts)
+    : simulations(simulations)
+    , contacts(contacts)
+    , proposed(simulations.size())
+  {}
+
+
+
+  template <int dim>
+  CommonStep<dim>::~CommonStep() = default;
+
+
+
+  template <int dim>
+  template <typename Action>
+  void
+  CommonStep<dim>::for_each(const Action &action)
+  {
+    for (at_hand = 0; at_hand < simulations.size(); ++at_hand)
+      action(*simulations[at_hand]);
+    at_hand = simulations.size() - 1;
+  }
+
+
+
+  template <int dim>
+  void
+  CommonStep<dim>::remember()
+  {
+    bool is_shared = false;
+    for (Simulation<dim> *simulation : simulations)
+      is_shared = simulation->balance_load() || is_shared;
+    for (Simulation<dim> *simulation : simulations)
+      {
+        simulation->remember();
+        // All of them keep the state of the same step.
+        if (is_shared)
+          simulation->good.take(simulation->current);
+      }
+    dt = simulations.front()->current.step;
+  }
+
+
+
+  template <int dim>
+  void
+  CommonStep<dim>::begin()
+  {
+    // The end of a stage needs it, too.
+    if (contacts)
+      contacts->act();
+    const bool enters_stage = simulations.front()->is_stage_finished();
+    for_each([&](Simulation<dim> &simulation) {
+      simulation.begin_step();
+      propose();
+    });
+    // All of them, or none.
+    if (enters_stage)
+      for_each([](Simulation<dim> &simulation) {
+        simulation.good.take(simulation.current);
+      });
+  }
+
+
+
+  template <int dim>
+  void
+  CommonStep<dim>::propose()
+  {
+    Simulation<dim> &simulation = *simulations[at_hand];
+    // It depends on what all processes know.
+    try
+      {
+        proposed[at_hand] =
+          simulation.integrator->propose_step(simulation.current);
+      }
+    catch (const ExcMessage &error)
+      {
+        AssertThrow(false, ErrorOnAll(message_of(error)));
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CommonStep<dim>::propose_again(const StepRejected &rejection)
+  {
+    State<dim> &state = simulations[at_hand]->current;
+    ++state.n_all_rejections;
+    if (state.n_rejections == most_rejections)
+      throw StepFailed("the step has been shortened " +
+                       std::to_string(most_rejections) + " times, and still " +
+                       rejection.what());
+    ++state.n_rejections;
+    propose();
+  }
+
+
+
+  template <int dim>
+  void
+  CommonStep<dim>::try_steps()
+  {
+    for (bool is_rejected = true; is_rejected;)
+      {
+        dt = *std::min_element(proposed.begin(), proposed.end());
+        try
+          {
+            at_hand = 0;
+            if (contacts && simulations.front()->is_implicit())
+              try_implicit();
+            else
+              for_each([&](Simulation<dim> &simulation) {
+                simulation.integrator->try_step(simulation.current, dt);
+              });
+            is_rejected = false;
+          }
+        catch (const StepRejected &rejection)
+          {
+            propose_again(rejection);
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CommonStep<dim>::try_implicit()
+  {
+    std::vector<typename CoupledSteps<dim>::Part> coupled;
+    std::vector<ImplicitSteps<dim> *>             steps;
+    for (Simulation<dim> *simulation : simulations)
+      {
+        steps.push_back(
+          dynamic_cast<ImplicitSteps<dim> *>(simulation->integrator.get()));
+        if (!steps.back())
+          throw StepFailed(
+            "'Scheme/Stress update' = " +
+              simulation->parameters.scheme.stress_update +
+              " does not go with 'Simulation/Contacts': they act "
+              "in explicit steps and in those of ImplicitSteps",
+            false);
+        coupled.push_back({steps.back(), &simulation->current});
+      }
+    auto tried = std::make_unique<TrialContacts<dim>>(*contacts, steps, dt);
+    CoupledSteps<dim>(coupled, tried.get(), dt).try_step();
+    trial = std::move(tried);
+  }
+
+
+
+  template <int dim>
+  void
+  CommonStep<dim>::restore_others(const Simulation<dim> *failed)
+  {
+    for (Simulation<dim> *simulation : simulations)
+      if (simulation != failed)
+        simulation->restore();
+  }
+
+
+
+  template <int dim>
+  void
+  CommonStep<dim>::take()
+  {
+    remember();
+    try
+      {
+        begin();
+        try_steps();
+        if (trial)
+          trial->accept();
+        else if (contacts)
+          contacts->begin_step(dt);
+        for_each(
+          [&](Simulation<dim> &simulation) { simulation.take_step(dt); });
+        if (trial)
+          contacts->end_step();
+      }
+    catch (const StepFailed &failure)
+      {
+        Simulation<dim> *const failed = simulations[at_hand];
+        restore_others(failed);
+        failed->go_back(failure, dt);
+      }
+    catch (const ExcMessage &)
+      {
+        restore_others(nullptr);
+        throw;
+      }
+    for_each([](Simulation<dim> &simulation) { simulation.end_step(); });
+  }
+
+
+
+  template class CommonStep<2>;
+  template class CommonStep<3>;
+} // namespace greville
