@@ -13,9 +13,6 @@
 
 namespace greville
 {
-  template <int dim>
-  class AveragedContact;
-
   /**
    * The derivative of the forces of an AveragedContact by displacements u of
    * its points, where hat functions, areas and normals do not change:
@@ -38,30 +35,11 @@ namespace greville
   class ContactTangent
   {
   public:
-    /**
-     * Collective. The forces that displacements of all points give to them, in
-     * the order of the points.
-     */
-    void
-    multiply(const std::vector<dealii::Tensor<1, dim>> &displacements,
-             std::vector<dealii::Tensor<1, dim>>       &forces) const;
-
-  private:
-    friend class AveragedContact<dim>;
-
     /// A key that belongs to this process.
     struct Key
     {
       double                 inverse_weights[2] = {0., 0.};
       dealii::Tensor<2, dim> stiffness; // w_k D_k
-    };
-
-    /// Of a point and a key that it has: the place of the key in the vector,
-    /// and a_s psi_k.
-    struct Share
-    {
-      unsigned int place;
-      double       weight;
     };
 
     /**
@@ -81,6 +59,23 @@ namespace greville
     /// That this point has the key of a number.
     void
     add_share(const std::uint64_t number, const double weight);
+
+    /**
+     * Collective. The forces that displacements of all points give to them, in
+     * the order of the points.
+     */
+    void
+    multiply(const std::vector<dealii::Tensor<1, dim>> &displacements,
+             std::vector<dealii::Tensor<1, dim>>       &forces) const;
+
+  private:
+    /// Of a point and a key that it has: the place of the key in the vector,
+    /// and a_s psi_k.
+    struct Share
+    {
+      unsigned int place;
+      double       weight;
+    };
 
     static constexpr unsigned int size = 2 * dim; // of a key in the vector
 
