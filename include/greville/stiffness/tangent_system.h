@@ -107,6 +107,12 @@ namespace greville
       return of_surfaces;
     }
 
+    const TangentSurfaces<dim> &
+    surfaces() const
+    {
+      return of_surfaces;
+    }
+
     /**
      * Collective. The Euclidean norm of the forces that the cells give to the
      * last internal force, which balance each other for the most part.
