@@ -247,12 +247,14 @@ namespace greville
                                        all.grid));
       }
     for (const std::string &name : all.general.contacts)
-      for (const auto &side : all.contacts.at(name).sides())
-        for (const std::string &body : side)
-          if (std::count(all.general.bodies.begin(),
-                         all.general.bodies.end(),
-                         body) > 0)
-            contacts.emplace_back(name, body);
+      {
+        const ContactParameters &contact = all.contacts.at(name);
+        for (unsigned int side = 0; side < 2; ++side)
+          for (const std::string &body : contact.sides()[side])
+            if (all.bodies.count(body) > 0)
+              contacts.push_back(
+                {name, body, side == 0 && contact.is_by_material_points()});
+      }
   }
 
 
@@ -290,16 +292,20 @@ namespace greville
   {
     std::map<std::string, std::vector<SurfacePoint<dim>>> placed;
     std::vector<Surface<dim>>                             result;
+    const auto find_body = [&](const std::string &name) {
+      const auto body =
+        std::find_if(bodies.begin(), bodies.end(), [&](const auto &body) {
+          return body.name == name;
+        });
+      Assert(body != bodies.end(), ExcInternalError());
+      return body;
+    };
     const auto add = [&](const std::string &name,
                          const std::string &section,
                          const std::string &where,
                          const std::string &body_name,
                          const std::string &contact) {
-      const auto body =
-        std::find_if(bodies.begin(), bodies.end(), [&](const auto &body) {
-          return body.name == body_name;
-        });
-      Assert(body != bodies.end(), ExcInternalError());
+      const auto body = find_body(body_name);
       if (placed.count(body_name) == 0)
         run_on_all(
           [&]() {
@@ -322,8 +328,18 @@ namespace greville
         result.back().stiffness = loads[k]->stiffness();
         result.back().damping   = loads[k]->damping();
       }
-    for (const auto &[name, body] : contacts)
-      add(name + " of " + body, "Contact " + name, "", body, name);
+    for (const auto &[contact, body_name, is_of_material_points] : contacts)
+      {
+        const std::string name = contact + " of " + body_name;
+        if (is_of_material_points)
+          {
+            const auto body = find_body(body_name);
+            result.push_back(make_contactors<dim>(name, contact, *body, space));
+            result.back().body = body - bodies.begin();
+          }
+        else
+          add(name, "Contact " + contact, "", body_name, contact);
+      }
     return result;
   }
 

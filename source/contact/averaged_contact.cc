@@ -107,7 +107,8 @@ namespace greville
                            law.has_two_sides ? sums.weight[1] : sums.weight[0]};
       if (!(w[0] > 0. && w[1] > 0.) || !(sums.normal.norm() > 0.))
         return result;
-      const double         all    = law.has_two_sides ? w[0] + w[1] : w[0];
+      const double all =
+        law.has_two_sides && law.both_measure ? w[0] + w[1] : w[0];
       const double         weight = 2. * w[0] * w[1] / (w[0] + w[1]);
       const double         gap    = sums.gap / all;
       const Tensor<1, dim> n      = sums.normal / sums.normal.norm();
@@ -207,7 +208,7 @@ namespace greville
     std::unordered_map<std::uint64_t, KeySums<dim>>
     sums_of_keys(const std::vector<ContactPoint<dim>> &points,
                  const std::vector<Hats<dim>>         &hats,
-                 const bool                            has_two_sides)
+                 const ContactLaw                     &law)
     {
       std::unordered_map<std::uint64_t, KeySums<dim>> sums;
       auto                                            next = hats.begin();
@@ -222,12 +223,15 @@ namespace greville
               const double  w   = point.area * own.values[k];
               KeySums<dim> &sum = sums[own.keys[k]];
               sum.weight[point.side] += w;
-              sum.gap += w * point.gap;
               sum.start_pressure += w * point.start_pressure;
               sum.normal += w * normal;
-              sum.slip += w * point.slip;
+              if (law.measures(point.side))
+                {
+                  sum.gap += w * point.gap;
+                  sum.slip += w * point.slip;
+                }
               sum.motion[point.side] += w * point.motion;
-              if (!has_two_sides)
+              if (!law.has_two_sides)
                 sum.motion[1] += w * point.target_motion;
             }
         }
@@ -464,18 +468,18 @@ namespace greville
     for (const ContactPoint<dim> &point : points)
       if (point.is_facing)
         {
-          result.gap = std::min(result.gap, point.gap);
+          if (contact_law.measures(point.side))
+            result.gap = std::min(result.gap, point.gap);
           hats.emplace_back(point.x - point.since_hats,
                             oriented_normal(point),
                             corner,
                             cell_size);
         }
     KeyLaw<dim> law(contact_law, dt, share, pressures, tangent != nullptr);
-    const auto  forces =
-      forces_of_keys(sums_of_keys(points, hats, contact_law.has_two_sides),
-                     law,
-                     tangent,
-                     comm);
+    const auto  forces = forces_of_keys(sums_of_keys(points, hats, contact_law),
+                                       law,
+                                       tangent,
+                                       comm);
     set_forces(points, hats, forces, tangent);
 
     for (const ContactPoint<dim> &point : points)

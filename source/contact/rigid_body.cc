@@ -204,6 +204,18 @@ namespace greville
 
 
   template <int dim>
+  Tensor<2, dim == 2 ? 1 : 3>
+  RigidBody<dim>::current_inertia(const RigidPosition<dim> &position) const
+  {
+    if constexpr (dim == 2)
+      return inertia;
+    else
+      return position.rotation * inertia * transpose(position.rotation);
+  }
+
+
+
+  template <int dim>
   void
   RigidBody<dim>::move(RigidPosition<dim>   &now,
                        RigidPosition<dim>   &before,
@@ -215,15 +227,9 @@ namespace greville
     else
       {
         // The angular momentum belongs to where the spin was found.
-        const auto turned = [&](const Tensor<2, dim> &R) {
-          if constexpr (dim == 2)
-            return inertia;
-          else
-            return R * inertia * transpose(R);
-        };
         const RotationVector<dim> angular_momentum =
-          turned(before.rotation) * now.spin + step.velocity_dt * step.moment;
-        now.spin = invert(turned(now.rotation)) * angular_momentum;
+          current_inertia(before) * now.spin + step.velocity_dt * step.moment;
+        now.spin = invert(current_inertia(now)) * angular_momentum;
         now.velocity += step.velocity_dt * (step.force / mass + step.gravity);
         now.displacement += step.dt * now.velocity;
         rotate(now, step.dt);
@@ -249,10 +255,11 @@ namespace greville
         if (!closest)
           continue;
         const Tensor<1, dim> normal = now.rotation * closest->normal;
-        if (normal * point.normal > largest_cosine_of_rigid)
+        if (point.normal.norm_square() > 0. &&
+            normal * point.normal > largest_cosine_of_rigid)
           continue;
         point.is_facing     = true;
-        point.gap           = closest->distance;
+        point.gap           = closest->distance - point.radius;
         point.target_normal = normal;
         point.target_motion = current_position(now, closest->point) -
                               current_position(before, closest->point);

@@ -88,10 +88,11 @@ namespace greville
               double               &gap,
               Tensor<1, dim>       &target_normal)
       {
-        const Sample *nearest = nullptr;
-        double        square  = std::numeric_limits<double>::max();
+        const bool    has_normal = normal.norm_square() > 0.;
+        const Sample *nearest    = nullptr;
+        double        square     = std::numeric_limits<double>::max();
         for (const Sample &sample : samples)
-          if (sample.normal * normal < largest_cosine &&
+          if ((!has_normal || sample.normal * normal < largest_cosine) &&
               sample.x.distance_square(x) < square)
             {
               nearest = &sample;
@@ -133,7 +134,7 @@ namespace greville
         gap           = (x - y) * n;
         target_normal = n;
         return cover >= least_cover * full && std::abs(gap) < reach &&
-               n * normal < largest_cosine;
+               (!has_normal || n * normal < largest_cosine);
       }
     };
   } // namespace
@@ -271,9 +272,12 @@ namespace greville
                 surface.samples.push_back({y, m, rows[other + 2 + 2 * dim]});
             }
         });
-        double         gap;
-        Tensor<1, dim> target;
-        if (surface.samples.empty() ||
+        if (surface.samples.empty())
+          continue;
+        // Material points are no surface: what is near is all that is asked.
+        double         gap    = 0.;
+        Tensor<1, dim> target = -normal;
+        if (surface.samples.front().normal.norm_square() > 0. &&
             !surface.project(x, normal, radius, reach, gap, target))
           continue;
         std::vector<double> &answer = answers[sender->first];
@@ -289,7 +293,7 @@ namespace greville
         {
           ContactPoint<dim> &point = points[unsigned(answer[k])];
           point.is_facing          = true;
-          point.gap                = answer[k + 1];
+          point.gap                = answer[k + 1] - point.radius;
           for (unsigned int d = 0; d < dim; ++d)
             point.target_normal[d] = answer[k + 2 + d];
         }

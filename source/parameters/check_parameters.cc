@@ -156,7 +156,15 @@ namespace greville
   SimulationParameters::check_contacts() const
   {
     for (const auto &[name, contact] : contacts)
-      contact.check("Contact " + name, bodies, rigid_bodies);
+      {
+        contact.check("Contact " + name, bodies, rigid_bodies);
+        AssertThrow(
+          !contact.is_by_material_points() || !scheme.is_total_lagrangian(),
+          ExcMessage("'Contact " + name +
+                     "/Contactors' = material points does not go with "
+                     "'Scheme/Formulation' = total Lagrangian, where a "
+                     "surface stays whole: take surface points."));
+      }
     for (const auto &[name, body] : rigid_bodies)
       {
         body.check("Rigid body " + name, general.dimension);

@@ -112,6 +112,15 @@ namespace greville
       "as the second one. "
       "A side may be several bodies that stick to one another, joined by '+': "
       "wheel, sand + clay.");
+    add_parameter(prm,
+                  "Contactors",
+                  contactors,
+                  Selection("surface points|material points"))(
+      "What of the first side meets the second one: points placed on its "
+      "surface, or its outermost layer of material points, each half of its "
+      "spacing ahead (initially as far as the surface, where it begins in "
+      "contact). A surface that flows or tears needs the latter, which are "
+      "less accurate, and updated Lagrangian steps. Unit: none.");
     add_parameter(prm, "Friction", friction)(
       "The coefficient of friction mu, or rough: surfaces that touch do not "
       "slide. The shear stress is at most mu times the pressure, plus the "
@@ -192,7 +201,8 @@ namespace greville
                            bodies + ">: a contact has two sides, not " +
                            std::to_string(n_sides) + "."));
     std::vector<std::string> named;
-    for (const auto &side : sides())
+    const auto               both = sides();
+    for (const auto &side : both)
       for (const std::string &name : side)
         {
           const std::string parameter = "The parameter '" + section +
@@ -218,12 +228,19 @@ namespace greville
               continue;
             }
           const BodyParameters &body = all_bodies.at(name);
-          AssertThrow(body.points_file.empty(),
+          const bool            needs_surface =
+            !is_by_material_points() || &side == &both[1];
+          AssertThrow(!needs_surface || body.points_file.empty(),
                       ExcMessage(parameter +
                                  ", which has a 'Points file': its surface is "
                                  "not known. Give it a 'Shape' or a 'Shape "
-                                 "file'."));
+                                 "file', or let its 'Contactors' be material "
+                                 "points."));
         }
     friction_coefficient(section);
+    AssertThrow(!is_by_material_points() || !is_augmented(),
+                ExcMessage("'" + section +
+                           "/Method' = augmented does not go with "
+                           "'Contactors' = material points."));
   }
 } // namespace greville

@@ -68,6 +68,33 @@ namespace greville
                 << upper << ") m.";
       return message.str();
     }
+
+
+
+    /**
+     * Without a point.
+     */
+    template <int dim>
+    Surface<dim>
+    empty_surface(const std::string      &name,
+                  const std::string      &contact,
+                  const std::string      &shape,
+                  const Body<dim>        &body,
+                  const SplineSpace<dim> &space)
+    {
+      PointLayout<dim> layout;
+      layout.basis_position = body.points.layout().basis_position;
+      layout.add("load", dim);
+      layout.add(shape, shape == "normal" ? dim : 1);
+      for (const std::string field : {"slip", "new_slip", "before"})
+        if (!contact.empty())
+          layout.add(field, dim);
+      Surface<dim> surface;
+      surface.name    = name;
+      surface.contact = contact;
+      surface.points.reinit(space, layout);
+      return surface;
+    }
   } // namespace
 
 
@@ -82,17 +109,8 @@ namespace greville
                const SplineSpace<dim>               &space,
                const std::string                    &contact)
   {
-    PointLayout<dim> layout;
-    layout.basis_position = body.points.layout().basis_position;
-    layout.add("load", dim);
-    layout.add("normal", dim);
-    for (const std::string field : {"slip", "new_slip", "before"})
-      if (!contact.empty())
-        layout.add(field, dim);
-    Surface<dim> surface;
-    surface.name    = name;
-    surface.contact = contact;
-    surface.points.reinit(space, layout);
+    Surface<dim> surface = empty_surface(name, contact, "normal", body, space);
+    const PointLayout<dim> layout = surface.points.layout();
     run_on_all(
       [&]() {
         const auto formulas = [&](const std::string &text,
@@ -153,8 +171,22 @@ namespace greville
 
 
 
-  template decltype(surface_state<2>) surface_state<2>;
-  template decltype(surface_state<3>) surface_state<3>;
-  template decltype(make_surface<2>)  make_surface<2>;
-  template decltype(make_surface<3>)  make_surface<3>;
+  template <int dim>
+  Surface<dim>
+  make_contactors(const std::string      &name,
+                  const std::string      &contact,
+                  const Body<dim>        &body,
+                  const SplineSpace<dim> &space)
+  {
+    return empty_surface(name, contact, "radius", body, space);
+  }
+
+
+
+  template decltype(surface_state<2>)   surface_state<2>;
+  template decltype(surface_state<3>)   surface_state<3>;
+  template decltype(make_surface<2>)    make_surface<2>;
+  template decltype(make_surface<3>)    make_surface<3>;
+  template decltype(make_contactors<2>) make_contactors<2>;
+  template decltype(make_contactors<3>) make_contactors<3>;
 } // namespace greville

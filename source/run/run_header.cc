@@ -98,6 +98,16 @@ namespace greville
     if (parameters.scheme.is_total_lagrangian() &&
         ensemble.bodies().size() > 1 && parameters.contacts.empty())
       out << "  Bodies do not see one another in total Lagrangian steps.\n";
+    for (unsigned int k = 0;
+         k < ensemble.n_parts() && !parameters.scheme.is_total_lagrangian();
+         ++k)
+      if (const auto &bodies = ensemble.part(k).bodies(); bodies.size() > 1)
+        {
+          out << "  bodies that stick where they meet: ";
+          for (const Body<dim> &body : bodies)
+            out << (&body == &bodies.front() ? "" : ", ") << body.name;
+          out << '\n';
+        }
     print_stage(out, ensemble, parameters);
   }
 

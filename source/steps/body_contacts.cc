@@ -69,14 +69,17 @@ namespace greville
     , search(comm)
     , are_implicit(steps_are_implicit())
   {
-    std::string implicit, others;
+    std::string others;
+    bool        has_static = false;
     for (unsigned int k = 0; k < parameters.n_stages(); ++k)
       {
         const std::string &scheme =
           k < parameters.stages.size()
             ? parameters.stages[k].scheme.stress_update
             : parameters.scheme.stress_update;
-        (is_implicit_scheme(scheme) ? implicit : others) = scheme;
+        has_static = has_static || scheme == "quasi-static";
+        if (!is_implicit_scheme(scheme))
+          others = scheme;
       }
     for (const std::string &name : parameters.general.contacts)
       AssertThrow(others.empty() ||
@@ -88,12 +91,12 @@ namespace greville
     std::vector<RigidBodyState<dim>> positions;
     for (const std::string &name : parameters.general.rigid_bodies)
       {
-        AssertThrow(implicit.empty() ||
-                      !parameters.rigid_bodies.at(name).is_free,
-                    ExcMessage("'Scheme/Stress update' = " + implicit +
-                               " does not go with 'Rigid body " + name +
-                               "/Free' = true: free rigid bodies move in "
-                               "explicit steps."));
+        AssertThrow(!has_static || !parameters.rigid_bodies.at(name).is_free,
+                    ExcMessage("'Scheme/Stress update' = quasi-static does "
+                               "not go with 'Rigid body " +
+                               name +
+                               "/Free' = true: without inertia nothing says "
+                               "where it goes. Give it a 'Velocity'."));
         rigid_bodies.emplace_back(name, parameters.rigid_bodies.at(name));
         const auto position =
           rigid_bodies.back().position_at_start(parameters.time.start);
@@ -189,6 +192,7 @@ namespace greville
       contact.given.penalty > 0. ? contact.given.penalty : default_penalty;
     ContactLaw law;
     law.has_two_sides   = contact.rigid < 0;
+    law.both_measure    = !contact.given.is_by_material_points();
     law.stiffness       = penalty * contact.modulus / contact.cell_size;
     law.shear_stiffness = shear_share * law.stiffness;
     law.viscosity =
@@ -230,6 +234,27 @@ namespace greville
 
 
   template <int dim>
+  void
+  BodyContacts<dim>::set_place(ContactPoint<dim>       &point,
+                               const ConstPointRef<dim> p,
+                               const SurfaceState<dim> &at,
+                               const PointLayout<dim>  &layout)
+  {
+    point.x = at.x;
+    if (const PointField *radius = layout.find("radius"))
+      {
+        point.radius = p[radius->first];
+        point.area   = p.mass();
+        return;
+      }
+    const Tensor<1, dim> area = p.mass() * at.area_vector();
+    point.area                = area.norm();
+    point.normal              = area / point.area;
+  }
+
+
+
+  template <int dim>
   std::vector<ContactPoint<dim>>
   BodyContacts<dim>::collect(const Contact &contact) const
   {
@@ -244,16 +269,12 @@ namespace greville
                              before   = layout.first("before");
           surface.points.for_each(
             [&](const unsigned int, ConstPointRef<dim> p) {
-              const SurfaceState<dim> at   = surface_state<dim>(p, layout);
-              const Tensor<1, dim>    area = p.mass() * at.area_vector();
-              ContactPoint<dim>       point;
-              point.side   = side;
-              point.x      = at.x;
-              point.area   = area.norm();
-              point.normal = area / point.area;
-              point.slip   = p.vector(slip);
+              ContactPoint<dim> point;
+              point.side = side;
+              set_place(point, p, surface_state<dim>(p, layout), layout);
+              point.slip = p.vector(slip);
               if (state.step > 0.)
-                point.motion = at.x - Point<dim>(p.vector(before));
+                point.motion = point.x - Point<dim>(p.vector(before));
               points.push_back(point);
             });
         }
@@ -320,20 +341,17 @@ namespace greville
       now.rigid_bodies.push_back(body.now);
     for (const Contact &contact : contacts)
       {
+        if (contact.given.is_by_material_points())
+          renew_contactors(contact);
         std::vector<ContactPoint<dim>> points = collect(contact);
         Point<dim>                     about;
         if (contact.rigid >= 0)
           {
-            const RigidBodyState<dim> &body = state.rigid_bodies[contact.rigid];
-            about = current_position(body.now, body.now.reference);
-            rigid_bodies[contact.rigid].find_gaps(points,
-                                                  reach_in_cells *
-                                                    contact.cell_size,
-                                                  body.now,
-                                                  body.before);
+            const RigidPosition<dim> &body =
+              state.rigid_bodies[contact.rigid].now;
+            about = current_position(body, body.reference);
           }
-        else
-          search.find_gaps(points, reach_in_cells * contact.cell_size);
+        find_gaps(contact, points, reach_in_cells * contact.cell_size);
         check(contact, points);
         now.contacts.push_back(contact.average->act(points, state.step, about));
         // Implicit steps have left loads and slip that belong to their end.
@@ -341,6 +359,24 @@ namespace greville
           give(contact, points);
       }
     stamps = stamps_now;
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::find_gaps(const Contact                  &contact,
+                               std::vector<ContactPoint<dim>> &points,
+                               const double                    reach)
+  {
+    if (contact.rigid < 0)
+      {
+        search.find_gaps(points, reach);
+        return;
+      }
+    const RigidBodyState<dim> &body =
+      parts.front()->current.rigid_bodies[contact.rigid];
+    rigid_bodies[contact.rigid].find_gaps(points, reach, body.now, body.before);
   }
 
 
@@ -397,6 +433,28 @@ namespace greville
 
 
   template <int dim>
+  RigidStep<dim>
+  BodyContacts<dim>::rigid_step(const unsigned int body, const double t) const
+  {
+    RigidStep<dim> step;
+    for (unsigned int c = 0; c < contacts.size(); ++c)
+      if (contacts[c].rigid == int(body))
+        {
+          step.force -= now.contacts[c].force;
+          step.moment -= now.contacts[c].moment;
+        }
+    fail_with(
+      [&]() {
+        run_on_all([&]() { step.gravity = parts.front()->loads.gravity(t); },
+                   comm);
+      },
+      false);
+    return step;
+  }
+
+
+
+  template <int dim>
   std::vector<RigidBodyState<dim>>
   BodyContacts<dim>::moved_bodies(const double dt) const
   {
@@ -404,21 +462,14 @@ namespace greville
     std::vector<RigidBodyState<dim>> positions = state.rigid_bodies;
     for (unsigned int k = 0; k < positions.size(); ++k)
       {
-        RigidStep<dim> step;
-        step.t           = state.time;
-        step.dt          = dt;
-        step.velocity_dt = 0.5 * (state.step + dt);
-        for (unsigned int c = 0; c < contacts.size(); ++c)
-          if (contacts[c].rigid == int(k))
-            {
-              step.force -= now.contacts[c].force;
-              step.moment -= now.contacts[c].moment;
-            }
+        RigidStep<dim> step = rigid_step(k, state.time);
+        step.t              = state.time;
+        step.dt             = dt;
+        step.velocity_dt    = 0.5 * (state.step + dt);
         fail_with(
           [&]() {
             run_on_all(
               [&]() {
-                step.gravity = parts.front()->loads.gravity(state.time);
                 rigid_bodies[k].move(positions[k].now,
                                      positions[k].before,
                                      step);

@@ -49,6 +49,9 @@ namespace greville
       for (unsigned int k = 0; k < steps.parts.size(); ++k)
         steps.parts[k].steps->system.precondition(steps.products[k],
                                                   steps.blocks[k]);
+      if (steps.has_rigid_block())
+        steps.contacts->precondition_rigid(steps.products.back(),
+                                           steps.blocks.back());
       steps.write(dst, steps.products);
     }
 
@@ -67,6 +70,8 @@ namespace greville
     , blocks(parts.size())
   {
     Assert(contacts || parts.size() == 1, ExcInternalError());
+    if (contacts && contacts->n_rigid_unknowns() > 0)
+      blocks.emplace_back();
   }
 
 
@@ -124,8 +129,13 @@ namespace greville
         parts[k].steps->system.read(blocks[k], parts[k].steps->displacement);
         n_local += blocks[k].locally_owned_size();
       }
+    if (has_rigid_block())
+      {
+        contacts->initialize_rigid(blocks.back());
+        n_local += blocks.back().locally_owned_size();
+      }
     products = blocks;
-    if (parts.size() == 1)
+    if (blocks.size() == 1)
       layout.reinit(blocks[0]);
     else
       {
@@ -219,6 +229,8 @@ namespace greville
                               const bool        with_stiffness)
   {
     read(blocks, x);
+    if (has_rigid_block())
+      contacts->set_rigid(blocks.back());
     for (unsigned int k = 0; k < parts.size(); ++k)
       {
         const std::string problem =
@@ -237,6 +249,8 @@ namespace greville
       parts[k].steps->find_residual(blocks[k],
                                     dt,
                                     contacts ? &contacts->force(k) : nullptr);
+    if (has_rigid_block())
+      contacts->find_rigid_residual(blocks.back());
     write(r, blocks);
     return "";
   }
@@ -271,6 +285,8 @@ namespace greville
                          : steps.force_scale;
         square += scale * scale;
       }
+    if (has_rigid_block())
+      square += std::pow(contacts->rigid_scale(), 2);
     return std::sqrt(square);
   }
 

@@ -60,6 +60,7 @@ namespace greville
     , directions(steps.size())
     , products(steps.size())
     , displacements(contacts.contacts.size())
+    , relative(contacts.contacts.size())
     , changes(contacts.contacts.size())
   {
     contacts.set_laws();
@@ -70,6 +71,24 @@ namespace greville
       at_trial.push_back(body.now);
     for (const auto &body : contacts.moved_bodies(dt))
       at_end.push_back(body.now);
+
+    const State<dim> &state = contacts.parts.front()->current;
+    for (unsigned int k = 0; k < at_start.size(); ++k)
+      if (contacts.rigid_bodies[k].is_free())
+        {
+          const RigidStep<dim> step = contacts.rigid_step(
+            k, state.time + steps.front()->scheme.load_time * dt);
+          free_bodies.push_back({k,
+                                 RigidTrial<dim>(contacts.rigid_bodies[k],
+                                                 at_start[k],
+                                                 step.force,
+                                                 step.moment,
+                                                 step.gravity,
+                                                 steps.front()->scheme,
+                                                 dt),
+                                 {},
+                                 {}});
+        }
 
     for (unsigned int c = 0; c < contacts.contacts.size(); ++c)
       {
@@ -158,13 +177,13 @@ namespace greville
           integrator.displacement,
           motion,
           [&](const ConstPointRef<dim> p, const SurfaceState<dim> &state) {
-            const Tensor<1, dim> area = state.area_vector();
-            point->side               = side.side;
-            point->x                  = state.x;
-            point->normal             = area / area.norm();
+            point->side = side.side;
+            BodyContacts<dim>::set_place(*point, p, state, layout);
+            // Areas are those at the start of the step.
             const Tensor<1, dim> normal =
               surface_state<dim>(p, layout).area_vector();
-            point->area       = p.mass() * normal.norm();
+            if (point->normal.norm_square() > 0.)
+              point->area = p.mass() * normal.norm();
             point->motion     = state.x - p.position();
             point->since_hats = point->motion;
             point->slip       = p.vector(slip);
@@ -249,6 +268,8 @@ namespace greville
         if (with_stiffness)
           steps[k]->system.surfaces().add_stiffness(surfaces[k], stiffness[k]);
       }
+    if (with_stiffness)
+      find_rigid_tangents();
     return "";
   }
 
@@ -290,8 +311,31 @@ namespace greville
             *u++ = state.velocity;
           });
       }
+    // What a rigid body moves by, points move back by against it.
+    if (!free_bodies.empty())
+      {
+        const auto all = all_of(src.back());
+        relative       = displacements;
+        for (unsigned int b = 0; b < free_bodies.size(); ++b)
+          for (unsigned int c = 0; c < tangents.size(); ++c)
+            if (contacts.contacts[c].rigid == int(free_bodies[b].number))
+              for (std::size_t s = 0; s < points[c].size(); ++s)
+                relative[c][s] -=
+                  share * free_bodies[b].trial.motion_at(
+                            distance(free_bodies[b], points[c][s].x), all[b]);
+      }
     for (unsigned int c = 0; c < tangents.size(); ++c)
-      tangents[c].multiply(displacements[c], changes[c]);
+      tangents[c].multiply(free_bodies.empty() ? displacements[c] : relative[c],
+                           changes[c]);
+    if (!free_bodies.empty())
+      {
+        const auto                                    all = all_of(src.back());
+        std::vector<typename RigidTrial<dim>::Vector> product;
+        for (unsigned int b = 0; b < free_bodies.size(); ++b)
+          product.push_back(free_bodies[b].trial.stiffness() * all[b] -
+                            load_by_changes(free_bodies[b]));
+        set_all(dst.back(), product);
+      }
     std::vector<std::vector<Tensor<1, dim>>> of_points(steps.size());
     for (const Side &side : sides)
       for (std::size_t s = side.begin; s < side.end; ++s)
@@ -413,8 +457,10 @@ namespace greville
       fail_on_all(find_forces(1., false), contacts.comm);
     for (unsigned int c = 0; c < points.size(); ++c)
       contacts.give(contacts.contacts[c], points[c]);
-    contacts.at_start         = contacts.now;
-    contacts.now.contacts     = results;
+    contacts.at_start     = contacts.now;
+    contacts.now.contacts = results;
+    for (const FreeBody &body : free_bodies)
+      at_end[body.number] = body.trial.position(body.q, 1.);
     contacts.now.rigid_bodies = at_end;
     for (Simulation<dim> *part : contacts.parts)
       for (unsigned int k = 0; k < at_end.size(); ++k)

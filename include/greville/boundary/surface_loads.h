@@ -118,9 +118,14 @@ namespace greville
   private:
     std::vector<std::string>           names;
     std::vector<SurfaceLoadParameters> parameters;
-    /// Contacts, and the body of the surface.
-    std::vector<std::pair<std::string, std::string>> contacts;
-    std::vector<std::unique_ptr<SurfaceLoad<dim>>>   loads;
+    struct ContactSurface
+    {
+      std::string contact, body;
+      bool        is_of_material_points;
+    };
+
+    std::vector<ContactSurface>                    contacts;
+    std::vector<std::unique_ptr<SurfaceLoad<dim>>> loads;
   };
 } // namespace greville
 

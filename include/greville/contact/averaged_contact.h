@@ -29,6 +29,15 @@ namespace greville
     double touching = 0.;
     /// Whether both sides deform; otherwise only points of side 0 are given.
     bool has_two_sides = true;
+    /// Whether gaps and slip of side 1 count, too. Those of side 0 alone do
+    /// where it consists of material points, which have no surface.
+    bool both_measure = true;
+
+    bool
+    measures(const unsigned int side) const
+    {
+      return both_measure || side == 0;
+    }
   };
 
 
@@ -90,6 +99,9 @@ namespace greville
    * @f$-\epsilon_T \bar e_k - \zeta \dot{\bar e}_k@f$ with the mean elastic
    * slip, is at most @f$\mu t_k + c@f$; beyond that the elastic slip of its
    * points is set back by the mean.
+   *
+   * Material points as side A have gaps and slip, which side B then has not:
+   * the means are those over A.
    */
   template <int dim>
   class AveragedContact

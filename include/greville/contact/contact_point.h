@@ -14,9 +14,12 @@ namespace greville
   struct ContactPoint
   {
     unsigned int side = 0;
-    /// Where it is, and the normal there, of length 1, outwards.
+    /// Where it is, and the normal there, of length 1, outwards. A material
+    /// point has none (0): it faces all that is near.
     dealii::Point<dim>     x;
     dealii::Tensor<1, dim> normal;
+    /// How far the surface is in front of a material point, m; otherwise 0.
+    double radius = 0.;
     /// The present area, m^2 (in 2D m).
     double area = 0.;
     /// The displacement in the step, m.
@@ -32,7 +35,7 @@ namespace greville
 
     /// Whether the other side is in front of it, or it is a little way inside.
     bool is_facing = false;
-    /// The distance from the other side, negative inside, m.
+    /// The distance from the other side less the radius, negative inside, m.
     double gap = 0.;
     /// The normal of the other side at the closest point, outwards from it.
     dealii::Tensor<1, dim> target_normal;

@@ -87,6 +87,17 @@ namespace greville
       return free;
     }
 
+    /// Of free bodies, kg (2D: kg / m).
+    double
+    total_mass() const
+    {
+      return mass;
+    }
+
+    /// Of free bodies, where they are turned to: R I R^T, kg m^2 (2D: kg m).
+    dealii::Tensor<2, dim == 2 ? 1 : 3>
+    current_inertia(const RigidPosition<dim> &position) const;
+
   private:
     static constexpr int n_rotations = dim == 2 ? 1 : 3;
 

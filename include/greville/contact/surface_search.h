@@ -28,6 +28,9 @@ namespace greville
    * points whose normals are within 60 degrees of that of the nearest one that
    * faces x count, so that edges are not rounded, and only places on which
    * there are points, so that a surface ends where its points end.
+   *
+   * Material points, which have no normal, may be side 0. Points of the surface
+   * near them face them, with the gap 0 and the opposite of their own normal.
    */
   template <int dim>
   class SurfaceSearch

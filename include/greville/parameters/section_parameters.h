@@ -217,12 +217,23 @@ namespace greville
       return method == "augmented";
     }
 
+    /**
+     * Whether material points of the first side meet the second one, and not
+     * points on its surface.
+     */
+    bool
+    is_by_material_points() const
+    {
+      return contactors == "material points";
+    }
+
     std::string bodies;
-    std::string friction = "0";
-    double      adhesion = 0.;
-    double      penalty  = 0.; // 0: that of the scheme
-    std::string method   = "penalty";
-    double      damping  = 0.;
+    std::string contactors = "surface points";
+    std::string friction   = "0";
+    double      adhesion   = 0.;
+    double      penalty    = 0.; // 0: that of the scheme
+    std::string method     = "penalty";
+    double      damping    = 0.;
   };
 } // namespace greville
 

@@ -29,7 +29,8 @@ namespace greville
     /// The contact that its load is that of, which the points keep; empty:
     /// none. Points in contact have the fields "slip", "new_slip" (see
     /// ContactPoint) and "before", the position at the start of the last step,
-    /// too.
+    /// too. Those that are material points of the body have a "radius" (m)
+    /// instead of a normal, and their present area as mass.
     std::string contact;
     /// At most what the load per initial area changes by displacement, Pa / m,
     /// and by velocity, Pa s / m: they bound explicit steps.
@@ -93,6 +94,18 @@ namespace greville
                const std::vector<SurfacePoint<dim>> &placed,
                const SplineSpace<dim>               &space,
                const std::string                    &contact = "");
+
+
+
+  /**
+   * Without a point yet: one for material points of @p body in a @p contact.
+   */
+  template <int dim>
+  Surface<dim>
+  make_contactors(const std::string      &name,
+                  const std::string      &contact,
+                  const Body<dim>        &body,
+                  const SplineSpace<dim> &space);
 } // namespace greville
 
 #endif

@@ -119,6 +119,11 @@ namespace greville
     void
     commit();
 
+    /// What acts on a rigid body: forces of the last results, and gravity at
+    /// the time @p t, s.
+    RigidStep<dim>
+    rigid_step(const unsigned int body, const double t) const;
+
     /// Where rigid bodies will be after a time @p dt, s.
     std::vector<RigidBodyState<dim>>
     moved_bodies(const double dt) const;
@@ -126,6 +131,28 @@ namespace greville
     /// The points of both sides as they are.
     std::vector<ContactPoint<dim>>
     collect(const Contact &contact) const;
+
+    /// Let the surfaces of the first side consist of those material points that
+    /// are the outermost layer now, with what they know of their contact.
+    void
+    renew_contactors(const Contact &contact);
+
+    /// The cells of @p points in which some may be near the second side.
+    std::vector<unsigned int>
+    near_cells(const Contact &contact, const MaterialPoints<dim> &points);
+
+    /// Set what is known of a point without the other side.
+    static void
+    set_place(ContactPoint<dim>       &point,
+              const ConstPointRef<dim> p,
+              const SurfaceState<dim> &at,
+              const PointLayout<dim>  &layout);
+
+    /// Set the gaps of points, and what belongs to them.
+    void
+    find_gaps(const Contact                  &contact,
+              std::vector<ContactPoint<dim>> &points,
+              const double                    reach);
 
     /// Throw where points have moved too far in a step, or overlap initially.
     void

@@ -85,6 +85,13 @@ namespace greville
     SolveResult
     solve_all(VectorType &x, const VectorType &b, const double tolerance);
 
+    /// Whether a block behind those of the parts is that of free rigid bodies.
+    bool
+    has_rigid_block() const
+    {
+      return blocks.size() > parts.size();
+    }
+
     /**
      * Collective. Tell the parts why Newton's method has failed at @p x.
      */

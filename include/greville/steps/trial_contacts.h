@@ -5,6 +5,7 @@
 
 #include <greville/steps/body_contacts.h>
 #include <greville/steps/implicit_steps.h>
+#include <greville/steps/rigid_trial.h>
 
 #include <string>
 #include <vector>
@@ -48,6 +49,46 @@ namespace greville
     std::string
     evaluate(const bool with_stiffness);
 
+    /**
+     * The unknowns of free rigid bodies, see RigidTrial.
+     */
+    unsigned int
+    n_rigid_unknowns() const
+    {
+      return free_bodies.size() * RigidTrial<dim>::n_unknowns;
+    }
+
+    /**
+     * Collective. Their vector, which belongs to the first process; it begins
+     * with bodies that go on with their velocity.
+     */
+    void
+    initialize_rigid(VectorType &q) const;
+
+    /**
+     * Collective. Take these unknowns for evaluate().
+     */
+    void
+    set_rigid(const VectorType &q);
+
+    /**
+     * Their residual, after evaluate(); and the largest of its forces.
+     */
+    void
+    find_rigid_residual(VectorType &r);
+
+    double
+    rigid_scale() const
+    {
+      return largest_rigid_force;
+    }
+
+    /**
+     * The tangent of the bodies by themselves, inverted.
+     */
+    void
+    precondition_rigid(VectorType &dst, const VectorType &src) const;
+
     /// The force on the grid of a part.
     const VectorField<dim> &
     force(const unsigned int part) const
@@ -61,7 +102,8 @@ namespace greville
 
     /**
      * Collective. To the products of the parts' matrices with @p src add what
-     * their tangent has beyond the stiffness of single points.
+     * their tangent has beyond the stiffness of single points. Behind the parts
+     * are free rigid bodies, if there are any, whose product is set.
      */
     void
     add_product(std::vector<VectorType>       &dst,
@@ -115,6 +157,40 @@ namespace greville
     const MaterialPoints<dim> &
     points_of(const Side &side) const;
 
+    /// A free rigid body.
+    struct FreeBody
+    {
+      unsigned int                     number; // of the rigid body
+      RigidTrial<dim>                  trial;
+      typename RigidTrial<dim>::Vector q;
+      /// Of the tangent of its inertia and its contacts.
+      dealii::FullMatrix<double> inverse;
+    };
+
+    /// All unknowns of a vector of them, on each process, and back.
+    std::vector<typename RigidTrial<dim>::Vector>
+    all_of(const VectorType &q) const;
+    void
+    set_all(VectorType                                          &q,
+            const std::vector<typename RigidTrial<dim>::Vector> &values) const;
+
+    /// From the reference point of a body in the trial.
+    dealii::Tensor<1, dim>
+    distance(const FreeBody &body, const dealii::Point<dim> &x) const;
+
+    /**
+     * Collective. The load that changes of forces on the points of its contacts
+     * give to a body.
+     */
+    typename RigidTrial<dim>::Vector
+    load_by_changes(const FreeBody &body) const;
+
+    /**
+     * Collective. The tangent of the bodies by themselves.
+     */
+    void
+    find_rigid_tangents();
+
     /**
      * Count the work on surfaces, with the loads of the start.
      */
@@ -130,17 +206,19 @@ namespace greville
     std::vector<std::vector<const MaterialPoints<dim> *>> surfaces; // of parts
     std::vector<RigidPosition<dim>>                       at_start, at_trial;
     std::vector<RigidPosition<dim>>                       at_end;
-    std::vector<std::vector<ContactPoint<dim>>>           points;
-    std::vector<ContactResult<dim>>                       results;
-    std::vector<ContactTangent<dim>>                      tangents;
-    std::vector<VectorField<dim>>                         forces;
-    std::vector<KeyPressures>                             pressures;
+    std::vector<FreeBody>                                 free_bodies;
+    double                                      largest_rigid_force = 0.;
+    std::vector<std::vector<ContactPoint<dim>>> points;
+    std::vector<ContactResult<dim>>             results;
+    std::vector<ContactTangent<dim>>            tangents;
+    std::vector<VectorField<dim>>               forces;
+    std::vector<KeyPressures>                   pressures;
     std::vector<double> shares;       // of ContactPoint::stiffness in matrices
     unsigned int        n_rounds = 0; // of augment()
 
     // For products.
     std::vector<VectorField<dim>>                    directions, products;
-    std::vector<std::vector<dealii::Tensor<1, dim>>> displacements;
+    std::vector<std::vector<dealii::Tensor<1, dim>>> displacements, relative;
     std::vector<std::vector<dealii::Tensor<1, dim>>> changes;
   };
 } // namespace greville
