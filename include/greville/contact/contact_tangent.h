@@ -35,6 +35,14 @@ namespace greville
   class ContactTangent
   {
   public:
+    /**
+     * Collective. The forces that displacements of all points give to them, in
+     * the order of the points.
+     */
+    void
+    multiply(const std::vector<dealii::Tensor<1, dim>> &displacements,
+             std::vector<dealii::Tensor<1, dim>>       &forces) const;
+
     /// A key that belongs to this process.
     struct Key
     {
@@ -59,14 +67,6 @@ namespace greville
     /// That this point has the key of a number.
     void
     add_share(const std::uint64_t number, const double weight);
-
-    /**
-     * Collective. The forces that displacements of all points give to them, in
-     * the order of the points.
-     */
-    void
-    multiply(const std::vector<dealii::Tensor<1, dim>> &displacements,
-             std::vector<dealii::Tensor<1, dim>>       &forces) const;
 
   private:
     /// Of a point and a key that it has: the place of the key in the vector,
