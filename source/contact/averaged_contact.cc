@@ -61,10 +61,14 @@ namespace greville
       double         number    = 0.;
       double         shares[2] = {0., 0.};
       Tensor<2, dim> stiffness;
-      double         pressure = 0.; // for KeyPressures
+      double         pressure = 0.; // for KeyMemory
       // What sliding adds to D_k, not symmetric. Points by themselves, which
       // are for preconditioners, are without it.
       Tensor<2, dim> coupling;
+      // Where it slides, the direction of the shear stress, and D_k if it
+      // stuck.
+      Tensor<1, dim> direction;
+      Tensor<2, dim> sticking;
 
       template <typename Action>
       void
@@ -163,6 +167,8 @@ namespace greville
       if (shear.norm() > most)
         {
           const Tensor<1, dim> direction = shear / shear.norm();
+          result.direction               = direction;
+          result.sticking = stiffness + normal_stiffness * outer_product(n, n);
           stiffness -= (law.shear_stiffness + law.viscosity * rate) *
                        outer_product(direction, direction);
           stiffness *= most / shear.norm();
@@ -253,39 +259,50 @@ namespace greville
       KeyLaw(const ContactLaw &law,
              const double      dt,
              const double      share,
-             KeyPressures     *pressures,
+             KeyMemory<dim>   *memory,
              const bool        with_tangent)
         : law(law)
         , dt(dt)
         , share(share)
-        , pressures(pressures)
+        , memory(memory)
         , with_tangent(with_tangent)
       {
-        if (!pressures)
+        if (!memory)
           return;
-        pressures->found.clear();
-        if (pressures->is_first_round)
-          pressures->given.clear();
+        memory->found.clear();
+        if (memory->is_first_round)
+          memory->given.clear();
       }
 
       KeyForce<dim>
       force(const std::uint64_t name, const KeySums<dim> &sum)
       {
         double given = 0.;
-        if (pressures && pressures->is_first_round)
+        if (memory && memory->is_first_round)
           {
             given = sum.start_pressure / (sum.weight[0] + sum.weight[1]);
             if (given > 0.)
-              pressures->given[name] = given;
+              memory->given[name] = given;
           }
-        else if (pressures && pressures->given.count(name) > 0)
-          given = pressures->given.at(name);
+        else if (memory && memory->given.count(name) > 0)
+          given = memory->given.at(name);
         KeyForce<dim> result =
           force_of_key<dim>(law, sum, dt, given, share, area);
-        if (pressures && result.pressure > 0.)
-          pressures->found[name] = result.pressure;
+        if (memory && result.pressure > 0.)
+          memory->found[name] = result.pressure;
         if (!with_tangent)
           return result;
+        if (memory)
+          {
+            Tensor<1, dim> &last = memory->sliding[name];
+            if (last * result.direction < 0.)
+              {
+                result.stiffness = result.sticking;
+                result.coupling  = Tensor<2, dim>();
+                result.direction = Tensor<1, dim>();
+              }
+            last = result.direction;
+          }
         result.number = tangent_keys.size();
         TangentKey   key;
         const double w = result.shares[0] * sum.weight[0];
@@ -304,7 +321,7 @@ namespace greville
     private:
       const ContactLaw &law;
       const double      dt, share;
-      KeyPressures     *pressures;
+      KeyMemory<dim>   *memory;
       const bool        with_tangent;
     };
 
@@ -459,7 +476,7 @@ namespace greville
                             const double                    dt,
                             const Point<dim>               &about,
                             ContactTangent<dim>            *tangent,
-                            KeyPressures                   *pressures,
+                            KeyMemory<dim>                 *memory,
                             const double                    share) const
   {
     ContactResult<dim> result;
@@ -475,7 +492,7 @@ namespace greville
                             corner,
                             cell_size);
         }
-    KeyLaw<dim> law(contact_law, dt, share, pressures, tangent != nullptr);
+    KeyLaw<dim> law(contact_law, dt, share, memory, tangent != nullptr);
     const auto  forces = forces_of_keys(sums_of_keys(points, hats, contact_law),
                                        law,
                                        tangent,

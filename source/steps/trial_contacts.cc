@@ -56,7 +56,7 @@ namespace greville
     , results(contacts.contacts.size())
     , tangents(contacts.contacts.size())
     , forces(steps.size())
-    , pressures(contacts.contacts.size())
+    , memories(contacts.contacts.size())
     , directions(steps.size())
     , products(steps.size())
     , displacements(contacts.contacts.size())
@@ -235,7 +235,7 @@ namespace greville
                                share_now * dt,
                                about,
                                with_stiffness ? &tangents[c] : nullptr,
-                               &pressures[c],
+                               &memories[c],
                                share_now);
       }
     return "";
@@ -361,13 +361,12 @@ namespace greville
   TrialContacts<dim>::augment()
   {
     bool has_changed = false;
-    for (unsigned int c = 0; c < pressures.size() && n_rounds < most_rounds;
-         ++c)
+    for (unsigned int c = 0; c < memories.size() && n_rounds < most_rounds; ++c)
       {
         if (!contacts.contacts[c].given.is_augmented())
           continue;
-        KeyPressures &of_keys    = pressures[c];
-        double        numbers[2] = {}; // largest pressure and change
+        KeyMemory<dim> &of_keys    = memories[c];
+        double          numbers[2] = {}; // largest pressure and change
         for (const auto &[key, pressure] : of_keys.found)
           {
             const auto   given = of_keys.given.find(key);

@@ -213,7 +213,7 @@ test_rounds()
                                    Tensor<1, 2>({0.13, 0.13}),
                                    comm);
   const Case<2>            all(false, 0.);
-  KeyPressures             pressures;
+  KeyMemory<2>             memory;
   // The spring of stiffness 1 per area is pressed by 1: without a gap, p = 1.
   const double stiffness[3] = {10. / 11., 1. - 1. / 121., 1. - 1. / 1331.};
   for (unsigned int round = 0; round < 3; ++round)
@@ -225,13 +225,13 @@ test_rounds()
           for (auto &point : moved)
             point.gap = pressure - 1.; // of the spring
           const auto result =
-            contact.act(moved, 0., Point<2>(), nullptr, &pressures);
+            contact.act(moved, 0., Point<2>(), nullptr, &memory);
           pressure += 0.05 * (result.force.norm() / result.area - pressure);
         }
       check("A round divides the gap by eleven.",
             std::abs(pressure - stiffness[round]) < 1e-8);
-      pressures.given          = pressures.found;
-      pressures.is_first_round = false;
+      memory.given          = memory.found;
+      memory.is_first_round = false;
     }
 }
 

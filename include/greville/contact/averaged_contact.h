@@ -59,15 +59,21 @@ namespace greville
 
 
   /**
-   * Pressures of the keys of an AveragedContact that belong to this process, in
-   * the method of Uzawa: those that are given, Pa, are the averages of
+   * What is remembered of the keys of an AveragedContact that belong to this
+   * process, between the iterations of a step. Pressures are those of the
+   * method of Uzawa: those that are given, Pa, are the averages of
    * ContactPoint::start_pressure in the first round, and those that the round
-   * before has found in all others.
+   * before has found in all others. A key that slides the other way than in the
+   * last tangent has the tangent of one that sticks: Newton's method would go
+   * to and fro between both ways.
    */
-  struct KeyPressures
+  template <int dim>
+  struct KeyMemory
   {
     bool                                      is_first_round = true;
     std::unordered_map<std::uint64_t, double> given, found;
+    /// The shear stress of keys that slide in the last tangent, of length 1.
+    std::unordered_map<std::uint64_t, dealii::Tensor<1, dim>> sliding;
   };
 
 
@@ -120,8 +126,8 @@ namespace greville
      * Collective. Set the force and the slip of all points, which know their
      * gaps. @p dt is the length of the step of their motion, s: 0 if there is
      * none. The @p tangent is made where it is not null, and the stiffness of
-     * points with it. Where the @p pressures are not null, their given parts
-     * are added.
+     * points with it. Where the @p memory is not null, given pressures are
+     * added.
      *
      * Where points are in the middle of their step (@p share of it is 0.5), the
      * pressure is the mean one whose work is the change of the energy
@@ -135,9 +141,9 @@ namespace greville
     act(std::vector<ContactPoint<dim>> &points,
         const double                    dt,
         const dealii::Point<dim>       &about,
-        ContactTangent<dim>            *tangent   = nullptr,
-        KeyPressures                   *pressures = nullptr,
-        const double                    share     = 1.) const;
+        ContactTangent<dim>            *tangent = nullptr,
+        KeyMemory<dim>                 *memory  = nullptr,
+        const double                    share   = 1.) const;
 
     const ContactLaw &
     law() const

@@ -30,7 +30,7 @@ namespace greville
     /// The elastic part of the slip of side 0 along side 1, m: history.
     dealii::Tensor<1, dim> slip;
 
-    /// The pressure at the start of the step, Pa, see KeyPressures.
+    /// The pressure at the start of the step, Pa, see KeyMemory.
     double start_pressure = 0.;
 
     /// Whether the other side is in front of it, or it is a little way inside.

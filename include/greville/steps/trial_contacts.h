@@ -212,7 +212,7 @@ namespace greville
     std::vector<ContactResult<dim>>             results;
     std::vector<ContactTangent<dim>>            tangents;
     std::vector<VectorField<dim>>               forces;
-    std::vector<KeyPressures>                   pressures;
+    std::vector<KeyMemory<dim>>                 memories;
     std::vector<double> shares;       // of ContactPoint::stiffness in matrices
     unsigned int        n_rounds = 0; // of augment()
 
