@@ -115,7 +115,9 @@ namespace greville
         for (std::size_t s = 0; s < points[c].size(); ++s)
           sum -=
             body.trial.load_at(distance(body, points[c][s].x), changes[c][s]);
-    return Utilities::MPI::sum(sum, contacts.comm);
+    const ArrayView<double> values(sum.begin_raw(), sum.dimension);
+    Utilities::MPI::sum(ArrayView<const double>(values), contacts.comm, values);
+    return sum;
   }
 
 
