@@ -249,9 +249,12 @@ namespace greville
     for (const std::string &name : all.general.contacts)
       {
         const ContactParameters &contact = all.contacts.at(name);
+        const auto               sides   = contact.sides();
         for (unsigned int side = 0; side < 2; ++side)
-          for (const std::string &body : contact.sides()[side])
-            if (all.bodies.count(body) > 0)
+          for (const std::string &body : sides[side])
+            if (std::count(all.general.bodies.begin(),
+                           all.general.bodies.end(),
+                           body) > 0)
               contacts.push_back(
                 {name, body, side == 0 && contact.is_by_material_points()});
       }

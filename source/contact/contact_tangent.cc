@@ -21,6 +21,12 @@ namespace greville
     shares.clear();
     const std::uint64_t n_keys =
       Utilities::MPI::sum<std::uint64_t>(keys.size(), comm);
+    if (n_keys == 0)
+      {
+        // deal.II shares no vector without entries between processes.
+        values.reinit(0);
+        return;
+      }
     IndexSet owned(n_keys * size), ghosts(n_keys * size);
     owned.add_range(first * size, (first + keys.size()) * size);
     for (const std::uint64_t number : numbers)
