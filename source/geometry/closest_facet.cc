@@ -132,7 +132,8 @@ namespace greville
       std::vector<FlatFacet<dim>> facets;
       RTree<Entry>                tree;
       BoundingBox<dim>            extent;
-      double                      size = 0.; // of coordinates
+      double                      size        = 0.; // of coordinates
+      double                      mean_extent = 0.; // of facets
 
       // For searches: facets with near boxes, those at about the least
       // distance.
@@ -160,6 +161,7 @@ namespace greville
           facet.normal /= facet.normal.norm();
           entries.emplace_back(BoundingBox<dim>(corners), facets.size());
           facets.push_back(facet);
+          mean_extent += along.norm() / surface.size();
           for (const Point<dim> &corner : corners)
             size = std::max(size, corner.norm());
         }
@@ -181,9 +183,12 @@ namespace greville
           return std::nullopt;
       const double tolerance = same_closest_point * (x.norm() + size);
       double       least     = within + tolerance;
-      // Some facets with near boxes bound the distance.
+      // Some facets with near boxes bound the distance; but where facets are
+      // not much smaller than what is asked for, there are only a few.
       for (const bool is_last : {false, true})
         {
+          if (!is_last && within < mean_extent)
+            continue;
           namespace bgi  = boost::geometry::index;
           Point<dim> low = x, high = x;
           for (unsigned int d = 0; d < dim; ++d)

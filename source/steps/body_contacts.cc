@@ -358,6 +358,8 @@ namespace greville
         if (!are_implicit || state.n_steps == 0)
           give(contact, points);
       }
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      stamps_now[k] = parts[k]->current.points_stamp;
     stamps = stamps_now;
   }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/mixed_bits.h>
 #include <greville/steps/body_contacts.h>
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <map>
 #include <unordered_map>
 
 namespace greville
@@ -15,6 +17,9 @@ namespace greville
     // A point is ahead of the others by this fraction of its spacing.
     constexpr double default_radius = 0.5;
 
+    // One that is initially so little inside, by the spacing, touches.
+    constexpr double deepest_initially = 0.25;
+
 
 
     /**
@@ -23,8 +28,8 @@ namespace greville
     template <int dim>
     struct Candidate
     {
-      ConstPointRef<dim> point;
-      unsigned int       cell;
+      PointRef<dim> point;
+      unsigned int  cell;
       /// m
       double spacing;
     };
@@ -33,25 +38,36 @@ namespace greville
 
     /**
      * A row for a material point, from the one that it has had in the last
-     * step, if it has had one.
+     * step, if it has had one. A radius that is not the default one belongs to
+     * the initial place, and is forgotten as the point slides by its spacing.
      */
     template <int dim>
     std::vector<double>
     contactor(const PointLayout<dim>    &layout,
               const Candidate<dim>      &candidate,
               const double               radius,
+              const Tensor<1, dim>      &target_motion,
               const std::vector<double> *last)
     {
-      std::vector<double>       row(layout.size, 0.);
-      const PointRef<dim>       p(row.data());
-      const ConstPointRef<dim> &from = candidate.point;
+      std::vector<double>  row(layout.size, 0.);
+      const PointRef<dim>  p(row.data());
+      const PointRef<dim> &from   = candidate.point;
+      const unsigned int   before = layout.first("before");
+      const unsigned int   r      = layout.first("radius");
       if (last)
-        row = *last;
+        {
+          row = *last;
+          const double way =
+            (from.position() - Point<dim>(p.vector(before)) - target_motion)
+              .norm();
+          p[r] += (default_radius * candidate.spacing - p[r]) *
+                  std::min(1., way / candidate.spacing);
+        }
       else
         {
-          p[layout.first("radius")] = radius;
+          p[r] = radius;
           for (unsigned int d = 0; d < dim; ++d)
-            p[layout.first("before") + d] = from.position(d);
+            p[before + d] = from.position(d);
         }
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -64,6 +80,73 @@ namespace greville
       p.J()    = 1.;
       p.set_F(unit_symmetric_tensor<3>());
       return row;
+    }
+
+
+
+    template <int dim>
+    void
+    lift(const PointRef<dim> point, const Tensor<1, dim> &way)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        point.position(d) += way[d];
+    }
+
+
+
+    /**
+     * Collective. For each point that faces the other side, the smallest gap in
+     * its box of the size @p h, where that is negative, or 0: among points of
+     * all processes.
+     */
+    template <int dim>
+    std::vector<double>
+    lowest_in_boxes(const std::vector<ContactPoint<dim>> &points,
+                    const double                          h,
+                    const MPI_Comm                        comm)
+    {
+      const auto box_of = [&](const Point<dim> &x) {
+        std::uint64_t bits = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+          bits = mixed_bits(bits ^
+                            std::uint64_t(std::int64_t(std::floor(x[d] / h))));
+        return bits;
+      };
+      std::unordered_map<std::uint64_t, double> lowest;
+      for (const ContactPoint<dim> &point : points)
+        if (point.is_facing && point.gap < 0.)
+          {
+            double &gap = lowest[box_of(point.x)];
+            gap         = std::min(gap, point.gap);
+          }
+      const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
+      if (n_processes > 1)
+        {
+          using Rows = std::vector<std::pair<std::uint64_t, double>>;
+          std::map<unsigned int, Rows> to_owners, answers;
+          for (const auto &entry : lowest)
+            to_owners[entry.first % n_processes].push_back(entry);
+          const auto received = Utilities::MPI::some_to_some(comm, to_owners);
+          std::unordered_map<std::uint64_t, double> owned;
+          for (const auto &[process, rows] : received)
+            for (const auto &[box, gap] : rows)
+              owned[box] = std::min(owned[box], gap);
+          for (const auto &[process, rows] : received)
+            for (const auto &row : rows)
+              answers[process].emplace_back(row.first, owned[row.first]);
+          for (const auto &[process, rows] :
+               Utilities::MPI::some_to_some(comm, answers))
+            for (const auto &[box, gap] : rows)
+              lowest[box] = gap;
+        }
+      std::vector<double> result;
+      for (const ContactPoint<dim> &point : points)
+        {
+          const auto found =
+            point.is_facing ? lowest.find(box_of(point.x)) : lowest.end();
+          result.push_back(found == lowest.end() ? 0. : found->second);
+        }
+      return result;
     }
   } // namespace
 
@@ -80,27 +163,45 @@ namespace greville
     std::vector<std::size_t>       ends;
     double                         largest = 0.; // spacing
     for (const Place &place : contact.sides[0])
+      body_of(place).points.for_each(
+        [&](const unsigned int, const ConstPointRef<dim> p) {
+          largest = std::max(largest, std::pow(p.volume(), 1. / dim));
+        });
+    largest = Utilities::MPI::max(largest, comm);
+    for (const Place &place : contact.sides[0])
       {
-        const State<dim>          &state = place.part->current;
-        const MaterialPoints<dim> &all =
-          state.bodies[state.surfaces[place.surface].body].points;
-        for (const unsigned int cell : near_cells(contact, all))
-          all.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-            ContactPoint<dim> point;
-            point.x              = p.position();
-            const double spacing = std::pow(p.volume(), 1. / dim);
-            point.area           = std::pow(spacing, dim - 1);
-            largest              = std::max(largest, spacing);
-            points.push_back(point);
-            candidates.push_back({p, cell, spacing});
-          });
+        MaterialPoints<dim>          &all  = body_of(place).points;
+        const std::vector<NearCell>   near = near_cells(contact, all, largest);
+        std::vector<const NearCell *> of_cells(all.space().owned_cells().size(),
+                                               nullptr);
+        for (const NearCell &cell : near)
+          of_cells[cell.cell] = &cell;
+        all.for_each([&](const unsigned int cell, const PointRef<dim> p) {
+          if (!of_cells[cell])
+            return;
+          const double spacing = std::pow(p.volume(), 1. / dim);
+          // Distances change by no more than what separates two places.
+          if (of_cells[cell]->distance -
+                p.position().distance(of_cells[cell]->center) >
+              spacing)
+            return;
+          ContactPoint<dim> point;
+          point.x    = p.position();
+          point.area = std::pow(spacing, dim - 1);
+          points.push_back(point);
+          candidates.push_back({p, cell, spacing});
+        });
         ends.push_back(points.size());
       }
     if (contact.rigid < 0)
       for (const ContactPoint<dim> &point : collect(contact))
         if (point.side == 1)
           points.push_back(point);
-    find_gaps(contact, points, Utilities::MPI::max(largest, comm));
+    find_gaps(contact, points, largest);
+    // The layer begins at the lowest point, if that is inside already: else
+    // points above would hide it in the mean.
+    const std::vector<double> lowest =
+      lowest_in_boxes(points, contact.cell_size, comm);
 
     std::size_t k = 0;
     for (unsigned int s = 0; s < ends.size(); ++s)
@@ -115,39 +216,57 @@ namespace greville
             row.push_back(p[i]);
         });
         surface.points.reinit(place.part->space(), layout);
+        std::vector<unsigned int> left;
         for (; k < ends[s]; ++k)
           {
             const Candidate<dim> &candidate = candidates[k];
             const double          gap       = points[k].gap;
-            if (!points[k].is_facing || gap >= candidate.spacing)
+            if (!points[k].is_facing || gap >= lowest[k] + candidate.spacing)
               continue;
             const auto found = last.find(std::uint64_t(candidate.point.id()));
             std::vector<double> row =
               contactor(layout,
                         candidate,
-                        is_new && gap > 0. ? gap
-                                           : default_radius * candidate.spacing,
+                        is_new && gap > -deepest_initially * candidate.spacing
+                          ? gap
+                          : default_radius * candidate.spacing,
+                        points[k].target_motion,
                         found == last.end() ? nullptr : &found->second);
+            if (gap < 0. && !is_new)
+              {
+                lift(candidate.point, -gap * points[k].target_normal);
+                lift(PointRef<dim>(row.data()), -gap * points[k].target_normal);
+                for (unsigned int d = 0; d < dim; ++d)
+                  row[layout.first("before") + d] -=
+                    gap * points[k].target_normal[d];
+                left.push_back(candidate.cell);
+              }
             surface.points.insert(candidate.cell, make_array_view(row));
           }
+        if (Utilities::MPI::max<unsigned int>(!left.empty(), comm) == 0)
+          continue;
+        left.erase(std::unique(left.begin(), left.end()), left.end());
+        Simulation<dim> &part = *place.part;
+        for (MaterialPoints<dim> *moved :
+             {&body_of(place).points, &surface.points})
+          part.discretization.transport().move(*moved, left);
+        part.current.points_have_changed();
       }
   }
 
 
 
   template <int dim>
-  std::vector<unsigned int>
+  std::vector<typename BodyContacts<dim>::NearCell>
   BodyContacts<dim>::near_cells(const Contact             &contact,
-                                const MaterialPoints<dim> &points)
+                                const MaterialPoints<dim> &points,
+                                const double               reach)
   {
-    if (contact.rigid < 0)
-      return points.cells();
     const Lattice<dim>            &lattice = points.space().lattice();
     std::vector<ContactPoint<dim>> centers;
     double                         diagonal = 0.;
     for (unsigned int d = 0; d < dim; ++d)
       diagonal += std::pow(lattice.cell_size(d), 2);
-    diagonal = std::sqrt(diagonal);
     for (const unsigned int cell : points.cells())
       {
         centers.emplace_back();
@@ -155,13 +274,12 @@ namespace greville
           multi_index<dim>(points.space().owned_cells()[cell],
                            lattice.n_cells()));
       }
-    // A point is no further from the center than half of the diagonal, and its
-    // spacing is that of a cell with a single point at most.
-    find_gaps(contact, centers, 1.5 * diagonal);
-    std::vector<unsigned int> result;
+    if (contact.rigid >= 0)
+      find_gaps(contact, centers, reach + 0.5 * std::sqrt(diagonal));
+    std::vector<NearCell> result;
     for (std::size_t k = 0; k < centers.size(); ++k)
-      if (centers[k].is_facing)
-        result.push_back(points.cells()[k]);
+      if (contact.rigid < 0 || centers[k].is_facing)
+        result.push_back({points.cells()[k], centers[k].x, centers[k].gap});
     return result;
   }
 

@@ -133,13 +133,32 @@ namespace greville
     collect(const Contact &contact) const;
 
     /// Let the surfaces of the first side consist of those material points that
-    /// are the outermost layer now, with what they know of their contact.
+    /// are the outermost layer now, with what they know of their contact. Those
+    /// that are inside of the other side get back onto its surface: pressures,
+    /// which are averages, let single ones pass.
     void
     renew_contactors(const Contact &contact);
 
-    /// The cells of @p points in which some may be near the second side.
-    std::vector<unsigned int>
-    near_cells(const Contact &contact, const MaterialPoints<dim> &points);
+    /// A cell in which points may be near the second side.
+    struct NearCell
+    {
+      unsigned int       cell;
+      dealii::Point<dim> center;
+      double             distance; // of the center, 0 where it is not known
+    };
+
+    /// Those with @p points that may be closer than @p reach, m.
+    std::vector<NearCell>
+    near_cells(const Contact             &contact,
+               const MaterialPoints<dim> &points,
+               const double               reach);
+
+    static Body<dim> &
+    body_of(const Place &place)
+    {
+      State<dim> &state = place.part->current;
+      return state.bodies[state.surfaces[place.surface].body];
+    }
 
     /// Set what is known of a point without the other side.
     static void
