@@ -236,7 +236,8 @@ test_placement()
                           std::abs(j - std::round(j)));
         }),
         1e-13);
-  check("  volume, mass, J, F, stress, reference, velocity",
+  const unsigned int affine = even.body.points.layout().first("affine");
+  check("  volume, mass, J, F, stress, reference, velocity with its gradient",
         even.largest([&](const auto p) {
           double error = std::abs(p.volume0() * 72. - 1.5);
           error = std::max(error, std::abs(p.mass() - 2000. * p.volume0()));
@@ -251,13 +252,17 @@ test_placement()
           const double x = p.position(0), y = p.position(1);
           error = std::max(error, std::abs(p.velocity(0) - x - 2. * y));
           error = std::max(error, std::abs(p.velocity(1) - x * y));
+          const std::array<double, 4> gradient = {{1., 2., y, x}};
           for (unsigned int k = Layout::n_fixed;
                k < even.body.points.layout().size;
                ++k)
-            error = std::max(error, std::abs(p[k]));
+            error = std::max(error,
+                             std::abs(p[k] - (k >= affine && k < affine + 4
+                                                ? gradient[k - affine]
+                                                : 0.)));
           return error;
         }),
-        1e-13);
+        1e-12);
   // Ids are different.
   std::vector<double> counts(even.body.n_points, 0.);
   bool                ids = true;

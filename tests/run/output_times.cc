@@ -214,6 +214,8 @@ namespace
             ensemble.step();
             if (every == 0 || k % every != 0)
               continue;
+            // Else output finds it, for the next step.
+            ensemble.find_contact();
             const auto before = numbers(ensemble);
             {
               const EndOfStep<2> end(ensemble);
