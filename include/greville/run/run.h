@@ -7,6 +7,7 @@
 #include <greville/run/checkpoint.h>
 #include <greville/run/comparison.h>
 #include <greville/run/output.h>
+#include <greville/run/probes.h>
 #include <greville/run/run_notes.h>
 #include <greville/run/run_options.h>
 #include <greville/steps/ensemble.h>
