@@ -126,6 +126,15 @@ namespace greville
         return extent;
       }
 
+      ClosedSurface<dim>
+      mesh(const BoundingBox<dim> &) const override
+      {
+        ClosedSurface<dim> result;
+        for (const FlatFacet<dim> &facet : facets)
+          result.emplace_back(facet.corners.begin(), facet.corners.end());
+        return result;
+      }
+
     private:
       using Entry = std::pair<BoundingBox<dim>, unsigned int>;
 

@@ -4,8 +4,10 @@
 #include <greville/geometry/level_set.h>
 #include <greville/geometry/shape.h>
 
+#include "dual_contours.h"
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace greville
 {
@@ -16,6 +18,10 @@ namespace greville
     // Relative to coordinates: the error of closest points, and how far beside
     // them it is seen whether the shape ends there.
     constexpr double converged_distance = 1e-13, beside_surface = 1e-8;
+
+    // Of dual_contours(), for pictures.
+    template <int dim>
+    constexpr unsigned int n_cells_of_contours = dim == 2 ? 128 : 40;
 
 
 
@@ -126,7 +132,9 @@ namespace greville
     {
     public:
       ClosestOfShape(const std::string &formula, const std::string &parameter)
-        : tree(formula, parameter)
+        : formula(formula)
+        , parameter(parameter)
+        , tree(formula, parameter)
         , sides(tree.level_sets().size())
         , active(sides.size())
       {
@@ -256,8 +264,44 @@ namespace greville
         return BoundingBox<dim>({lower, upper});
       }
 
+      ClosedSurface<dim>
+      mesh(const BoundingBox<dim> &region) const override
+      {
+        const BoundingBox<dim> end = box();
+        if (std::isfinite(end.lower_bound(0)))
+          return contours(end);
+        std::ostringstream text;
+        text.precision(17);
+        text << "intersection(" << formula << ", box(";
+        for (unsigned int k = 0; k < 2 * dim; ++k)
+          text << (k == 0 ? "" : ", ")
+               << (k < dim ? region.lower_bound(k)
+                           : region.upper_bound(k - dim));
+        const ClosestOfShape part(text.str() + "))", parameter);
+        // Once more where the body is small in this box.
+        Facet<dim> corners;
+        for (const Facet<dim> &facet : part.contours(region))
+          corners.insert(corners.end(), facet.begin(), facet.end());
+        if (corners.empty())
+          return {};
+        BoundingBox<dim> around(corners);
+        for (unsigned int d = 0; d < dim; ++d)
+          around.extend(region.side_length(d) / n_cells_of_contours<dim>);
+        return part.contours(around);
+      }
+
     private:
       using Side = typename ShapeTree<dim>::Side;
+
+      ClosedSurface<dim>
+      contours(const BoundingBox<dim> &within) const
+      {
+        return internal::dual_contours<dim>(
+          [&](const auto &x) { return contains(x); },
+          *this,
+          within,
+          n_cells_of_contours<dim>);
+      }
 
       bool
       contains(const Point<dim> &x) const
@@ -289,6 +333,7 @@ namespace greville
         return found[0] && found[1];
       }
 
+      std::string    formula, parameter;
       ShapeTree<dim> tree;
       double         length = 0.; // of numbers in the formula
       Tensor<1, dim> ones;

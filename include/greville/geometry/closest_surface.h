@@ -53,6 +53,14 @@ namespace greville
      */
     virtual dealii::BoundingBox<dim>
     box() const = 0;
+
+    /**
+     * A closed mesh of the body: its facets where it is given by some; of a
+     * formula dual_contours(), of what is in the box @p region where the end of
+     * the body is not known.
+     */
+    virtual ClosedSurface<dim>
+    mesh(const dealii::BoundingBox<dim> &region) const = 0;
   };
 
 

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include "dual_contours.h"
+
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <greville/spline/lattice.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace greville::internal
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Cells across a thin box.
+    constexpr unsigned int least_cells_across = 12;
+
+    // Planes meet where an eigenvalue of the sum of n n^T is above this part of
+    // the largest one: at angles from 11 degrees.
+    constexpr double least_eigenvalue = 0.01;
+
+
+
+    template <int dim>
+    struct ContourCell
+    {
+      /// Where the surface cuts edges, and its normals there, if known.
+      std::vector<std::pair<Point<dim>, Tensor<1, dim>>> planes;
+      /// The vertex: on an edge or a corner with two or three directions across
+      /// the planes.
+      Point<dim>   x;
+      unsigned int n_across = 0;
+
+      /// With the least squares of distances from the planes, and closest to
+      /// the mean of their points; that mean, where it is beyond @p reach.
+      void
+      find_vertex(const Tensor<1, dim> &reach)
+      {
+        Point<dim> mean;
+        for (const auto &[point, n] : planes)
+          mean += point / double(planes.size());
+        SymmetricTensor<2, dim> matrix;
+        Tensor<1, dim>          right_side, change;
+        for (const auto &[point, n] : planes)
+          {
+            matrix += symmetrize(outer_product(n, n));
+            right_side += (n * (point - mean)) * n;
+          }
+        const auto pairs = eigenvectors(matrix); // the largest value first
+        for (const auto &[value, vector] : pairs)
+          if (value > least_eigenvalue * pairs[0].first)
+            {
+              change += (vector * right_side) / value * vector;
+              ++n_across;
+            }
+        for (unsigned int d = 0; d < dim; ++d)
+          if (std::abs(change[d]) > reach[d])
+            n_across = 0;
+        x = n_across > 0 ? mean + change : mean;
+      }
+    };
+
+
+
+    /**
+     * What @p function gives, or nothing where a formula has no value.
+     */
+    template <typename Function>
+    auto
+    value_or_none(const Function &function) -> decltype(function())
+    {
+      try
+        {
+          return function();
+        }
+      catch (const ExceptionBase &)
+        {
+          return {};
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  ClosedSurface<dim>
+  dual_contours(const std::function<bool(const Point<dim> &)> &contains,
+                const ClosestSurface<dim>                     &surface,
+                const BoundingBox<dim>                        &box,
+                const unsigned int                             n_cells)
+  {
+    double longest = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      longest = std::max(longest, box.side_length(d));
+    // The first and the last nodes are outside, and none is on a side.
+    MultiIndex<dim> n_nodes;
+    Tensor<1, dim>  h;
+    std::size_t     n_all = 1;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double part = box.side_length(d) / longest;
+        n_nodes[d]        = 2 + std::max(least_cells_across,
+                                  unsigned(std::lround(part * n_cells)));
+        h[d]              = box.side_length(d) / (n_nodes[d] - 2.);
+        n_all *= n_nodes[d];
+      }
+    const auto position = [&](const MultiIndex<dim> &node) {
+      Point<dim> x;
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] = box.lower_bound(d) + (node[d] - 0.5) * h[d];
+      return x;
+    };
+    const auto is_inside = [&](const Point<dim> &x) {
+      return box.point_inside(x) &&
+             value_or_none([&]() { return contains(x); });
+    };
+    const auto closest = [&](const Point<dim> &x) {
+      return value_or_none([&]() { return surface.closest(x, h.norm()); });
+    };
+    std::vector<bool> inside(n_all);
+    for (std::size_t k = 0; k < n_all; ++k)
+      inside[k] = is_inside(position(multi_index<dim>(k, n_nodes)));
+
+    // Cells have the numbers of their first nodes. Around each edge that the
+    // surface cuts lies a face of 2 or 4 of them.
+    constexpr unsigned int                            n_around = 1 << (dim - 1);
+    std::unordered_map<std::size_t, ContourCell<dim>> cells;
+    std::vector<std::array<std::size_t, n_around>>    faces;
+    for (std::size_t k = 0; k < n_all; ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const MultiIndex<dim> node = multi_index<dim>(k, n_nodes);
+          MultiIndex<dim>       next = node;
+          if (++next[d] == n_nodes[d] ||
+              inside[k] == inside[lexicographic<dim>(next, n_nodes)])
+            continue;
+          Point<dim> ends[2] = {position(node), position(next)};
+          for (unsigned int step = 0; step < 40; ++step)
+            {
+              const Point<dim> middle = ends[0] + 0.5 * (ends[1] - ends[0]);
+              ends[is_inside(middle) != inside[k]] = middle;
+            }
+          const auto found = closest(ends[0]);
+          // In the order in which the inside is on the left of a segment, and a
+          // quadrilateral is seen counterclockwise from outside.
+          auto              &face = faces.emplace_back();
+          const unsigned int e = (d + 1) % dim, f = (d + 2) % dim;
+          for (unsigned int v = 0; v < n_around; ++v)
+            {
+              MultiIndex<dim> cell = node;
+              cell[e] -= v == 0 || v == 3;
+              cell[f] -= dim == 3 && v < 2;
+              face[v] = lexicographic<dim>(cell, n_nodes);
+              cells[face[v]].planes.emplace_back(ends[0],
+                                                 found ? found->normal
+                                                       : Tensor<1, dim>());
+            }
+          if (inside[k] == (dim == 2 && d == 1))
+            std::reverse(face.begin(), face.end());
+        }
+    for (auto &[number, cell] : cells)
+      {
+        // Sharp tips end in the next cell, which may have no node inside.
+        cell.find_vertex(1.5 * h);
+        if (const auto found = closest(cell.x))
+          cell.x = found->point;
+      }
+
+    ClosedSurface<dim> result;
+    for (auto face : faces)
+      {
+        const auto across = [&](const unsigned int v) {
+          return cells[face[v]].n_across;
+        };
+        // Of two triangles the common side is an edge where there is one.
+        if (dim == 3 && across(0) + across(2) < across(1) + across(dim))
+          std::rotate(face.begin(), face.begin() + 1, face.end());
+        for (unsigned int t = 2; t <= n_around - (dim == 3); ++t)
+          {
+            Facet<dim> &facet = result.emplace_back();
+            facet             = {cells[face[0]].x, cells[face[t - 1]].x};
+            if (dim == 3)
+              facet.push_back(cells[face[t]].x);
+          }
+      }
+    return result;
+  }
+
+
+
+  template decltype(dual_contours<2>) dual_contours<2>;
+  template decltype(dual_contours<3>) dual_contours<3>;
+} // namespace greville::internal
