@@ -56,6 +56,7 @@ namespace greville
       Tensor<1, dim> force[2];    // per area, of both sides
       Tensor<1, dim> slip_change; // of the elastic slip
       double         is_active = 0.;
+      double         state     = 0.; // a ContactState
       // For a ContactTangent: its number, w_k over the weights of both sides,
       // and D_k.
       double         number    = 0.;
@@ -81,6 +82,7 @@ namespace greville
             action(slip_change[d]);
           }
         action(is_active);
+        action(state);
         if (!with_tangent)
           return;
         action(number);
@@ -164,7 +166,8 @@ namespace greville
         pressure > 0. ? law.friction * pressure + law.adhesion : 0.;
       Tensor<2, dim> stiffness =
         (law.shear_stiffness + law.viscosity * rate) * plane;
-      if (shear.norm() > most)
+      const bool slides = shear.norm() > most;
+      if (slides)
         {
           const Tensor<1, dim> direction = shear / shear.norm();
           result.direction               = direction;
@@ -181,7 +184,11 @@ namespace greville
       else if (most == 0.)
         stiffness = Tensor<2, dim>();
       if (pressure > 0.)
-        stiffness += normal_stiffness * outer_product(n, n);
+        {
+          stiffness += normal_stiffness * outer_product(n, n);
+          result.state = double(slides || most == 0. ? ContactState::slip
+                                                     : ContactState::stick);
+        }
       const Tensor<1, dim> force = weight * (pressure * n + shear);
       result.force[0]            = force / w[0];
       result.force[1]            = -force / w[1];
@@ -426,6 +433,7 @@ namespace greville
         {
           point.force    = Tensor<1, dim>();
           point.new_slip = Tensor<1, dim>();
+          point.state    = ContactState::open;
           if (tangent)
             {
               point.stiffness = Tensor<2, dim>();
@@ -434,8 +442,8 @@ namespace greville
           if (!point.is_facing)
             continue;
           const Hats<dim> &own    = *next++;
-          double           active = 0.;
-          Tensor<1, dim>   slip   = point.slip;
+          double           active = 0., closed = 0., sliding = 0.;
+          Tensor<1, dim>   slip = point.slip;
           for (unsigned int k = 0; k < Hats<dim>::n; ++k)
             {
               const KeyForce<dim> &key    = forces.at(own.keys[k]);
@@ -443,6 +451,9 @@ namespace greville
               point.force += weight * key.force[point.side];
               slip += own.values[k] * key.slip_change;
               active += own.values[k] * key.is_active;
+              closed += key.state > 0. ? own.values[k] : 0.;
+              sliding +=
+                key.state == double(ContactState::slip) ? own.values[k] : 0.;
               if (!tangent || key.shares[0] == 0.)
                 continue;
               point.stiffness +=
@@ -451,6 +462,9 @@ namespace greville
             }
           if (active > 0.)
             point.new_slip = slip;
+          if (closed > 0.)
+            point.state =
+              sliding > 0.5 * closed ? ContactState::slip : ContactState::stick;
         }
     }
   } // namespace

@@ -78,17 +78,22 @@ namespace greville
     Surface<dim>
     empty_surface(const std::string      &name,
                   const std::string      &contact,
-                  const std::string      &shape,
+                  const bool              is_of_points,
                   const Body<dim>        &body,
                   const SplineSpace<dim> &space)
     {
       PointLayout<dim> layout;
       layout.basis_position = body.points.layout().basis_position;
       layout.add("load", dim);
-      layout.add(shape, shape == "normal" ? dim : 1);
+      layout.add("normal", dim);
+      if (is_of_points)
+        layout.add("radius", 1);
       for (const std::string field : {"slip", "new_slip", "before"})
         if (!contact.empty())
           layout.add(field, dim);
+      for (const std::string field : {"gap", "state"})
+        if (!contact.empty())
+          layout.add(field, 1);
       Surface<dim> surface;
       surface.name    = name;
       surface.contact = contact;
@@ -109,7 +114,7 @@ namespace greville
                const SplineSpace<dim>               &space,
                const std::string                    &contact)
   {
-    Surface<dim> surface = empty_surface(name, contact, "normal", body, space);
+    Surface<dim> surface = empty_surface(name, contact, false, body, space);
     const PointLayout<dim> layout = surface.points.layout();
     run_on_all(
       [&]() {
@@ -178,7 +183,7 @@ namespace greville
                   const Body<dim>        &body,
                   const SplineSpace<dim> &space)
   {
-    return empty_surface(name, contact, "radius", body, space);
+    return empty_surface(name, contact, true, body, space);
   }
 
 

@@ -128,31 +128,61 @@ namespace greville
       SurfacesOut(const std::vector<Surface<dim>>   &surfaces,
                   const std::vector<SurfaceNumbers> &numbers)
       {
+        const bool has_contact =
+          std::any_of(surfaces.begin(), surfaces.end(), [](const auto &s) {
+            return !s.contact.empty();
+          });
         for (const std::string name :
              {"velocity", "displacement", "load", "area_vector"})
           this->add_vector(name);
+        if (has_contact)
+          this->add_vector("shear");
         for (const std::string name : {"area", "surface_load", "body"})
           this->names.push_back(name);
+        if (has_contact)
+          for (const std::string name : {"gap", "pressure", "state"})
+            this->names.push_back(name);
         for (unsigned int k = 0; k < surfaces.size(); ++k)
           {
             const PointLayout<dim> &layout = surfaces[k].points.layout();
+            const PointField       *gap    = layout.find("gap");
+            // Points of loads are as those that face nothing.
+            const auto &lattice = surfaces[k].points.space().lattice();
+            double      h       = lattice.cell_size(0);
+            for (unsigned int d = 1; d < dim; ++d)
+              h = std::min(h, lattice.cell_size(d));
             surfaces[k].points.for_each(
               [&](const unsigned int, ConstPointRef<dim> p) {
                 const SurfaceState<dim> state = surface_state<dim>(p, layout);
                 const Tensor<1, dim>    area  = p.mass() * state.area_vector();
-                std::vector<double>     values;
-                for (const Tensor<1, dim> &vector :
-                     {state.velocity,
-                      Tensor<1, dim>(state.x - state.X),
-                      p.vector(layout.first("load")),
-                      area})
+                const Tensor<1, dim>    load  = p.vector(layout.first("load"));
+                // Per area today.
+                const Tensor<1, dim> normal = area / area.norm();
+                const Tensor<1, dim> traction =
+                  gap ? p.mass() / area.norm() * load : Tensor<1, dim>();
+                const double        pressure = -(traction * normal);
+                std::vector<double> values;
+                const auto          add = [&](const Tensor<1, dim> &vector) {
                   values.insert(values.end(),
                                 vector.begin_raw(),
                                 vector.end_raw());
+                };
+                add(state.velocity);
+                add(state.x - state.X);
+                add(load);
+                add(area);
+                if (has_contact)
+                  add(traction + pressure * normal);
                 for (const double value : {area.norm(),
                                            double(numbers[k].load),
                                            double(numbers[k].body)})
                   values.push_back(value);
+                if (has_contact)
+                  for (const double value :
+                       {gap ? p[gap->first] : farthest_gap_in_cells * h,
+                        pressure,
+                        gap ? p[gap->first + 1] : 0.})
+                    values.push_back(value);
                 this->add_point(state.x, values);
               });
           }

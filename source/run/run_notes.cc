@@ -109,7 +109,13 @@ namespace greville
       {"surface.pvd", "load", "Pa", "Pa"},
       {"surface.pvd", "area", "m^2", "m"},
       {"surface.pvd", "surface_load", "1", "1"},
-      {"surface.pvd", "body", "1", "1"}};
+      {"surface.pvd", "gap", "m", "m"},
+      {"surface.pvd", "pressure", "Pa", "Pa"},
+      {"surface.pvd", "shear", "Pa", "Pa"},
+      {"surface.pvd", "state", "1", "1"},
+      {"surface.pvd", "body", "1", "1"},
+      {"rigid.pvd", "velocity", "m / s", "m / s"},
+      {"rigid.pvd", "displacement", "m", "m"}};
 
 
 
@@ -284,7 +290,12 @@ namespace greville
          "area_vector",
          "area",
          "surface_load",
-         "body"});
+         "body",
+         "gap",
+         "pressure",
+         "shear",
+         "state"});
+    add("rigid.pvd", {"velocity", "displacement"});
     run_on_first(
       [&]() { write_atomically(directory + "/units.csv", text.str()); }, comm);
   }

@@ -18,8 +18,8 @@ namespace greville
     // Of the larger cell size: how far away the other side is looked for, how
     // far a point may move in a step, and how deep bodies may overlap
     // initially.
-    constexpr double reach_in_cells = 0.5, longest_motion = 0.25,
-                     deepest_overlap = 0.05;
+    constexpr double reach_in_cells = farthest_gap_in_cells,
+                     longest_motion = 0.25, deepest_overlap = 0.05;
 
     // Of the larger cell size, too: bodies that touch have gaps of round-off.
     constexpr double touching_in_cells = 1e-6;
@@ -395,13 +395,22 @@ namespace greville
           Surface<dim> &surface   = place.part->current.surfaces[place.surface];
           const auto   &layout    = surface.points.layout();
           const unsigned int load = layout.first("load"),
-                             slip = layout.first("new_slip");
+                             slip = layout.first("new_slip"),
+                             gap  = layout.first("gap");
           surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
             for (unsigned int d = 0; d < dim; ++d)
               {
                 p[load + d] = point->force[d] / p.mass();
                 p[slip + d] = point->new_slip[d];
               }
+            // Implicit steps see farther.
+            const double farthest = reach_in_cells * contact.cell_size;
+            p[gap] =
+              point->is_facing ? std::min(point->gap, farthest) : farthest;
+            p[gap + 1] = double(point->state);
+            if (layout.find("radius") && point->is_facing)
+              for (unsigned int d = 0; d < dim; ++d)
+                p[layout.first("normal") + d] = -point->target_normal[d];
             ++point;
           });
         }

@@ -45,8 +45,8 @@ namespace greville
     std::vector<double>
     contactor(const PointLayout<dim>    &layout,
               const Candidate<dim>      &candidate,
+              const ContactPoint<dim>   &met,
               const double               radius,
-              const Tensor<1, dim>      &target_motion,
               const std::vector<double> *last)
     {
       std::vector<double>  row(layout.size, 0.);
@@ -58,16 +58,20 @@ namespace greville
         {
           row = *last;
           const double way =
-            (from.position() - Point<dim>(p.vector(before)) - target_motion)
+            (from.position() - Point<dim>(p.vector(before)) - met.target_motion)
               .norm();
           p[r] += (default_radius * candidate.spacing - p[r]) *
                   std::min(1., way / candidate.spacing);
         }
       else
         {
-          p[r] = radius;
+          p[r]                   = radius;
+          p[layout.first("gap")] = met.gap - radius;
           for (unsigned int d = 0; d < dim; ++d)
-            p[before + d] = from.position(d);
+            {
+              p[before + d]                 = from.position(d);
+              p[layout.first("normal") + d] = -met.target_normal[d];
+            }
         }
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -227,10 +231,10 @@ namespace greville
             std::vector<double> row =
               contactor(layout,
                         candidate,
+                        points[k],
                         is_new && gap > -deepest_initially * candidate.spacing
                           ? gap
                           : default_radius * candidate.spacing,
-                        points[k].target_motion,
                         found == last.end() ? nullptr : &found->second);
             if (gap < 0. && !is_new)
               {

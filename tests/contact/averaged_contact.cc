@@ -172,6 +172,12 @@ test_pressure()
       };
       check("Momentum is kept.", sum_of_forces().norm() < 1e-13);
       const double pressure = result.force * n / result.area;
+      const auto   all_are  = [&](const ContactState state) {
+        return largest<2>(all, [&](const auto &point) {
+                 return point.is_facing && point.state != state;
+               }) == 0.;
+      };
+      check("They stick.", all_are(ContactState::stick));
 
       // Slip by a tenth of what friction bears, ten times: then it slides.
       const double stick = law.friction * pressure / law.shear_stiffness;
@@ -188,6 +194,9 @@ test_pressure()
                            (law.friction * pressure) -
                          std::min(1., 0.1 * k)) < (k < 10 ? 1e-10 : 1e-3));
           check("Friction keeps momentum.", sum_of_forces().norm() < 1e-13);
+          check("It slides beyond its limit.",
+                k == 10 ||
+                  all_are(k < 10 ? ContactState::stick : ContactState::slip));
         }
       // Back by twice what it bears: the other way.
       for (auto &point : all.points)
@@ -206,6 +215,7 @@ test_pressure()
       result = contact.act(all.points, 0., Point<2>());
       check("An open contact has no force.",
             result.force.norm() == 0. && result.area == 0. &&
+              all_are(ContactState::open) &&
               largest<2>(all, [](const auto &point) {
                 return point.new_slip.norm();
               }) == 0.);

@@ -8,6 +8,19 @@
 namespace greville
 {
   /**
+   * Whether there is pressure at a point, and whether surfaces slide there.
+   * Without friction all that is closed slides.
+   */
+  enum class ContactState : unsigned char
+  {
+    open  = 0,
+    stick = 1,
+    slip  = 2
+  };
+
+
+
+  /**
    * A point of a surface in a contact of two sides, which are numbered 0 and 1.
    */
   template <int dim>
@@ -45,6 +58,8 @@ namespace greville
 
     /// What contact gives to it: N (2D: N / m), and the slip after the step.
     dealii::Tensor<1, dim> force, new_slip;
+    /// That of the larger part of its keys under pressure.
+    ContactState state = ContactState::open;
     /// What resists its own displacement, where all points of its side move
     /// like it, N / m (2D: N / m^2); where it is asked for, see ContactTangent.
     dealii::Tensor<2, dim> stiffness;

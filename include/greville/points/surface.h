@@ -11,6 +11,12 @@
 
 namespace greville
 {
+  /// Up to which distance surfaces in contact see one another, in units of the
+  /// cell size of the coarser grid.
+  constexpr double farthest_gap_in_cells = 0.5;
+
+
+
   /**
    * Points on a part of the surface of a body, which move and deform with it
    * and bear one load. What is their mass for others is their initial area dA0,
@@ -27,10 +33,12 @@ namespace greville
     /// The number of the body that it belongs to.
     unsigned int body = 0;
     /// The contact that its load is that of, which the points keep; empty:
-    /// none. Points in contact have the fields "slip", "new_slip" (see
-    /// ContactPoint) and "before", the position at the start of the last step,
-    /// too. Those that are material points of the body have a "radius" (m)
-    /// instead of a normal, and their present area as mass.
+    /// none. Points in contact have the fields "slip", "new_slip", "gap" and
+    /// "state" (see ContactPoint) and "before", the position at the start of
+    /// the last step, too. The gap is at most farthest_gap_in_cells, where
+    /// there is nothing, too. Those that are material points of the body have a
+    /// "radius" (m), their present area as mass, and the opposite of the other
+    /// side's normal as normal.
     std::string contact;
     /// At most what the load per initial area changes by displacement, Pa / m,
     /// and by velocity, Pa s / m: they bound explicit steps.
