@@ -297,6 +297,8 @@ class Run:
     unit(file, column)      of units.csv, such as unit("points.pvd", "velocity")
     times                   those of the points
     points(k), grid(k), surface(k)   Fields at the kth time; names=[...] reads those only
+    rigid_bodies            the names of rigid bodies that have been written
+    rigid(name, time)       the facets of one at a time: corners (facet, corner, xyz), and Fields of them all
     """
 
     def __init__(self, folder):
@@ -437,6 +439,16 @@ class Run:
 
     def surface(self, k, names=None, body=None):
         return self.series("surface" + (f"_{body}" if body else ""))(k, names)
+
+    @property
+    def rigid_bodies(self):
+        return [name for name in names_in(self.parameters.get("Simulation/Rigid bodies"))
+                if (self.folder / f"rigid_{name}.pvd").exists()]
+
+    def rigid(self, name, time):
+        series = self.series("rigid_" + name)
+        fields = series(int(np.argmin(abs(series.times - time))))
+        return fields.x.reshape(-1, self.dim, 3), fields
 
     def sizes(self, k=None, points=None):
         """Edges of cubes (2D: squares) of the volumes of points, m, at the kth time or of these points."""

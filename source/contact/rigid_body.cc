@@ -268,6 +268,25 @@ namespace greville
 
 
 
+  template <int dim>
+  const ClosedSurface<dim> &
+  RigidBody<dim>::mesh(const RigidPosition<dim> &now,
+                       const BoundingBox<dim>   &region) const
+  {
+    std::vector<Point<dim>> corners;
+    for (unsigned int v = 0; v < GeometryInfo<dim>::vertices_per_cell; ++v)
+      corners.push_back(initial_position(now, region.vertex(v)));
+    const BoundingBox<dim> box(corners);
+    if (last_mesh.empty())
+      has_end = std::isfinite(surface->box().lower_bound(0));
+    if (last_mesh.empty() || (!has_end && !(box == last_region)))
+      last_mesh = surface->mesh(box);
+    last_region = box;
+    return last_mesh;
+  }
+
+
+
   template class RigidBody<2>;
   template class RigidBody<3>;
 } // namespace greville

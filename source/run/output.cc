@@ -192,6 +192,42 @@ namespace greville
 
 
     /**
+     * The surface of a rigid body: a patch for each of its facets.
+     */
+    template <int dim>
+    class RigidBodyOut : public PatchesOut<dim - 1, dim>
+    {
+    public:
+      RigidBodyOut(const ClosedSurface<dim> &mesh,
+                   const RigidPosition<dim> &position)
+      {
+        this->add_vector("velocity");
+        this->add_vector("displacement");
+        for (const Facet<dim> &facet : mesh)
+          {
+            DataOutBase::Patch<dim - 1, dim> patch;
+            patch.reference_cell = ReferenceCells::get_simplex<dim - 1>();
+            patch.patch_index    = this->patches.size();
+            patch.data.reinit(2 * dim, dim);
+            for (unsigned int v = 0; v < dim; ++v)
+              {
+                const Point<dim>     x = current_position(position, facet[v]);
+                const Tensor<1, dim> velocity = velocity_at(position, x);
+                patch.vertices[v]             = x;
+                for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    patch.data(d, v)       = velocity[d];
+                    patch.data(dim + d, v) = x[d] - facet[v][d];
+                  }
+              }
+            this->patches.push_back(patch);
+          }
+      }
+    };
+
+
+
+    /**
      * Fields of the grid: a patch of order p for each cell that a function with
      * mass reaches, and nothing for all others.
      */
@@ -291,21 +327,18 @@ namespace greville
 
     /**
      * Collective. Each process writes its file, the first one the record of
-     * all, whose name is returned.
+     * all.
      */
     template <typename DataOutType>
-    std::string
+    void
     write_parallel(const DataOutType &data,
                    const std::string &directory,
-                   const std::string &name,
-                   const unsigned int number,
+                   const std::string &numbered,
                    const MPI_Comm     comm)
     {
       const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
       const unsigned int process     = Utilities::MPI::this_mpi_process(comm);
-      const std::string  numbered =
-        name + "_" + Utilities::int_to_string(number, 4);
-      const auto piece = [&](const unsigned int k) {
+      const auto         piece       = [&](const unsigned int k) {
         return numbered + "." +
                Utilities::int_to_string(k,
                                         Utilities::needed_digits(n_processes)) +
@@ -341,7 +374,6 @@ namespace greville
           });
         },
         comm);
-      return numbered + ".pvtu";
     }
   } // namespace
 
@@ -362,11 +394,19 @@ namespace greville
   FieldOutput<dim>::write_next(const std::string &name,
                                const double       time,
                                const DataOutType &data,
-                               const MPI_Comm     comm)
+                               const MPI_Comm     comm,
+                               const bool         is_of_first)
   {
-    auto &written = times_and_names[name];
-    written.emplace_back(
-      time, write_parallel(data, directory, name, written.size(), comm));
+    auto             &written = times_and_names[name];
+    const std::string numbered =
+      name + "_" + Utilities::int_to_string(written.size(), 4);
+    if (is_of_first)
+      run_on_first(
+        [&]() { write_parallel(data, directory, numbered, MPI_COMM_SELF); },
+        comm);
+    else
+      write_parallel(data, directory, numbered, comm);
+    written.emplace_back(time, numbered + ".pvtu");
     std::ostringstream text;
     DataOutBase::write_pvd_record(text, written);
     run_on_first(
@@ -486,6 +526,23 @@ namespace greville
                time,
                points,
                comm);
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::write_rigid_body(const double              time,
+                                     const RigidBody<dim>     &body,
+                                     const RigidPosition<dim> &position,
+                                     const BoundingBox<dim>   &region,
+                                     const MPI_Comm            comm)
+  {
+    ClosedSurface<dim> mesh;
+    run_on_first([&]() { mesh = body.mesh(position, region); }, comm);
+    RigidBodyOut<dim> facets(mesh, position);
+    facets.set_flags(fast_compression());
+    write_next("rigid_" + body.name(), time, facets, comm, true);
   }
 
 

@@ -398,6 +398,29 @@ namespace greville
                                 : body);
           }
       }
+    // Half spaces end two cells beyond the grids.
+    std::vector<Point<dim>> corners(2);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        corners[0][d] = parameters.grid.lower[d];
+        corners[1][d] = parameters.grid.upper[d];
+        const double h =
+          (corners[1][d] - corners[0][d]) / double(parameters.grid.cells[d]);
+        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+          {
+            const auto &lattice = ensemble.part(k).space().lattice();
+            corners[0][d]       = std::min(corners[0][d], lattice.lower(d));
+            corners[1][d]       = std::max(corners[1][d], lattice.upper(d));
+          }
+        corners[0][d] -= 2. * h;
+        corners[1][d] += 2. * h;
+      }
+    for (unsigned int k = 0; k < ensemble.rigid_bodies().size(); ++k)
+      fields.write_rigid_body(time,
+                              ensemble.rigid_bodies()[k],
+                              common().rigid_bodies[k].now,
+                              BoundingBox<dim>(corners),
+                              comm);
   }
 
 

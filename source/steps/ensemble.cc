@@ -54,6 +54,16 @@ namespace greville
 
 
   template <int dim>
+  const std::vector<RigidBody<dim>> &
+  Ensemble<dim>::rigid_bodies() const
+  {
+    static const std::vector<RigidBody<dim>> none;
+    return contacts ? contacts->all_rigid_bodies() : none;
+  }
+
+
+
+  template <int dim>
   void
   Ensemble<dim>::fill_grid()
   {

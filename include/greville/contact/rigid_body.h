@@ -75,6 +75,15 @@ namespace greville
               const RigidPosition<dim>       &now,
               const RigidPosition<dim>       &before) const;
 
+    /**
+     * A mesh of its surface in the initial position, see
+     * ClosestSurface::mesh(), for a box that is around the body @p now. It
+     * holds until the next call.
+     */
+    const ClosedSurface<dim> &
+    mesh(const RigidPosition<dim>       &now,
+         const dealii::BoundingBox<dim> &region) const;
+
     const std::string &
     name() const
     {
@@ -114,6 +123,12 @@ namespace greville
     VectorExpression<n_rotations>        rotation; // its vector
     double                               mass = 0.;
     dealii::Tensor<2, n_rotations>       inertia;
+
+    /// The last mesh, and the box for it, in the initial position: it matters
+    /// where the end of the body is not known.
+    mutable ClosedSurface<dim>       last_mesh;
+    mutable dealii::BoundingBox<dim> last_region;
+    mutable bool                     has_end = false;
   };
 } // namespace greville
 

@@ -3,6 +3,7 @@
 #ifndef greville_run_output_h
 #define greville_run_output_h
 
+#include <greville/contact/rigid_body.h>
 #include <greville/parameters/simulation_parameters.h>
 #include <greville/points/body_list.h>
 #include <greville/points/point_transfer.h>
@@ -45,9 +46,10 @@ namespace greville
 
 
   /**
-   * Writes points, grid fields and the points of loads on surfaces for
-   * ParaView: points_NNNN.pvtu, grid_NNNN.pvtu and surface_NNNN.pvtu, with
-   * points.pvd, grid.pvd and surface.pvd that hold the times. The .pvd files
+   * Writes points, grid fields, the points of loads and contacts on surfaces,
+   * and rigid bodies for ParaView: points_NNNN.pvtu, grid_NNNN.pvtu,
+   * surface_NNNN.pvtu and rigid_NAME_NNNN.pvtu, with points.pvd, grid.pvd,
+   * surface.pvd and rigid_NAME.pvd that hold the times. The .pvd files
    * are replaced after each of them, so that they never name what is not
    * there.
    */
@@ -84,7 +86,8 @@ namespace greville
     /**
      * Collective. Write the points of loads on surfaces: the number of the load
      * and that of its body, which @p numbers has for each surface, load (Pa per
-     * initial area), normal today times area, area, velocity and displacement.
+     * initial area), normal today times area, area, velocity and displacement;
+     * where there are contacts gap, pressure, shear stress and ContactState.
      * Writes nothing where there are none. Those of one of several grids have
      * the name of its @p body.
      */
@@ -94,6 +97,18 @@ namespace greville
                    const std::vector<SurfaceNumbers> &numbers,
                    const MPI_Comm                     comm,
                    const std::string                 &body = "");
+
+    /**
+     * Collective. Write the mesh of a rigid body with its velocity and
+     * displacement: rigid_NAME_NNNN.pvtu, by the first process. The body has
+     * the @p position, and where its end is not known it is cut at @p region.
+     */
+    void
+    write_rigid_body(const double                    time,
+                     const RigidBody<dim>           &body,
+                     const RigidPosition<dim>       &position,
+                     const dealii::BoundingBox<dim> &region,
+                     const MPI_Comm                  comm);
 
     /**
      * What has been written: lines with name, time and file, separated by
@@ -118,14 +133,16 @@ namespace greville
 
   private:
     /**
-     * Write @p data as the next ones of @p name.
+     * Write @p data as the next ones of @p name: all processes, or the first
+     * one alone.
      */
     template <typename DataOutType>
     void
     write_next(const std::string &name,
                const double       time,
                const DataOutType &data,
-               const MPI_Comm     comm);
+               const MPI_Comm     comm,
+               const bool         is_of_first = false);
 
     const std::string       directory;
     const OutputParameters &parameters;

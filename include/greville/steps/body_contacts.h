@@ -68,6 +68,12 @@ namespace greville
     void
     add_to(Statistics<dim> &row, const bool at_start_of_step) const;
 
+    const std::vector<RigidBody<dim>> &
+    all_rigid_bodies() const
+    {
+      return rigid_bodies;
+    }
+
   private:
     friend class TrialContacts<dim>;
 

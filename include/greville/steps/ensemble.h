@@ -119,6 +119,12 @@ namespace greville
     find_contact();
 
     /**
+     * Those of State::rigid_bodies.
+     */
+    const std::vector<RigidBody<dim>> &
+    rigid_bodies() const;
+
+    /**
      * Collective. Sums and extremes over all parts. Contacts are those of
      * find_contact().
      */
