@@ -68,13 +68,11 @@ namespace greville
           p[r]                   = radius;
           p[layout.first("gap")] = met.gap - radius;
           for (unsigned int d = 0; d < dim; ++d)
-            {
-              p[before + d]                 = from.position(d);
-              p[layout.first("normal") + d] = -met.target_normal[d];
-            }
+            p[before + d] = from.position(d);
         }
       for (unsigned int d = 0; d < dim; ++d)
         {
+          p[layout.first("normal") + d] = -met.target_normal[d];
           p.position(d)  = from.position(d);
           p.reference(d) = from.reference(d);
           p.velocity(d)  = from.velocity(d);
