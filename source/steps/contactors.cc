@@ -73,9 +73,9 @@ namespace greville
       for (unsigned int d = 0; d < dim; ++d)
         {
           p[layout.first("normal") + d] = -met.target_normal[d];
-          p.position(d)  = from.position(d);
-          p.reference(d) = from.reference(d);
-          p.velocity(d)  = from.velocity(d);
+          p.position(d)                 = from.position(d);
+          p.reference(d)                = from.reference(d);
+          p.velocity(d)                 = from.velocity(d);
         }
       p.id()   = from.id();
       p.mass() = std::pow(candidate.spacing, dim - 1);
