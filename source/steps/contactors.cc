@@ -17,6 +17,10 @@ namespace greville
     // A point is ahead of the others by this fraction of its spacing.
     constexpr double default_radius = 0.5;
 
+    // The spacings over which a point slides until it has forgotten its initial
+    // radius.
+    constexpr double memory = 10.;
+
     // One that is initially so little inside, by the spacing, touches.
     constexpr double deepest_initially = 0.25;
 
@@ -39,7 +43,7 @@ namespace greville
     /**
      * A row for a material point, from the one that it has had in the last
      * step, if it has had one. A radius that is not the default one belongs to
-     * the initial place, and is forgotten as the point slides by its spacing.
+     * the initial place, and is forgotten as the point slides.
      */
     template <int dim>
     std::vector<double>
@@ -61,7 +65,7 @@ namespace greville
             (from.position() - Point<dim>(p.vector(before)) - met.target_motion)
               .norm();
           p[r] += (default_radius * candidate.spacing - p[r]) *
-                  std::min(1., way / candidate.spacing);
+                  std::min(1., way / (memory * candidate.spacing));
         }
       else
         {
