@@ -38,7 +38,7 @@ scripts/check_docs --root "$copy" >"$copy/log" || {
 }
 user=doc/user
 finds "leads nowhere" $user/index.md 's/(first_run.md)/(first_walk.md)/'
-finds "has no heading" $user/bodies.md 's/#contact-between-bodies/#contact/'
+finds "has no heading" $user/bodies.md 's/contact.md#rigid-bodies/contact.md#rigid-body/'
 finds "no option --fields" $user/output.md 's/picture --field /picture --fields /'
 finds "there is no file" $user/first_run.md 's/dam_break.prm/dam_broke.prm/'
 finds "there is no script" $user/output.md 's|^scripts/picture|scripts/draw|'
