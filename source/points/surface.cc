@@ -87,7 +87,8 @@ namespace greville
       layout.add("load", dim);
       layout.add("normal", dim);
       if (is_of_points)
-        layout.add("radius", 1);
+        for (const std::string field : {"radius", "last_radius"})
+          layout.add(field, 1);
       for (const std::string field : {"slip", "new_slip", "before"})
         if (!contact.empty())
           layout.add(field, dim);

@@ -428,15 +428,19 @@ namespace greville
           {
             Surface<dim> &surface = place.part->current.surfaces[place.surface];
             const auto   &layout  = surface.points.layout();
-            const unsigned int slip   = layout.first("slip"),
-                               after  = layout.first("new_slip"),
-                               before = layout.first("before");
+            const unsigned int slip        = layout.first("slip"),
+                               after       = layout.first("new_slip"),
+                               before      = layout.first("before");
+            const PointField *const radius = layout.find("radius");
+            const unsigned int last = radius ? layout.first("last_radius") : 0;
             surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
               for (unsigned int d = 0; d < dim; ++d)
                 {
                   p[slip + d]   = p[after + d];
                   p[before + d] = p.position(d);
                 }
+              if (radius)
+                p[last] = p[radius->first];
             });
           }
   }

@@ -21,6 +21,10 @@ namespace greville
     // radius.
     constexpr double memory = 10.;
 
+    // By the spacing: a point that has been set back is at the surface but for
+    // round-off.
+    constexpr double smallest_lift = 1e-6;
+
     // One that is initially so little inside, by the spacing, touches.
     constexpr double deepest_initially = 0.25;
 
@@ -57,20 +61,22 @@ namespace greville
       const PointRef<dim>  p(row.data());
       const PointRef<dim> &from   = candidate.point;
       const unsigned int   before = layout.first("before");
-      const unsigned int   r      = layout.first("radius");
       if (last)
         {
           row = *last;
           const double way =
             (from.position() - Point<dim>(p.vector(before)) - met.target_motion)
               .norm();
-          p[r] += (default_radius * candidate.spacing - p[r]) *
-                  std::min(1., way / (memory * candidate.spacing));
+          const double last_radius = p[layout.first("last_radius")];
+          p[layout.first("radius")] =
+            last_radius + (default_radius * candidate.spacing - last_radius) *
+                            std::min(1., way / (memory * candidate.spacing));
         }
       else
         {
-          p[r]                   = radius;
-          p[layout.first("gap")] = met.gap - radius;
+          p[layout.first("radius")]      = radius;
+          p[layout.first("last_radius")] = radius;
+          p[layout.first("gap")]         = met.gap - radius;
           for (unsigned int d = 0; d < dim; ++d)
             p[before + d] = from.position(d);
         }
@@ -90,12 +96,28 @@ namespace greville
 
 
 
+    /**
+     * Move a point, and where its last step began, unless it would leave the
+     * grid.
+     */
     template <int dim>
     void
-    lift(const PointRef<dim> point, const Tensor<1, dim> &way)
+    lift(const PointRef<dim>     point,
+         const PointRef<dim>     contactor,
+         const PointLayout<dim> &layout,
+         const Tensor<1, dim>   &way,
+         const Lattice<dim>     &lattice)
     {
+      const Point<dim> x = point.position() + way;
       for (unsigned int d = 0; d < dim; ++d)
-        point.position(d) += way[d];
+        if (!(x[d] > lattice.lower(d) && x[d] < lattice.upper(d)))
+          return;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          point.position(d)     = x[d];
+          contactor.position(d) = x[d];
+          contactor[layout.first("before") + d] += way[d];
+        }
     }
 
 
@@ -238,13 +260,13 @@ namespace greville
                           ? gap
                           : default_radius * candidate.spacing,
                         found == last.end() ? nullptr : &found->second);
-            if (gap < 0. && !is_new)
+            if (gap < -smallest_lift * candidate.spacing && !is_new)
               {
-                lift(candidate.point, -gap * points[k].target_normal);
-                lift(PointRef<dim>(row.data()), -gap * points[k].target_normal);
-                for (unsigned int d = 0; d < dim; ++d)
-                  row[layout.first("before") + d] -=
-                    gap * points[k].target_normal[d];
+                lift(candidate.point,
+                     PointRef<dim>(row.data()),
+                     layout,
+                     -gap * points[k].target_normal,
+                     surface.points.space().lattice());
                 left.push_back(candidate.cell);
               }
             surface.points.insert(candidate.cell, make_array_view(row));

@@ -37,8 +37,8 @@ namespace greville
     /// "state" (see ContactPoint) and "before", the position at the start of
     /// the last step, too. The gap is at most farthest_gap_in_cells, where
     /// there is nothing, too. Those that are material points of the body have a
-    /// "radius" (m), their present area as mass, and the opposite of the other
-    /// side's normal as normal.
+    /// "radius" (m), "last_radius" at the start of the last step, their present
+    /// area as mass, and the opposite of the other side's normal as normal.
     std::string contact;
     /// At most what the load per initial area changes by displacement, Pa / m,
     /// and by velocity, Pa s / m: they bound explicit steps.

@@ -120,8 +120,8 @@ namespace greville
     void
     set_laws();
 
-    /// What follows the last results: the slip and the places of points at the
-    /// start of a step.
+    /// What follows the last results: the slip, the places and the radii of
+    /// points at the start of a step.
     void
     commit();
 
