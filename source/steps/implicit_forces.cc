@@ -48,8 +48,9 @@ namespace greville
   void
   ImplicitSteps<dim>::find_residual(VectorType             &r,
                                     const double            dt,
-                                    const VectorField<dim> *contact_force)
+                                    const VectorField<dim> *of_contacts)
   {
+    contact_force = of_contacts;
     const PartTimer timer(log, "residual");
     // All loads, while the forces of stresses wait.
     for (unsigned int d = 0; d < dim; ++d)

@@ -53,7 +53,9 @@ namespace greville
                         &work,
                         &surface_velocity,
                         &old_surface_loads,
-                        &new_surface_loads})
+                        &new_surface_loads,
+                        &contact_load,
+                        &contact_acceleration})
       for (VectorType &component : *field)
         system.space().initialize_vector(component);
     system.initialize(last_residual);
@@ -147,6 +149,17 @@ namespace greville
       old_force[d].copy_locally_owned_data_from(field().force[d]);
     sum_loads(state, state.time, true, old_loads);
     sum_loads(state, state.time + scheme.load_time * dt, false, new_loads);
+    // Those of contacts are impulses of the steps they belong to.
+    contact_force                              = nullptr;
+    const std::vector<unsigned int> &of_bodies = field().surfaces;
+    for (unsigned int d = 0; d < dim && scheme.needs_acceleration(); ++d)
+      {
+        contact_load[d] = 0.;
+        for (unsigned int k = 0; k < of_bodies.size(); ++k)
+          if (!state.surfaces[of_bodies[k]].contact.empty())
+            contact_load[d] += field().surface_forces[k][d];
+        old_force[d] -= contact_load[d];
+      }
 
     velocity = state.fields[0].velocity;
     // The velocity of walls at the start, and at the end, from displacements
@@ -235,8 +248,14 @@ namespace greville
   {
     if (scheme.keeps_acceleration && state.fields[0].history.n > 0)
       {
+        // The kept one is that of all forces.
         if (parameters.scheme.is_total_lagrangian())
-          return;
+          {
+            if (find_contact_acceleration())
+              for (unsigned int d = 0; d < dim; ++d)
+                acceleration[d] -= contact_acceleration[d];
+            return;
+          }
         std::vector<const MaterialPoints<dim> *> points;
         for (const Body<dim> &body : state.bodies)
           points.push_back(&body.points);
@@ -244,6 +263,8 @@ namespace greville
         exchange_with_velocity(state.bodies);
         discretization.transfer().points_to_grid(points, &mass, &work, nullptr);
         exchange_with_velocity(state.bodies);
+        for (unsigned int d = 0; d < dim; ++d)
+          work[d] -= contact_load[d];
       }
     else
       for (unsigned int d = 0; d < dim; ++d)
@@ -268,7 +289,23 @@ namespace greville
                       velocity[d],
                       -scheme.alpha_a,
                       acceleration[d]);
+        if (contact_force)
+          result[d].add(-0.5 * scheme.alpha_u, contact_acceleration[d]);
       }
+  }
+
+
+
+  template <int dim>
+  bool
+  ImplicitSteps<dim>::find_contact_acceleration()
+  {
+    double largest = 0.;
+    for (const VectorType &component : contact_load)
+      largest = std::max(largest, component.linfty_norm());
+    if (largest > 0.)
+      solve_mass(contact_acceleration, contact_load);
+    return largest > 0.;
   }
 
 
@@ -280,6 +317,8 @@ namespace greville
     VectorField<dim> &kept = state.fields[0].history.accelerations[0];
     kept                   = acceleration;
     find_new_acceleration(kept, dt);
+    for (unsigned int d = 0; d < dim && contact_force; ++d)
+      kept[d] += contact_acceleration[d];
     state.fields[0].history.n = 1;
     if (parameters.scheme.is_total_lagrangian())
       return;
@@ -339,9 +378,35 @@ namespace greville
     system.finest().extended().rows_of_held(reaction, work, known);
     for (VectorType &component : reaction)
       component *= 1. - scheme.alpha_f;
-    state.reactions = walls.sums_of_held(reaction);
-
+    const VectorField<dim> of_contacts =
+      contact_force ? split_reaction(state, reaction) : VectorField<dim>();
     add_work(state, reaction, dt);
+    for (unsigned int d = 0; d < dim && contact_force; ++d)
+      reaction[d] += of_contacts[d];
+    state.reactions = walls.sums_of_held(reaction);
+  }
+
+
+
+  template <int dim>
+  VectorField<dim>
+  ImplicitSteps<dim>::split_reaction(State<dim>       &state,
+                                     VectorField<dim> &reaction) const
+  {
+    VectorField<dim> result = reaction;
+    system.finest().extended().rows_of_held(result,
+                                            contact_acceleration,
+                                            contact_load);
+    const double weight = scheme.contact_weight() * (1. - scheme.alpha_f);
+    double       work   = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        reaction[d].add(-weight, result[d]);
+        for (unsigned int i = 0; i < result[d].locally_owned_size(); ++i)
+          work += result[d].local_element(i) * displacement[d].local_element(i);
+      }
+    state.energy.add_work(EnergyBalance::walls, work);
+    return result;
   }
 
 
@@ -412,11 +477,21 @@ namespace greville
   void
   ImplicitSteps<dim>::advance(State<dim> &state, const double dt)
   {
+    if (contact_force)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          contact_load[d].equ(1. / scheme.contact_weight(),
+                              (*contact_force)[d]);
+        if (!scheme.needs_acceleration() || !find_contact_acceleration())
+          contact_force = nullptr;
+      }
     find_reactions(state, dt);
     if (scheme.keeps_acceleration)
       keep_acceleration(state, dt);
 
     // v', and what the points get.
+    if (!scheme.is_static)
+      find_new_acceleration(work, dt);
     for (unsigned int d = 0; d < dim; ++d)
       {
         VectorType &change = work[d];
@@ -424,16 +499,13 @@ namespace greville
           change = 0.;
         else
           {
-            // dt (1 - gamma) a + dt gamma a'
-            change.equ(scheme.gamma * scheme.alpha_u / dt, displacement[d]);
-            change.add(-scheme.gamma * scheme.alpha_v,
-                       velocity[d],
-                       dt * (1. - scheme.gamma - scheme.gamma * scheme.alpha_a),
-                       acceleration[d]);
+            change *= scheme.gamma;
+            change.add(1. - scheme.gamma, acceleration[d]);
+            if (contact_force)
+              change += contact_acceleration[d];
           }
         state.fields[0].acceleration[d].copy_locally_owned_data_from(change);
-        state.fields[0].acceleration[d] *= 1. / dt;
-        velocity[d] += change;
+        velocity[d].add(dt, change);
         displacement[d] *= 1. / dt;
         state.fields[0].velocity[d].copy_locally_owned_data_from(
           scheme.is_static ? displacement[d] : velocity[d]);

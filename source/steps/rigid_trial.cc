@@ -10,13 +10,11 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  RigidTrial<dim>::RigidTrial(const RigidBody<dim>      &body,
-                              const RigidPosition<dim>  &start,
-                              const Tensor<1, dim>      &force,
-                              const RotationVector<dim> &moment,
-                              const Tensor<1, dim>      &gravity,
-                              const ImplicitScheme      &scheme,
-                              const double               dt)
+  RigidTrial<dim>::RigidTrial(const RigidBody<dim>     &body,
+                              const RigidPosition<dim> &start,
+                              const Tensor<1, dim>     &gravity,
+                              const ImplicitScheme     &scheme,
+                              const double              dt)
     : body(body)
     , start(start)
     , scheme(scheme)
@@ -24,7 +22,6 @@ namespace greville
   {
     const auto J = body.current_inertia(start);
     arm          = std::sqrt(trace(J) / (n_rotations * body.total_mass()));
-    old_load     = load(force, moment);
     for (unsigned int d = 0; d < dim; ++d)
       {
         old_velocity[d] = start.velocity[d];
@@ -34,14 +31,27 @@ namespace greville
       old_velocity[dim + k] = arm * start.spin[k];
     if (!scheme.needs_acceleration())
       return;
-    RotationVector<dim> torque = moment;
+    Vector torque;
     if constexpr (dim == 3)
-      torque -= cross_product_3d(start.spin, J * start.spin);
-    const RotationVector<dim> turning = invert(J) * torque;
-    for (unsigned int d = 0; d < dim; ++d)
-      old_acceleration[d] = force[d] / body.total_mass() + gravity[d];
+      torque =
+        load(Tensor<1, dim>(), cross_product_3d(start.spin, J * start.spin));
+    old_acceleration = acceleration_by(weight - torque);
+  }
+
+
+
+  template <int dim>
+  typename RigidTrial<dim>::Vector
+  RigidTrial<dim>::acceleration_by(const Vector &load) const
+  {
+    Vector              result = load / body.total_mass();
+    RotationVector<dim> moment;
     for (unsigned int k = 0; k < n_rotations; ++k)
-      old_acceleration[dim + k] = arm * turning[k];
+      moment[k] = arm * load[dim + k];
+    moment = invert(body.current_inertia(start)) * moment;
+    for (unsigned int k = 0; k < n_rotations; ++k)
+      result[dim + k] = arm * moment[k];
+    return result;
   }
 
 
@@ -138,12 +148,18 @@ namespace greville
 
   template <int dim>
   RigidPosition<dim>
-  RigidTrial<dim>::position(const Vector &q, const double share) const
+  RigidTrial<dim>::position(const Vector &q,
+                            const double  share,
+                            const Vector *load) const
   {
     RigidPosition<dim> result = start;
-    const Vector       velocity =
+    Vector             velocity =
       old_velocity + dt * ((1. - scheme.gamma) * old_acceleration +
                            scheme.gamma * acceleration(q));
+    // What a' lacks of the impulse.
+    if (load && scheme.needs_acceleration())
+      velocity += dt * (1. - 0.5 * scheme.gamma * scheme.alpha_u) *
+                  acceleration_by(*load);
     for (unsigned int d = 0; d < dim; ++d)
       {
         result.displacement[d] += share * q[d];
@@ -172,9 +188,8 @@ namespace greville
           arm * rotation_of(arm / dt * (M * q));
         of_motion += load(Tensor<1, dim>(), cross_product_3d(spin, momentum));
       }
-    return (of_motion - scheme.alpha_f * (old_load + weight)) /
-             (1. - scheme.alpha_f) -
-           new_load - weight;
+    return (of_motion - scheme.alpha_f * weight) / (1. - scheme.alpha_f) -
+           scheme.contact_weight() * new_load - weight;
   }
 
 

@@ -51,6 +51,7 @@ namespace greville
     , steps(steps)
     , dt(dt)
     , share(steps.front()->scheme.load_time)
+    , weight(steps.front()->scheme.contact_weight())
     , surfaces(steps.size())
     , points(contacts.contacts.size())
     , results(contacts.contacts.size())
@@ -81,8 +82,6 @@ namespace greville
           free_bodies.push_back({k,
                                  RigidTrial<dim>(contacts.rigid_bodies[k],
                                                  at_start[k],
-                                                 step.force,
-                                                 step.moment,
                                                  step.gravity,
                                                  steps.front()->scheme,
                                                  dt),
@@ -255,9 +254,11 @@ namespace greville
     for (const Side &side : sides)
       for (std::size_t s = side.begin; s < side.end; ++s)
         {
-          of_points[side.part].push_back(points[side.contact][s].force);
+          of_points[side.part].push_back(weight *
+                                         points[side.contact][s].force);
           if (with_stiffness)
-            stiffness[side.part].push_back(shares[side.contact] * share *
+            stiffness[side.part].push_back(shares[side.contact] * weight *
+                                           share *
                                            points[side.contact][s].stiffness);
         }
     for (unsigned int k = 0; k < steps.size(); ++k)
@@ -339,10 +340,10 @@ namespace greville
     std::vector<std::vector<Tensor<1, dim>>> of_points(steps.size());
     for (const Side &side : sides)
       for (std::size_t s = side.begin; s < side.end; ++s)
-        of_points[side.part].push_back(-changes[side.contact][s] -
-                                       shares[side.contact] *
-                                         points[side.contact][s].stiffness *
-                                         displacements[side.contact][s]);
+        of_points[side.part].push_back(
+          -weight * (changes[side.contact][s] +
+                     shares[side.contact] * points[side.contact][s].stiffness *
+                       displacements[side.contact][s]));
     VectorType rows;
     for (unsigned int k = 0; k < steps.size(); ++k)
       {
@@ -423,8 +424,9 @@ namespace greville
   void
   TrialContacts<dim>::add_work() const
   {
-    // The forces in the middle, or the mean of both ends.
-    const double part_of_new = share == 1. ? 0.5 : 1.;
+    // Those in the middle or at the end, and without inertia means of both
+    // ends.
+    const double part_of_new = steps.front()->scheme.is_static ? 0.5 : 1.;
     for (const Side &side : sides)
       {
         const auto              &layout = points_of(side).layout();
@@ -459,7 +461,7 @@ namespace greville
     contacts.at_start     = contacts.now;
     contacts.now.contacts = results;
     for (const FreeBody &body : free_bodies)
-      at_end[body.number] = body.trial.position(body.q, 1.);
+      at_end[body.number] = body.trial.position(body.q, 1., &body.load);
     contacts.now.rigid_bodies = at_end;
     for (Simulation<dim> *part : contacts.parts)
       for (unsigned int k = 0; k < at_end.size(); ++k)

@@ -85,10 +85,10 @@ namespace greville
               force -= results[c].force;
               moment -= results[c].moment;
             }
-        const auto load = body.trial.load(force, moment);
-        residuals.push_back(body.trial.residual(body.q, load));
+        body.load = body.trial.load(force, moment);
+        residuals.push_back(body.trial.residual(body.q, body.load));
         largest_rigid_force =
-          std::max(largest_rigid_force, body.trial.scale(load));
+          std::max(largest_rigid_force, body.trial.scale(body.load));
       }
     set_all(r, residuals);
   }
@@ -113,8 +113,8 @@ namespace greville
     for (unsigned int c = 0; c < tangents.size(); ++c)
       if (contacts.contacts[c].rigid == int(body.number))
         for (std::size_t s = 0; s < points[c].size(); ++s)
-          sum -=
-            body.trial.load_at(distance(body, points[c][s].x), changes[c][s]);
+          sum -= weight * body.trial.load_at(distance(body, points[c][s].x),
+                                             changes[c][s]);
     const ArrayView<double> values(sum.begin_raw(), sum.dimension);
     Utilities::MPI::sum(ArrayView<const double>(values), contacts.comm, values);
     return sum;

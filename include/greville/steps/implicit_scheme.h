@@ -29,6 +29,15 @@ namespace greville
    * keeps the a' of the step before: where both alphas are not zero, that one
    * belongs to the time (alpha_f - alpha_m) dt before the end of its step, and
    * order 2 rests on it.
+   *
+   * Forces of contacts @f$f_c@f$ that come and go in a step would gain energy
+   * if a had them. Where a occurs, a and a' are those of the other forces, and
+   * contacts give impulses that belong to the end of the step
+   * (@ref Kane1999 "Kane et al., 1999"; @ref Chen2013 "Chen et al., 2013"): to
+   * v' they add @f$dt M^{-1} f_c@f$, and to u half of that times dt. In the
+   * equation for u this is @f$f_c@f$ times contact_weight(). Such steps keep a
+   * body at rest on another one, take energy from impacts, and are of order 1
+   * where the force of a contact changes.
    */
   struct ImplicitScheme
   {
@@ -52,6 +61,17 @@ namespace greville
     needs_acceleration() const
     {
       return alpha_a != 0. || alpha_m != 0. || gamma != 1.;
+    }
+
+    /**
+     * Of forces of contacts in the equation over 1 - alpha_f.
+     */
+    double
+    contact_weight() const
+    {
+      return needs_acceleration()
+               ? 0.5 * (1. - alpha_m) * alpha_u / (1. - alpha_f)
+               : 1.;
     }
   };
 

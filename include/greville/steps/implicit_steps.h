@@ -116,12 +116,19 @@ namespace greville
     start_step(State<dim> &state, const double dt);
 
     /**
-     * The acceleration of the grid at the start: that which the scheme has
-     * kept, or else, as in its first step, that of the forces. Held
-     * coefficients are given.
+     * The acceleration of the grid at the start, without contacts: from that
+     * which the scheme has kept, or else, as in its first step, from the
+     * forces. Held coefficients are given.
      */
     void
     find_acceleration(State<dim> &state);
+
+    /**
+     * Collective. The acceleration by contact_load. Returns whether there is
+     * any.
+     */
+    bool
+    find_contact_acceleration();
 
     /**
      * a' of the ImplicitScheme.
@@ -154,13 +161,13 @@ namespace greville
     evaluate(const VectorType &x, const double dt, const bool with_stiffness);
 
     /**
-     * The residual of the last evaluate(), with the force of contacts, which
-     * may be null.
+     * The residual of the last evaluate(), with the force of contacts times
+     * their weight, which is kept and may be null.
      */
     void
     find_residual(VectorType             &r,
                   const double            dt,
-                  const VectorField<dim> *contact_force);
+                  const VectorField<dim> *of_contacts);
 
     /**
      * The sum of the norms of the terms of inertia that are known at the start.
@@ -205,6 +212,13 @@ namespace greville
      */
     void
     find_reactions(State<dim> &state, const double dt);
+
+    /**
+     * Take that of contacts, which the balance has with their weight, from the
+     * @p reaction, and count its work. Returns it.
+     */
+    VectorField<dim>
+    split_reaction(State<dim> &state, VectorField<dim> &reaction) const;
 
     /**
      * Count the work of loads and of walls that move, with their @p reaction.
@@ -253,12 +267,16 @@ namespace greville
     // of points: the velocity without what follows from the displacement, and
     // loads. At the start, the bodies are not among them.
     VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;
-    VectorType       last_residual;
-    double           force_scale = 0., round_off = 0.; // of the last residual
-    double           inertia_at_begin = 0.;            // its terms, N
-    bool             has_stiffness    = false;         // of the last residual
-    bool             forces_vanish    = false; // where Newton's method failed
-    std::string      rejection;
+    // Where contacts are impulses: the force of TrialContacts with its weight,
+    // and loads and accelerations at the start, and then of the trial.
+    const VectorField<dim> *contact_force = nullptr;
+    VectorField<dim>        contact_load, contact_acceleration;
+    VectorType              last_residual;
+    double      force_scale = 0., round_off = 0.; // of the last residual
+    double      inertia_at_begin = 0.;            // its terms, N
+    bool        has_stiffness    = false;         // of the last residual
+    bool        forces_vanish    = false; // where Newton's method failed
+    std::string rejection;
 
     // Of the step that has been tried: iterations of Newton's method, the most
     // of the solver in one of them, and all.

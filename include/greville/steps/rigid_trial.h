@@ -19,7 +19,8 @@ namespace greville
    * @f[ m a' = f + m g, \qquad J \alpha' + w \times J w = M, @f]
    * with the inertia @f$J = R I R^T@f$ and the mean spin
    * @f$w = \varphi / \Delta t@f$, and force f and moment M (about the reference
-   * point) of contacts at the time of ImplicitScheme::load_time.
+   * point) of contacts at the time of ImplicitScheme::load_time, which have
+   * ImplicitScheme::contact_weight().
    */
   template <int dim>
   class RigidTrial
@@ -32,14 +33,11 @@ namespace greville
     using Matrix = dealii::Tensor<2, n_unknowns>;
 
     /**
-     * The @p body at the start of a step of length @p dt, s, where contacts
-     * give it the @p force and @p moment; @p gravity belongs to the time of
-     * loads, m / s^2.
+     * The @p body at the start of a step of length @p dt, s; @p gravity belongs
+     * to the time of loads, m / s^2.
      */
     RigidTrial(const RigidBody<dim>         &body,
                const RigidPosition<dim>     &start,
-               const dealii::Tensor<1, dim> &force,
-               const RotationVector<dim>    &moment,
                const dealii::Tensor<1, dim> &gravity,
                const ImplicitScheme         &scheme,
                const double                  dt);
@@ -48,9 +46,12 @@ namespace greville
     Vector
     guess() const;
 
-    /// Where it is after a share of the step.
+    /// Where it is after a share of the step, with the velocity at the end, to
+    /// which a @p load belongs if it is given.
     RigidPosition<dim>
-    position(const Vector &q, const double share) const;
+    position(const Vector &q,
+             const double  share,
+             const Vector *load = nullptr) const;
 
     /// A force and a moment about the reference point, N and N m (2D: N / m
     /// and N), as q sees them.
@@ -88,6 +89,10 @@ namespace greville
     RotationVector<dim>
     rotation_of(const Vector &q) const;
 
+    /// By a load, without that of the spin.
+    Vector
+    acceleration_by(const Vector &load) const;
+
     /// a' and alpha'.
     Vector
     acceleration(const Vector &q) const;
@@ -97,7 +102,7 @@ namespace greville
     const ImplicitScheme     scheme;
     const double             dt;
     double                   arm = 1.; // the radius of gyration, m
-    Vector                   old_load, old_velocity, old_acceleration, weight;
+    Vector                   old_velocity, old_acceleration, weight;
   };
 } // namespace greville
 

@@ -89,7 +89,7 @@ namespace greville
     void
     precondition_rigid(VectorType &dst, const VectorType &src) const;
 
-    /// The force on the grid of a part.
+    /// The force on the grid of a part, times the weight of contacts.
     const VectorField<dim> &
     force(const unsigned int part) const
     {
@@ -162,7 +162,7 @@ namespace greville
     {
       unsigned int                     number; // of the rigid body
       RigidTrial<dim>                  trial;
-      typename RigidTrial<dim>::Vector q;
+      typename RigidTrial<dim>::Vector q, load;
       /// Of the tangent of its inertia and its contacts.
       dealii::FullMatrix<double> inverse;
     };
@@ -200,7 +200,8 @@ namespace greville
     BodyContacts<dim>                      &contacts;
     const std::vector<ImplicitSteps<dim> *> steps;
     const double                            dt;
-    double                                  share = 1.; // of the step
+    double                                  share  = 1.; // of the step
+    double                                  weight = 1.; // contact_weight()
 
     std::vector<Side>                                     sides;
     std::vector<std::vector<const MaterialPoints<dim> *>> surfaces; // of parts
