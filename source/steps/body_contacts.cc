@@ -374,6 +374,9 @@ namespace greville
     if (contact.rigid < 0)
       {
         search.find_gaps(points, reach);
+        for (ContactPoint<dim> &point : points)
+          if (point.is_facing)
+            point.since_hats = -0.5 * point.gap * point.normal;
         return;
       }
     const RigidBodyState<dim> &body =

@@ -185,6 +185,9 @@ namespace greville
               point->area = p.mass() * normal.norm();
             point->motion     = state.x - p.position();
             point->since_hats = point->motion;
+            if (contacts.contacts[contact].rigid < 0 && normal.norm() > 0.)
+              point->since_hats -=
+                0.5 * p[layout.first("gap")] * normal / normal.norm();
             point->slip       = p.vector(slip);
             if (augmented)
               point->start_pressure =

@@ -37,8 +37,10 @@ namespace greville
     double area = 0.;
     /// The displacement in the step, m.
     dealii::Tensor<1, dim> motion;
-    /// The part of it that hat functions do not see: they are frozen while an
-    /// implicit step is tried, m.
+    /// From where hat functions are evaluated to x, m. That is half way to the
+    /// other side, so that two parallel surfaces have the same weights, and
+    /// frozen while an implicit step is tried: the energy of implicit midpoint
+    /// steps rests on both.
     dealii::Tensor<1, dim> since_hats;
     /// The elastic part of the slip of side 0 along side 1, m: history.
     dealii::Tensor<1, dim> slip;
