@@ -188,7 +188,7 @@ namespace greville
             if (contacts.contacts[contact].rigid < 0 && normal.norm() > 0.)
               point->since_hats -=
                 0.5 * p[layout.first("gap")] * normal / normal.norm();
-            point->slip       = p.vector(slip);
+            point->slip = p.vector(slip);
             if (augmented)
               point->start_pressure =
                 std::max(0., -(p.vector(load) * normal)) / normal.norm_square();
