@@ -188,6 +188,49 @@ def cost_of_rows(_):
         print_row(f"`{name}`", mass, f"{statistics.median(costs):.3f}")
 
 
+def without_contacts(text):
+    """The text of a parameter file without its contacts and rigid bodies."""
+    text = re.sub(r"subsection (Contact|Rigid body) .*?\nend\n", "", text, flags=re.DOTALL)
+    return re.sub(r"\n *set (Contacts|Rigid bodies) .*", "", text)
+
+
+CONTACTS = {
+    "colliding_bars, consistent": ("colliding_bars", {"Grid/Cells": "192, 8", "Time/Step": 2e-4}, 1000, True),
+    "colliding_bars, lumped": ("colliding_bars", {"Grid/Cells": "192, 8", "Time/Step": 2e-4, "Scheme/Mass": "lumped"}, 1000,
+                               True),
+    "block_on_incline, rigid body": ("block_on_incline", {"Time/Step": 1e-4}, 1000, False),
+    "landslide_terrain_3d, material points": ("landslide_terrain_3d", {"Time/Step": 5e-3}, 150, False)}
+
+
+@table("cost_of_contact", argument("cases", nargs="*", metavar="CASE", default=list(CONTACTS)))
+def cost_of_contact(given):
+    """what contact costs in explicit steps
+
+    The CPU time of runs with contacts over that of the same steps without, both less the time of a run of one step, which
+    is that of the set-up; and the fraction of material points that are contactors or on surfaces. Medians of five pairs,
+    one process.
+    """
+    print_head("", "points", "points in contacts", "step with contact / without")
+    for name in given.cases:
+        file, settings, steps, per_body = CONTACTS[name]
+        text = shipped(file).read_text()
+        texts = [re.sub(r"= *reference/", f"= {ROOT / 'prm' / 'simulation' / 'reference'}/", some)
+                 for some in (text, without_contacts(text))]
+
+        def result(kind, n_steps):
+            own = {**settings, "Time/Maximum steps": n_steps, "Output/Statistics every": 1e9, "Output/Fields every": 0,
+                   "Output/Grid fields": "false", **({"Grid/Per body": "true"} if kind == 1 and per_body else {})}
+            return run_to_end(texts[kind], folder_of(f"run_{kind}"), own)
+        costs = []
+        for _ in range(5):
+            times = [result(kind, steps).cpu - result(kind, 1).cpu for kind in (0, 1)]
+            costs.append(times[0] / times[1])
+        numbers = Run(folder_of("run_0")).summary
+        on_surface = sum(len(read_points(path)) for path in folder_of("run_0").glob("surface_*_0000.pvtu"))
+        print_row(f"`{file}`, {name.split(', ')[1]}", numbers["points"], f"{on_surface / numbers['points']:.1%}",
+                  f"{statistics.median(costs):.3f}")
+
+
 SCHEMES = {"consistent": {"Mass": "consistent"},
            "consistent, Filter 0": {"Mass": "consistent", "Filter": 0},
            "consistent, Filter 1": {"Mass": "consistent", "Filter": 1},

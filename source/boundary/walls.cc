@@ -22,6 +22,8 @@ namespace greville
         {"sliding", WallType::sliding},
         {"moving", WallType::moving},
         {"friction", WallType::friction},
+        // Contacts act on the points of surfaces, and not on the grid.
+        {"contact", WallType::free},
         {"periodic", WallType::periodic}};
       return types.at(name);
     }

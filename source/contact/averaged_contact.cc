@@ -106,6 +106,7 @@ namespace greville
                  const double        dt,
                  const double        given_pressure,
                  const double        share,
+                 const bool          with_tangent,
                  double             &area)
     {
       KeyForce<dim> result;
@@ -149,7 +150,7 @@ namespace greville
           result.shares[0] = weight / w[0];
           result.shares[1] = weight / w[1];
           result.stiffness = law.stiffness * outer_product(n, n);
-          if (law.friction > 0.)
+          if (law.friction && law.friction->strength(1., 0.) > 0.)
             result.stiffness += law.shear_stiffness * plane;
           return result;
         }
@@ -161,9 +162,10 @@ namespace greville
       Tensor<1, dim>       slip = tangential(mean) + step;
       Tensor<1, dim>       shear =
         -law.shear_stiffness * slip - law.viscosity * rate * step;
-      // Without pressure there is no friction, but 0 times infinity.
-      const double most =
-        pressure > 0. ? law.friction * pressure + law.adhesion : 0.;
+      const double speed = rate * step.norm();
+      double       most  = pressure > 0. ? law.adhesion : 0.;
+      if (pressure > 0. && law.friction)
+        most += law.friction->strength(pressure, speed);
       Tensor<2, dim> stiffness =
         (law.shear_stiffness + law.viscosity * rate) * plane;
       const bool slides = shear.norm() > most;
@@ -176,9 +178,16 @@ namespace greville
                        outer_product(direction, direction);
           stiffness *= most / shear.norm();
           shear *= most / shear.norm();
-          if (pressure > 0.)
-            result.coupling =
-              law.friction * normal_stiffness * outer_product(direction, n);
+          if (with_tangent && pressure > 0. && law.friction)
+            {
+              const FrictionLaw::Slopes slopes =
+                law.friction->slopes(pressure, speed);
+              result.coupling = slopes.by_pressure * normal_stiffness *
+                                outer_product(direction, n);
+              if (speed > 0.)
+                result.coupling -= slopes.by_speed * rate / step.norm() *
+                                   outer_product(direction, step);
+            }
           slip = -shear / law.shear_stiffness;
         }
       else if (most == 0.)
@@ -294,7 +303,7 @@ namespace greville
         else if (memory && memory->given.count(name) > 0)
           given = memory->given.at(name);
         KeyForce<dim> result =
-          force_of_key<dim>(law, sum, dt, given, share, area);
+          force_of_key<dim>(law, sum, dt, given, share, with_tangent, area);
         if (memory && result.pressure > 0.)
           memory->found[name] = result.pressure;
         if (!with_tangent)

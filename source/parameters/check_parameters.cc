@@ -130,13 +130,15 @@ namespace greville
             SimulationParameters first = *this;
             first.enter_stage(0);
             AssertThrow(parameters.walls.is_periodic(w) ==
-                          first.walls.is_periodic(w),
+                            first.walls.is_periodic(w) &&
+                          parameters.walls.is_contact(w) ==
+                            first.walls.is_contact(w),
                         ExcMessage(stage_text(k) + "the wall '" +
                                    WallParameters::names[w] + "' is " +
                                    parameters.walls.type[w] + ", but it is " +
                                    first.walls.type[w] +
-                                   " in the first stage: a wall is periodic in "
-                                   "all stages, or in none."));
+                                   " in the first stage: a wall is periodic, "
+                                   "or contact, in all stages or in none."));
           }
         try
           {
@@ -176,8 +178,10 @@ namespace greville
           return contact.second.sides()[1] == std::vector<std::string>{name};
         };
         AssertThrow(std::any_of(contacts.begin(), contacts.end(), is_met),
-                    ExcMessage("'Rigid body " + name +
-                               "' is in no contact: nothing meets it. Name it "
+                    ExcMessage((name == ContactParameters::walls
+                                  ? "A wall is contact, which"
+                                  : "'Rigid body " + name + "'") +
+                               " is in no contact: nothing meets it. Name it "
                                "as the second one of 'Contact NAME/Bodies'."));
       }
     const auto groups = body_groups();

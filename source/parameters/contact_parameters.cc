@@ -107,9 +107,8 @@ namespace greville
   ContactParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Bodies", bodies)(
-      "The two sides, separated by a comma: names of bodies, or of a rigid "
-      "body "
-      "as the second one. "
+      "The two sides, separated by a comma: names of bodies; the second "
+      "one may be a rigid body, or walls: the 'Walls' that are contact. "
       "A side may be several bodies that stick to one another, joined by '+': "
       "wheel, sand + clay.");
     add_parameter(prm,
@@ -122,9 +121,10 @@ namespace greville
       "contact). A surface that flows or tears needs the latter, which are "
       "less accurate, and updated Lagrangian steps. Unit: none.");
     add_parameter(prm, "Friction", friction)(
-      "The coefficient of friction mu, or rough: surfaces that touch do not "
-      "slide. The shear stress is at most mu times the pressure, plus the "
-      "adhesion. Unit: none.");
+      "The coefficient of friction mu, a number or a formula of the pressure p "
+      "(Pa) and of the speed of sliding v (m / s), such as 0.2 + 0.2 * exp(-v "
+      "/ 0.01); or rough: surfaces that touch do not slide. The shear stress "
+      "is at most mu times the pressure, plus the adhesion. Unit: none.");
     add_parameter(prm, "Adhesion", adhesion, Double(0.))(
       "Shear stress that surfaces under pressure bear without friction. Unit: "
       "Pa.");
@@ -162,28 +162,6 @@ namespace greville
 
 
 
-  double
-  ContactParameters::friction_coefficient(const std::string &section) const
-  {
-    if (friction == "rough")
-      return std::numeric_limits<double>::infinity();
-    double mu = -1.;
-    try
-      {
-        mu = Utilities::string_to_double(friction);
-      }
-    catch (const std::exception &)
-      {}
-    AssertThrow(mu >= 0. && std::isfinite(mu),
-                ExcMessage("The parameter '" + section + "/Friction' is <" +
-                           friction +
-                           ">, and has to be rough or a number that is not "
-                           "negative."));
-    return mu;
-  }
-
-
-
   void
   ContactParameters::check(
     const std::string                                &section,
@@ -212,7 +190,10 @@ namespace greville
                                  "; it has to be one of the bodies and rigid "
                                  "bodies of 'Simulation': " +
                                  boost::algorithm::join(names, ", ") + "." +
-                                 did_you_mean(name, names)));
+                                 (name == walls
+                                    ? " Walls are a side where one of them is "
+                                      "contact, such as 'Walls/Bottom'."
+                                    : did_you_mean(name, names))));
           AssertThrow(std::count(named.begin(), named.end(), name) == 0,
                       ExcMessage(parameter +
                                  " twice: contact of a body with itself is not "
@@ -237,7 +218,6 @@ namespace greville
                                  "file', or let its 'Contactors' be material "
                                  "points."));
         }
-    friction_coefficient(section);
     AssertThrow(!is_by_material_points() || !is_augmented(),
                 ExcMessage("'" + section +
                            "/Method' = augmented does not go with "

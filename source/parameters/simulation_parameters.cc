@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 #include <filesystem>
+#include <iomanip>
 #include <sstream>
 
 namespace greville
@@ -306,6 +307,7 @@ namespace greville
     for (std::string &mass : sweep.masses)
       if (mass == "auto")
         mass = default_mass(scheme);
+    make_rigid_walls();
     check();
     check_friction(walls, lines, "");
     for (const StageParameters &stage : stages)
@@ -391,6 +393,38 @@ namespace greville
                   walls.velocity[w] = "";
               }
       }
+  }
+
+
+
+  void
+  SimulationParameters::make_rigid_walls()
+  {
+    std::ostringstream shape;
+    shape << std::setprecision(17);
+    unsigned int n_planes = 0;
+    for (unsigned int w = 0; w < 2 * general.dimension; ++w)
+      {
+        const unsigned int d     = w / 2;
+        const auto        &sides = w % 2 == 0 ? grid.lower : grid.upper;
+        if (!walls.is_contact(w) || d >= sides.size())
+          continue;
+        const double sign = w % 2 == 0 ? 1. : -1.;
+        shape << (n_planes++ == 0 ? "" : ", ") << "half_space(";
+        for (unsigned int e = 0; e < general.dimension; ++e)
+          shape << (e == d ? sign : 0.) << ", ";
+        shape << sign * sides[d] << ")";
+      }
+    if (n_planes == 0)
+      return;
+    AssertThrow(rigid_bodies.count(ContactParameters::walls) == 0,
+                ExcMessage(std::string("The name <") +
+                           ContactParameters::walls +
+                           "> of a rigid body is that of the 'Walls' that are "
+                           "contact: it needs another one."));
+    general.rigid_bodies.push_back(ContactParameters::walls);
+    rigid_bodies[ContactParameters::walls].shape =
+      n_planes == 1 ? shape.str() : "union(" + shape.str() + ")";
   }
 
 

@@ -151,14 +151,16 @@ namespace greville
         add_parameter(prm,
                       names[w],
                       type[w],
-                      Selection("free|fixed|sliding|moving|friction|periodic"))(
+                      Selection("free|fixed|sliding|moving|friction|"
+                                "contact|periodic"))(
           "The walls of smallest x (Left), largest x (Right), smallest y "
           "(Bottom), largest y (Top), smallest z (Back) and largest z (Front): "
           "free, fixed (sticks), sliding (without friction), moving (with the "
           "velocity or displacement below), friction (sliding with the "
-          "coefficient below) or periodic (what leaves the grid here comes in "
-          "at the wall on the other side, which is periodic, too; in all "
-          "stages).");
+          "coefficient below), contact (what touches it is in those contacts "
+          "whose 'Bodies' has walls as its second side; in all stages) or "
+          "periodic (what leaves the grid here comes in at the wall on the "
+          "other side, which is periodic, too; in all stages).");
         add_parameter(prm, names[w] + " region", region[w])(
           "Of a fixed, sliding or moving wall: the shape or condition in which "
           "it is, beside which it is free; empty: everywhere. Coefficients "

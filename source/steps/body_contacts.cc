@@ -197,8 +197,8 @@ namespace greville
     law.shear_stiffness = shear_share * law.stiffness;
     law.viscosity =
       are_implicit ? 0. : contact.given.damping * contact.impedance;
-    law.friction =
-      contact.given.friction_coefficient("Contact " + contact.name);
+    law.friction    = make_friction_law(contact.given.friction,
+                                     "Contact " + contact.name + "/Friction");
     law.adhesion    = contact.given.adhesion;
     law.touching    = are_implicit ? touching_in_cells * contact.cell_size : 0.;
     contact.average = std::make_unique<AveragedContact<dim>>(law,

@@ -131,15 +131,35 @@ namespace greville
 
 
     /**
-     * A wall that does nothing.
+     * Let a wall of the part do nothing, in all stages.
      */
     void
-    set_free(WallParameters &walls, const unsigned int w)
+    set_free(SimulationParameters &part, const unsigned int w)
     {
-      walls.type[w]     = "free";
-      walls.region[w]   = "";
-      walls.velocity[w] = walls.displacement[w] = "";
-      walls.friction[w]                         = 0.;
+      const auto free = [w](WallParameters &walls) {
+        walls.type[w]     = "free";
+        walls.region[w]   = "";
+        walls.velocity[w] = walls.displacement[w] = "";
+        walls.friction[w]                         = 0.;
+      };
+      free(part.walls);
+      for (StageParameters &stage : part.stages)
+        free(stage.walls);
+    }
+
+
+
+    /**
+     * A power of two. Meshes whose numbers of cells have it as a common factor
+     * are small on each process, see create_box_mesh().
+     */
+    unsigned int
+    common_factor(const unsigned int fewest_cells)
+    {
+      unsigned int factor = 1;
+      while (16 * factor <= fewest_cells)
+        factor *= 2;
+      return factor;
     }
 
 
@@ -158,11 +178,7 @@ namespace greville
       unsigned int thinnest      = std::numeric_limits<unsigned int>::max();
       for (unsigned int d = 0; d < dim; ++d)
         thinnest = std::min(thinnest, body.end[d] - body.first[d]);
-      // Meshes whose numbers of cells have a common power of two are small on
-      // each process, see create_box_mesh().
-      unsigned int multiple = 1;
-      while (16 * multiple <= thinnest)
-        multiple *= 2;
+      const unsigned int multiple = common_factor(thinnest);
       for (unsigned int d = 0; d < dim; ++d)
         {
           Range range{body.first[d], body.end[d]};
@@ -184,11 +200,39 @@ namespace greville
               std::abs(part.grid.upper[d] - whole.upper[d]) <= small};
           for (unsigned int side = 0; side < 2; ++side)
             if (!is_at_wall[side])
-              {
-                set_free(part.walls, 2 * d + side);
-                for (StageParameters &stage : part.stages)
-                  set_free(stage.walls, 2 * d + side);
-              }
+              set_free(part, 2 * d + side);
+        }
+    }
+
+
+
+    /**
+     * Walls that are contact are places in the grid of the part, which its
+     * points may pass by the depth of a contact: in updated Lagrangian steps
+     * there are cells behind them.
+     */
+    template <int dim>
+    void
+    free_contact_walls(SimulationParameters &part)
+    {
+      std::vector<unsigned int> &cells = part.grid.cells;
+      unsigned int               factor =
+        common_factor(*std::min_element(cells.begin(), cells.end()));
+      for (const unsigned int n : cells)
+        while (n % factor != 0)
+          factor /= 2;
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        {
+          const unsigned int d = w / 2;
+          if (!part.walls.is_contact(w))
+            continue;
+          set_free(part, w);
+          if (part.scheme.is_total_lagrangian())
+            continue;
+          double      &lower = part.grid.lower[d], &upper = part.grid.upper[d];
+          const double way = factor * (upper - lower) / cells[d];
+          (w % 2 == 0 ? lower : upper) += w % 2 == 0 ? -way : way;
+          cells[d] += factor;
         }
     }
   } // namespace
@@ -367,6 +411,7 @@ namespace greville
           }
         else
           part.grid = grid;
+        free_contact_walls<dim>(part);
         part.grid.per_body = false;
         part.grid.fields.clear();
         part.body_grids.clear();

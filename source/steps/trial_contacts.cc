@@ -86,7 +86,8 @@ namespace greville
                                                  steps.front()->scheme,
                                                  dt),
                                  {},
-                                 {}});
+                                 {},
+                                 FullMatrix<double>()});
         }
 
     for (unsigned int c = 0; c < contacts.contacts.size(); ++c)
@@ -286,8 +287,7 @@ namespace greville
     return std::all_of(contacts.contacts.begin(),
                        contacts.contacts.end(),
                        [](const Contact &contact) {
-                         const double mu = contact.average->law().friction;
-                         return mu == 0. || !std::isfinite(mu);
+                         return contact.average->law().friction->is_symmetric();
                        });
   }
 

@@ -7,7 +7,8 @@
 //   of points, a thousandth of the sagitta, onto planes none, with their ends;
 // - a uniform overlap has the exact pressure, whatever the grid; momentum is
 //   kept to round-off where surfaces cut the grid, and have other spacings;
-// - friction: stick, slip at mu times the pressure, and the way back;
+// - friction: stick, slip at mu times the pressure, and the way back, by a law
+//   of this program; laws by formulas of pressure and speed;
 // - opposite faces of a plate do not see one another.
 
 #include <greville/contact/averaged_contact.h>
@@ -132,14 +133,80 @@ plates(const double slope, const double gap, const unsigned int n)
 
 
 
+// A law of this program: half of what Coulomb's has.
+class HalvedFriction : public FrictionLaw
+{
+public:
+  static std::unique_ptr<const FrictionLaw>
+  make(const std::vector<double> &numbers)
+  {
+    AssertThrow(numbers.size() == 1, ExcMessage("it takes one number."));
+    auto law = std::make_unique<HalvedFriction>();
+    law->mu  = numbers[0];
+    return law;
+  }
+
+  double
+  strength(const double pressure, const double) const override
+  {
+    return 0.5 * mu * pressure;
+  }
+
+private:
+  double mu = 0.;
+};
+
+
+
+void
+test_friction_laws()
+{
+  const auto law = [](const std::string &text) {
+    return make_friction_law(text, "Contact base/Friction");
+  };
+  check("A number is a coefficient.", law(" 0.3 ")->strength(2., 9.) == 0.6);
+  check("Zero is symmetric, and so is rough.",
+        law("0")->is_symmetric() && law("rough")->is_symmetric() &&
+          !law("0.3")->is_symmetric());
+  check("Rough surfaces have infinite strength.",
+        std::isinf(law("rough")->strength(1., 0.)));
+  const auto of_both = law("0.2 + 0.1 * exp(-v) + 1e-3 * p");
+  check("A formula is one of p and v.",
+        std::abs(of_both->strength(2., 1.) -
+                 2. * (0.202 + 0.1 * std::exp(-1.))) < 1e-15);
+  check("Negative coefficients count as zero.",
+        law("0.1 - v")->strength(1., 0.2) == 0.);
+  const auto slopes = of_both->slopes(2., 1.);
+  check("Slopes are derivatives.",
+        std::abs(slopes.by_pressure - 0.204 - 0.1 * std::exp(-1.)) < 1e-6 &&
+          std::abs(slopes.by_speed + 0.2 * std::exp(-1.)) < 1e-6);
+  for (const std::string wrong :
+       {"-0.1", "nan", "0.1 * w", "1 / v", "rough(1)", "halved", "halved(1"})
+    {
+      std::string message;
+      try
+        {
+          law(wrong);
+        }
+      catch (const std::exception &exception)
+        {
+          message = exception.what();
+        }
+      check("A wrong law names the parameter.",
+            message.find("Contact base/Friction") != std::string::npos);
+    }
+}
+
+
+
 void
 test_pressure()
 {
-  constexpr double depth = 1e-3;
+  constexpr double depth = 1e-3, friction = 0.3;
   ContactLaw       law;
   law.stiffness       = 1e4;
   law.shear_stiffness = 5e3;
-  law.friction        = 0.3;
+  law.friction        = make_friction_law("halved(0.6)", "Friction");
   for (const double slope : {0., 0.3, 2.2})
     {
       Points<2> all = plates<2>(slope, -depth, 64);
@@ -180,7 +247,7 @@ test_pressure()
       check("They stick.", all_are(ContactState::stick));
 
       // Slip by a tenth of what friction bears, ten times: then it slides.
-      const double stick = law.friction * pressure / law.shear_stiffness;
+      const double stick = friction * pressure / law.shear_stiffness;
       for (unsigned int k = 1; k <= 20; ++k)
         {
           for (auto &point : all.points)
@@ -191,7 +258,7 @@ test_pressure()
           result = contact.act(all.points, 0., Point<2>());
           check("Friction grows with slip up to its limit.",
                 std::abs(-result.force * t / result.area /
-                           (law.friction * pressure) -
+                           (friction * pressure) -
                          std::min(1., 0.1 * k)) < (k < 10 ? 1e-10 : 1e-3));
           check("Friction keeps momentum.", sum_of_forces().norm() < 1e-13);
           check("It slides beyond its limit.",
@@ -206,9 +273,8 @@ test_pressure()
         }
       result = contact.act(all.points, 0., Point<2>());
       check("Friction turns round.",
-            std::abs(
-              result.force * t / result.area / (law.friction * pressure) - 1.) <
-              1e-3);
+            std::abs(result.force * t / result.area / (friction * pressure) -
+                     1.) < 1e-3);
       // Apart: no force, and the slip is forgotten.
       for (auto &point : all.points)
         point.gap = 1e-9;
@@ -257,6 +323,8 @@ test_thin_plate()
 void
 test_main()
 {
+  add_friction_law("halved", HalvedFriction::make);
+  test_friction_laws();
   for (const unsigned int n : {60, 120, 240})
     print() << "2D, " << n << " points: error of the gap "
             << error_of_gap<2>(n) * 1e4 << '\n';

@@ -7,8 +7,10 @@
 
 #include <greville/contact/contact_point.h>
 #include <greville/contact/contact_tangent.h>
+#include <greville/contact/friction_law.h>
 
 #include <cstdint>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
@@ -23,8 +25,10 @@ namespace greville
     double stiffness = 0., shear_stiffness = 0.;
     /// Of both by the speed, Pa s / m.
     double viscosity = 0.;
-    /// The coefficient, infinite for rough surfaces, and the adhesion, Pa.
-    double friction = 0., adhesion = 0.;
+    /// What resists sliding, null for smooth surfaces; and what is added to its
+    /// strength under pressure, Pa.
+    std::shared_ptr<const FrictionLaw> friction;
+    double                             adhesion = 0.;
     /// Gaps of this size count as closed in a ContactTangent, m.
     double touching = 0.;
     /// Whether both sides deform; otherwise only points of side 0 are given.
@@ -103,8 +107,9 @@ namespace greville
    *
    * The slip is averaged likewise. The shear stress of a key,
    * @f$-\epsilon_T \bar e_k - \zeta \dot{\bar e}_k@f$ with the mean elastic
-   * slip, is at most @f$\mu t_k + c@f$; beyond that the elastic slip of its
-   * points is set back by the mean.
+   * slip, is at most @f$\tau(t_k, v_k) + c@f$ with the strength of the
+   * FrictionLaw at the speed v_k of the step; beyond that the elastic slip of
+   * its points is set back by the mean.
    *
    * Material points as side A have gaps and slip, which side B then has not:
    * the means are those over A.

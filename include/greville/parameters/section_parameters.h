@@ -180,10 +180,13 @@ namespace greville
 
   /**
    * Contact of two sides, each of which is a body, several bodies that stick to
-   * one another, or (the second one) a rigid body.
+   * one another, or (the second one) a rigid body or the walls.
    */
   struct ContactParameters
   {
+    /// The name of the rigid body that consists of walls.
+    static constexpr const char *walls = "walls";
+
     void
     declare(dealii::ParameterHandler &prm);
 
@@ -201,12 +204,6 @@ namespace greville
     check(const std::string                                &section,
           const std::map<std::string, BodyParameters>      &bodies,
           const std::map<std::string, RigidBodyParameters> &rigid) const;
-
-    /**
-     * The coefficient of friction, infinite where the surfaces are rough.
-     */
-    double
-    friction_coefficient(const std::string &section) const;
 
     /**
      * Whether gaps are closed by rounds of the method of Uzawa.

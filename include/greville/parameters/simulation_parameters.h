@@ -175,6 +175,13 @@ namespace greville
     make_stages(const std::vector<ParameterLine> &lines);
 
     /**
+     * Let the walls that are contact be a rigid body, which is the outside of
+     * the grid.
+     */
+    void
+    make_rigid_walls();
+
+    /**
      * check() of the grids of bodies.
      */
     void

@@ -14,7 +14,8 @@ namespace greville
    * A body gets the part around it of the grid that is meant for it: the cells
    * that hold points and p more on each side. All functions that reach the body
    * are those of the whole grid then. Walls act on the sides of the part that
-   * are sides of the grid; all others are free.
+   * are sides of the grid; all others are free, and so are those that contacts
+   * name, behind which the grid goes on.
    *
    * Throws dealii::ExcMessage where a body is wrong.
    */

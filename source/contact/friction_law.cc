@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/base/expression.h>
+#include <greville/contact/friction_law.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * Surfaces that touch do not slide.
+     */
+    class RoughFriction : public FrictionLaw
+    {
+    public:
+      static std::unique_ptr<const FrictionLaw>
+      make(const std::vector<double> &numbers)
+      {
+        AssertThrow(numbers.empty(), ExcMessage("it takes no numbers."));
+        return std::make_unique<RoughFriction>();
+      }
+
+      double
+      strength(const double, const double) const override
+      {
+        return std::numeric_limits<double>::infinity();
+      }
+
+      bool
+      is_symmetric() const override
+      {
+        return true;
+      }
+    };
+
+
+
+    /**
+     * A coefficient that depends on pressure and speed.
+     */
+    class FormulaFriction : public FrictionLaw
+    {
+    public:
+      FormulaFriction(const std::string &text, const std::string &parameter)
+        : mu(text, parameter, {"p", "v"})
+      {
+        // What is not defined there is found before the first contact.
+        for (const double pressure : {0., 1., 1e6})
+          for (const double speed : {0., 1e-3, 10.})
+            strength(pressure, speed);
+      }
+
+      double
+      strength(const double pressure, const double speed) const override
+      {
+        const std::array<double, 2> values{{pressure, speed}};
+        return pressure *
+               std::max(0., mu(ArrayView<const double>(values.data(), 2)));
+      }
+
+    private:
+      Expression mu;
+    };
+
+
+
+    // All laws that have a name, one line each.
+    std::map<std::string, MakeFrictionLaw> &
+    laws()
+    {
+      static std::map<std::string, MakeFrictionLaw> list = {
+        {"rough", RoughFriction::make}};
+      return list;
+    }
+  } // namespace
+
+
+
+  FrictionLaw::Slopes
+  FrictionLaw::slopes(const double pressure, const double speed) const
+  {
+    const double dp    = 1e-5 * pressure;
+    const double above = speed + 1e-5 * speed + 1e-9;
+    const double below = std::max(0., speed - 1e-5 * speed);
+    return {(strength(pressure + dp, speed) - strength(pressure - dp, speed)) /
+              (2. * dp),
+            (strength(pressure, above) - strength(pressure, below)) /
+              (above - below)};
+  }
+
+
+
+  bool
+  add_friction_law(const std::string &name, const MakeFrictionLaw &make)
+  {
+    laws()[name] = make;
+    return true;
+  }
+
+
+
+  std::unique_ptr<const FrictionLaw>
+  make_friction_law(const std::string &text, const std::string &parameter)
+  {
+    const std::string what =
+      "The parameter '" + parameter + "' is <" + text + ">";
+    const auto        open = text.find('(');
+    const std::string name = Utilities::trim(text.substr(0, open));
+    const auto        law  = laws().find(name);
+    if (law == laws().end())
+      {
+        double mu = -1.;
+        try
+          {
+            mu = Utilities::string_to_double(text);
+          }
+        catch (const std::exception &)
+          {
+            return std::make_unique<FormulaFriction>(text, parameter);
+          }
+        AssertThrow(mu >= 0. && std::isfinite(mu),
+                    ExcMessage(what +
+                               ", and has to be rough, a number that is not "
+                               "negative, or a formula of p and v."));
+        return std::make_unique<CoulombFriction>(mu);
+      }
+    try
+      {
+        std::vector<double> numbers;
+        if (open != std::string::npos)
+          {
+            AssertThrow(text.back() == ')',
+                        ExcMessage("there is no ')' at its end."));
+            numbers = Utilities::string_to_double(Utilities::split_string_list(
+              text.substr(open + 1, text.size() - open - 2), ','));
+          }
+        return law->second(numbers);
+      }
+    catch (const std::exception &exception)
+      {
+        AssertThrow(false,
+                    ExcMessage(what + ", the law '" + name +
+                               "': " + message_of(exception)));
+      }
+    return nullptr;
+  }
+} // namespace greville
