@@ -30,6 +30,15 @@ namespace greville
 
 
 
+    template <int dim>
+    double
+    spacing_of(const double volume)
+    {
+      return dim == 2 ? std::sqrt(volume) : std::cbrt(volume);
+    }
+
+
+
     /**
      * A material point that may be one of the outermost layer.
      */
@@ -193,9 +202,9 @@ namespace greville
     for (const Place &place : contact.sides[0])
       body_of(place).points.for_each(
         [&](const unsigned int, const ConstPointRef<dim> p) {
-          largest = std::max(largest, std::pow(p.volume(), 1. / dim));
+          largest = std::max(largest, p.volume());
         });
-    largest = Utilities::MPI::max(largest, comm);
+    largest = spacing_of<dim>(Utilities::MPI::max(largest, comm));
     for (const Place &place : contact.sides[0])
       {
         MaterialPoints<dim>          &all  = body_of(place).points;
@@ -207,7 +216,7 @@ namespace greville
         all.for_each([&](const unsigned int cell, const PointRef<dim> p) {
           if (!of_cells[cell])
             return;
-          const double spacing = std::pow(p.volume(), 1. / dim);
+          const double spacing = spacing_of<dim>(p.volume());
           // Distances change by no more than what separates two places.
           if (of_cells[cell]->distance -
                 p.position().distance(of_cells[cell]->center) >
