@@ -210,8 +210,11 @@ namespace greville
         if (!is_near_other(point))
           continue;
         std::set<unsigned int> owners;
-        for_neighbors(box_of(point.x),
-                      [&](const Box &box) { owners.insert(owner_of(box)); });
+        if (n_processes == 1)
+          owners.insert(0);
+        else
+          for_neighbors(box_of(point.x),
+                        [&](const Box &box) { owners.insert(owner_of(box)); });
         for (const unsigned int owner : owners)
           {
             std::vector<double> &rows = to_send[owner];
