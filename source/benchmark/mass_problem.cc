@@ -6,7 +6,6 @@
 #include <greville/points/material_points.h>
 #include <greville/points/point_transfer.h>
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 

@@ -3,7 +3,6 @@
 #include <deal.II/lac/la_parallel_vector.h>
 
 #include <greville/base/index_limits.h>
-#include <greville/base/vector_field.h>
 #include <greville/multigrid/lattice_levels.h>
 
 #include <algorithm>

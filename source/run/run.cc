@@ -6,16 +6,12 @@
 #include <greville/run/check_materials.h>
 #include <greville/run/run.h>
 #include <greville/run/run_header.h>
-#include <greville/steps/implicit_scheme.h>
 #include <greville/steps/load_balance.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <iomanip>
-#include <iostream>
 #include <limits>
-#include <sstream>
 #include <unistd.h>
 
 namespace greville

@@ -3,9 +3,9 @@
 #include <greville/base/errors.h>
 #include <greville/base/memory.h>
 #include <greville/base/step_errors.h>
+#include <greville/parameters/names.h>
 #include <greville/spline/coarse_cells.h>
 #include <greville/steps/discretization.h>
-#include <greville/steps/implicit_scheme.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 

@@ -7,10 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <iostream>
-#include <limits>
-#include <sstream>
 
 namespace greville
 {

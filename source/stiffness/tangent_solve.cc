@@ -5,7 +5,6 @@
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_gmres.h>
 
-#include <greville/base/errors.h>
 #include <greville/linear_algebra/krylov.h>
 #include <greville/stiffness/tangent_system.h>
 

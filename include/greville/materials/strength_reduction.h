@@ -9,7 +9,6 @@
 #include <greville/base/expression.h>
 #include <greville/materials/parameter_checks.h>
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
