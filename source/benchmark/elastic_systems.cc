@@ -171,10 +171,8 @@ namespace greville
           }
 
         // The functions, as TangentSystem takes them.
-        const double filling_threshold = threshold();
-        double       cell_volume       = 1.;
-        for (unsigned int d = 0; d < dim; ++d)
-          cell_volume *= space.lattice().cell_size(d);
+        const double        filling_threshold = threshold();
+        const double        cell_volume       = space.lattice().cell_volume();
         std::vector<double> parts(space.owned_cells().size(), 0.);
         body.points.for_each(
           [&](const unsigned int cell, ConstPointRef<dim> q) {
@@ -281,9 +279,7 @@ namespace greville
         mass_factor = 0.;
         if (!courant_number)
           return;
-        double h = space.lattice().cell_size(0);
-        for (unsigned int d = 1; d < dim; ++d)
-          h = std::min(h, space.lattice().cell_size(d));
+        const double h      = space.lattice().smallest_cell_size();
         const Moduli moduli = material->moduli();
         const double c =
           std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) / density);

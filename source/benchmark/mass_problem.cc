@@ -79,9 +79,7 @@ namespace greville
                      "' has a mass: 'Problem/Density' is zero there, or "
                      "'Benchmark/Cells' are too few."));
 
-        double cell_volume = 1.;
-        for (unsigned int d = 0; d < dim; ++d)
-          cell_volume *= space.lattice().cell_size(d);
+        const double        cell_volume = space.lattice().cell_volume();
         std::vector<double> parts(space.owned_cells().size(), 0.);
         points.for_each([&](const unsigned int cell, ConstPointRef<dim> q) {
           parts[cell] += q.volume0() / cell_volume;

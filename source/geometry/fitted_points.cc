@@ -237,9 +237,7 @@ namespace greville
     const std::uint64_t n_per_cell =
       std::max<std::uint64_t>(whole.size(), n_polynomials<dim>(degree));
     check_ids(lattice, n_per_cell, section);
-    double cell_volume = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      cell_volume *= lattice.cell_size(d);
+    const double cell_volume = lattice.cell_volume();
 
     std::vector<PlacedPoint<dim>> result;
     for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)

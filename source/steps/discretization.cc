@@ -231,18 +231,6 @@ namespace greville
 
 
   template <int dim>
-  double
-  Discretization<dim>::cell_size() const
-  {
-    double h = space().lattice().cell_size(0);
-    for (unsigned int d = 1; d < dim; ++d)
-      h = std::min(h, space().lattice().cell_size(d));
-    return h;
-  }
-
-
-
-  template <int dim>
   void
   Discretization<dim>::initialize(VectorField<dim> &field) const
   {

@@ -133,17 +133,6 @@ namespace greville
                                : 1.;
     }
 
-
-
-    template <int dim>
-    double
-    smallest_cell_size(const SplineSpace<dim> &space)
-    {
-      double h = space.lattice().cell_size(0);
-      for (unsigned int d = 1; d < dim; ++d)
-        h = std::min(h, space.lattice().cell_size(d));
-      return h;
-    }
   } // namespace
 
 
@@ -234,7 +223,7 @@ namespace greville
                             ArrayView<double>(sums_of_moduli, 3));
         moduli = {{sums_of_moduli[0], sums_of_moduli[1]}};
         force_of_strain =
-          std::sqrt(sums_of_moduli[2]) / smallest_cell_size(space());
+          std::sqrt(sums_of_moduli[2]) / space().lattice().smallest_cell_size();
       }
     return problem;
   }
