@@ -129,20 +129,8 @@ namespace greville
 
 
 
-#define INSTANTIATE(dim)                                 \
-  template SolveResult solve_and_check<dim>(             \
-    const LevelOperator<dim> &,                          \
-    VectorType &,                                        \
-    const VectorType &,                                  \
-    const double,                                        \
-    const std::function<void(SolveResult &)> &);         \
-  template void iterate<dim>(const LevelMethod,          \
-                             const LevelOperator<dim> &, \
-                             const Preconditioner *,     \
-                             const SolverParameters &,   \
-                             VectorType &,               \
-                             const VectorType &,         \
-                             SolveResult &)
-  INSTANTIATE(2);
-  INSTANTIATE(3);
+  template decltype(solve_and_check<2>) solve_and_check<2>;
+  template decltype(solve_and_check<3>) solve_and_check<3>;
+  template decltype(iterate<2>)         iterate<2>;
+  template decltype(iterate<3>)         iterate<3>;
 } // namespace greville

@@ -125,13 +125,8 @@ namespace greville
 
 
 
-#define INSTANTIATE(dim)                                              \
-  template class Lattice<dim>;                                        \
-  template void create_box_mesh<dim>(DistributedTriangulation<dim> &, \
-                                     const Point<dim> &,              \
-                                     const Point<dim> &,              \
-                                     const MultiIndex<dim> &,         \
-                                     const std::array<bool, dim> &)
-  INSTANTIATE(2);
-  INSTANTIATE(3);
+  template class Lattice<2>;
+  template class Lattice<3>;
+  template decltype(create_box_mesh<2>) create_box_mesh<2>;
+  template decltype(create_box_mesh<3>) create_box_mesh<3>;
 } // namespace greville
