@@ -244,7 +244,7 @@ namespace greville
 
         const auto density =
           make_function<dim>(problem.density, "Problem/Density");
-        double sums[2] = {0., 0.}; // mass, volume
+        std::vector<double> sums(2); // mass, volume
         run_on_all(
           [&]() {
             body.points.for_each([&](const unsigned int, PointRef<dim> q) {
@@ -263,9 +263,7 @@ namespace greville
             });
           },
           space.communicator());
-        Utilities::MPI::sum(ArrayView<const double>(sums, 2),
-                            space.communicator(),
-                            ArrayView<double>(sums, 2));
+        Utilities::MPI::sum(sums, space.communicator(), sums);
         AssertThrow(sums[0] > 0.,
                     ExcMessage("'Problem/Density' is zero at all points: there "
                                "is no mass."));

@@ -292,7 +292,7 @@ namespace greville
     });
 
     // Components that hold something, and pairs of them that differ in E.
-    unsigned int found[dim * dim] = {};
+    std::vector<unsigned int> found(dim * dim);
     for (std::size_t k = 0; k < n_held; ++k)
       {
         const auto        &entry = held_places[k];
@@ -305,9 +305,7 @@ namespace greville
               found[c * dim + d] |= ((changes >> c) ^ (changes >> d)) & 1;
           }
       }
-    Utilities::MPI::max(ArrayView<const unsigned int>(found, dim * dim),
-                        communicator(),
-                        ArrayView<unsigned int>(found, dim * dim));
+    Utilities::MPI::max(found, communicator(), found);
     for (unsigned int c = 0; c < dim; ++c)
       {
         component_has_held[c] = found[c * dim + c] != 0;

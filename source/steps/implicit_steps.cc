@@ -577,10 +577,8 @@ namespace greville
                 discretization.communicator());
     guard.set(motion);
     guard.set(momentum);
-    double speeds[2] = {motion.fastest_signal, motion.fastest_wave};
-    Utilities::MPI::max(ArrayView<const double>(speeds, 2),
-                        discretization.communicator(),
-                        ArrayView<double>(speeds, 2));
+    std::vector<double> speeds{motion.fastest_signal, motion.fastest_wave};
+    Utilities::MPI::max(speeds, discretization.communicator(), speeds);
     state.signals.fastest = speeds[0];
     state.signals.wave    = speeds[1];
   }
