@@ -6,6 +6,7 @@
 #include <greville/base/tables.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -228,17 +229,6 @@ namespace greville
 
 
 
-    std::string
-    join(const std::vector<std::string> &words)
-    {
-      std::string text;
-      for (const std::string &word : words)
-        text += (text.empty() ? "" : ",") + word;
-      return text;
-    }
-
-
-
     std::vector<std::string>
     split(const std::string &text)
     {
@@ -319,7 +309,9 @@ namespace greville
                                  H5P_DEFAULT,
                                  H5P_DEFAULT),
                       H5Dclose);
-      write_text(data_set, columns_name, join(table.columns));
+      write_text(data_set,
+                 columns_name,
+                 boost::algorithm::join(table.columns, ","));
       write_text(data_set,
                  checksum_name,
                  std::to_string(

@@ -20,16 +20,6 @@ namespace greville
 
   namespace
   {
-    double
-    seconds_since(const std::chrono::steady_clock::time_point &begin)
-    {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() -
-                                           begin)
-        .count();
-    }
-
-
-
     /**
      * Whether a line can be written again. mpirun gives processes a terminal
      * even where its own output goes to a file, so that TERM = dumb says no.

@@ -16,19 +16,6 @@ namespace greville
 {
   using namespace dealii;
 
-  namespace
-  {
-    double
-    seconds_since(const std::chrono::steady_clock::time_point &begin)
-    {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() -
-                                           begin)
-        .count();
-    }
-  } // namespace
-
-
-
   template <int dim>
   void
   SimulationRun<dim>::print_progress(const bool is_last)
