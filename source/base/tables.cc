@@ -2,6 +2,7 @@
 
 #include <greville/base/disk.h>
 #include <greville/base/errors.h>
+#include <greville/base/index_limits.h>
 #include <greville/base/parameters.h>
 #include <greville/base/tables.h>
 
@@ -293,15 +294,12 @@ namespace greville
                 const DistributedTable &table,
                 const MPI_Comm          comm)
     {
-      const std::uint64_t own   = table.n_rows();
-      std::uint64_t       first = 0;
-      MPI_Exscan(&own, &first, 1, MPI_UINT64_T, MPI_SUM, comm);
-      if (Utilities::MPI::this_mpi_process(comm) == 0)
-        first = 0;
-      const hsize_t n_columns = table.columns.size();
-      const hsize_t size[2]   = {sum_of(own, comm), n_columns};
-      const Handle  space(H5Screate_simple(2, size, nullptr), H5Sclose);
-      Handle        data_set(H5Dcreate2(file,
+      const std::uint64_t own       = table.n_rows();
+      const std::uint64_t first     = sum_before(own, comm);
+      const hsize_t       n_columns = table.columns.size();
+      const hsize_t       size[2]   = {sum_of(own, comm), n_columns};
+      const Handle        space(H5Screate_simple(2, size, nullptr), H5Sclose);
+      Handle              data_set(H5Dcreate2(file,
                                  table.name.c_str(),
                                  H5T_NATIVE_DOUBLE,
                                  space,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/index_limits.h>
 #include <greville/base/with_width.h>
 #include <greville/mass/extended_unknowns.h>
 
@@ -182,12 +183,7 @@ namespace greville
     std::map<std::uint64_t, unsigned int> ghost_of; // by position
     if (is_parallel)
       {
-        const std::uint64_t mine   = n_owned;
-        std::uint64_t       offset = 0;
-        int ierr = MPI_Exscan(&mine, &offset, 1, MPI_UINT64_T, MPI_SUM, comm);
-        AssertThrowMPI(ierr);
-        first_unknown =
-          Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : offset;
+        first_unknown = sum_before(n_owned, comm);
 
         const auto &owned = space.owned_functions();
         for (unsigned int f = n_functions; f < n_all; ++f)
