@@ -150,14 +150,10 @@ namespace greville
                const std::string        &section,
                const Lattice<dim>       &lattice)
     {
-      Point<dim> lower = surface[0][0], upper = lower;
+      BoundingBox<dim> box(surface[0]);
       for (const auto &facet : surface)
-        for (const Point<dim> &x : facet)
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              lower[d] = std::min(lower[d], x[d]);
-              upper[d] = std::max(upper[d], x[d]);
-            }
+        box.merge_with(BoundingBox<dim>(facet));
+      const auto &[lower, upper] = box.get_boundary_points();
       double in_cells = 0., in_grids = 0.;
       for (unsigned int d = 0; d < dim; ++d)
         {
