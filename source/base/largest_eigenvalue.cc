@@ -109,7 +109,7 @@ namespace greville
 
     // Products of directions by G = B^-1 and by S.
     const auto find_products = [&](Matrix3 &A, Matrix3 &G) {
-      std::array<double, 12> sums{};
+      std::vector<double> sums(12);
       for (std::size_t u = 0; u < n; ++u)
         for (unsigned int i = 0, k = 0; i < 3; ++i)
           for (unsigned int j = i; j < 3; ++j, k += 2)
@@ -117,9 +117,7 @@ namespace greville
               sums[k] += directions[i].x[u] * directions[j].S_x[u];
               sums[k + 1] += directions[i].x[u] * directions[j].b[u];
             }
-      Utilities::MPI::sum(ArrayView<const double>(sums.data(), sums.size()),
-                          comm,
-                          ArrayView<double>(sums.data(), sums.size()));
+      Utilities::MPI::sum(sums, comm, sums);
       for (unsigned int i = 0, k = 0; i < 3; ++i)
         for (unsigned int j = i; j < 3; ++j, k += 2)
           {

@@ -60,10 +60,7 @@ namespace greville
     std::string
     gigabytes(const double bytes)
     {
-      std::ostringstream text;
-      text.precision(3);
-      text << bytes * 1e-9 << " GB";
-      return text.str();
+      return rounded(bytes * 1e-9, 3) + " GB";
     }
   } // namespace
 

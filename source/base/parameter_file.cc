@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <boost/property_tree/json_parser.hpp>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <sstream>
 

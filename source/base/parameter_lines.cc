@@ -7,6 +7,7 @@
 #include <greville/base/text_file.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -60,17 +61,6 @@ namespace greville
 
 
 
-    std::string
-    joined(const std::vector<std::string> &sections)
-    {
-      std::string name;
-      for (const std::string &section : sections)
-        name += (name.empty() ? "" : "/") + section;
-      return name;
-    }
-
-
-
     void
     read_lines(std::istream               &stream,
                const std::string          &file,
@@ -111,10 +101,14 @@ namespace greville
                           ExcMessage(place +
                                      ": 'subsection' is without a name."));
               sections.push_back(words);
-              all_sections.insert(joined(sections));
+              all_sections.insert(boost::algorithm::join(sections, "/"));
               // A section is known by its lines: one without any, too.
-              result.push_back(
-                {joined(sections), "", "", place, sections, false});
+              result.push_back({boost::algorithm::join(sections, "/"),
+                                "",
+                                "",
+                                place,
+                                sections,
+                                false});
             }
           else if (words == "end" || words == "END")
             {
@@ -144,7 +138,7 @@ namespace greville
                             place + ": <" + whole +
                             "> is none of 'subsection NAME', 'set NAME = "
                             "VALUE' and 'end'."));
-              result.push_back({joined(sections),
+              result.push_back({boost::algorithm::join(sections, "/"),
                                 Utilities::trim(words.substr(0, equal)),
                                 Utilities::trim(words.substr(equal + 1)),
                                 place,
@@ -188,7 +182,7 @@ namespace greville
           line.path = other.path;
       if (line.path.empty())
         line.path = Utilities::split_string_list(line.section, '/');
-      line.section = joined(line.path);
+      line.section = boost::algorithm::join(line.path, "/");
       AssertThrow(!line.section.empty() && !line.name.empty(),
                   ExcMessage(line.place +
                              ": the name of the section or of the parameter "

@@ -2,10 +2,12 @@
 
 #include <greville/base/disk.h>
 #include <greville/base/errors.h>
+#include <greville/base/index_limits.h>
 #include <greville/base/parameters.h>
 #include <greville/base/tables.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -228,17 +230,6 @@ namespace greville
 
 
 
-    std::string
-    join(const std::vector<std::string> &words)
-    {
-      std::string text;
-      for (const std::string &word : words)
-        text += (text.empty() ? "" : ",") + word;
-      return text;
-    }
-
-
-
     std::vector<std::string>
     split(const std::string &text)
     {
@@ -303,15 +294,12 @@ namespace greville
                 const DistributedTable &table,
                 const MPI_Comm          comm)
     {
-      const std::uint64_t own   = table.n_rows();
-      std::uint64_t       first = 0;
-      MPI_Exscan(&own, &first, 1, MPI_UINT64_T, MPI_SUM, comm);
-      if (Utilities::MPI::this_mpi_process(comm) == 0)
-        first = 0;
-      const hsize_t n_columns = table.columns.size();
-      const hsize_t size[2]   = {sum_of(own, comm), n_columns};
-      const Handle  space(H5Screate_simple(2, size, nullptr), H5Sclose);
-      Handle        data_set(H5Dcreate2(file,
+      const std::uint64_t own       = table.n_rows();
+      const std::uint64_t first     = sum_before(own, comm);
+      const hsize_t       n_columns = table.columns.size();
+      const hsize_t       size[2]   = {sum_of(own, comm), n_columns};
+      const Handle        space(H5Screate_simple(2, size, nullptr), H5Sclose);
+      Handle              data_set(H5Dcreate2(file,
                                  table.name.c_str(),
                                  H5T_NATIVE_DOUBLE,
                                  space,
@@ -319,7 +307,9 @@ namespace greville
                                  H5P_DEFAULT,
                                  H5P_DEFAULT),
                       H5Dclose);
-      write_text(data_set, columns_name, join(table.columns));
+      write_text(data_set,
+                 columns_name,
+                 boost::algorithm::join(table.columns, ","));
       write_text(data_set,
                  checksum_name,
                  std::to_string(

@@ -3,13 +3,11 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
-#include <greville/base/memory.h>
 #include <greville/base/parameters.h>
 #include <greville/benchmark/benchmark.h>
 
 #include <cmath>
 #include <filesystem>
-#include <sstream>
 
 namespace greville
 {

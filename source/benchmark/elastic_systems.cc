@@ -171,10 +171,8 @@ namespace greville
           }
 
         // The functions, as TangentSystem takes them.
-        const double filling_threshold = threshold();
-        double       cell_volume       = 1.;
-        for (unsigned int d = 0; d < dim; ++d)
-          cell_volume *= space.lattice().cell_size(d);
+        const double        filling_threshold = threshold();
+        const double        cell_volume       = space.lattice().cell_volume();
         std::vector<double> parts(space.owned_cells().size(), 0.);
         body.points.for_each(
           [&](const unsigned int cell, ConstPointRef<dim> q) {
@@ -246,7 +244,7 @@ namespace greville
 
         const auto density =
           make_function<dim>(problem.density, "Problem/Density");
-        double sums[2] = {0., 0.}; // mass, volume
+        std::vector<double> sums(2); // mass, volume
         run_on_all(
           [&]() {
             body.points.for_each([&](const unsigned int, PointRef<dim> q) {
@@ -265,9 +263,7 @@ namespace greville
             });
           },
           space.communicator());
-        Utilities::MPI::sum(ArrayView<const double>(sums, 2),
-                            space.communicator(),
-                            ArrayView<double>(sums, 2));
+        Utilities::MPI::sum(sums, space.communicator(), sums);
         AssertThrow(sums[0] > 0.,
                     ExcMessage("'Problem/Density' is zero at all points: there "
                                "is no mass."));
@@ -281,9 +277,7 @@ namespace greville
         mass_factor = 0.;
         if (!courant_number)
           return;
-        double h = space.lattice().cell_size(0);
-        for (unsigned int d = 1; d < dim; ++d)
-          h = std::min(h, space.lattice().cell_size(d));
+        const double h      = space.lattice().smallest_cell_size();
         const Moduli moduli = material->moduli();
         const double c =
           std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) / density);

@@ -163,10 +163,8 @@ namespace greville
 
 
 
-  template void
-  add_laplace_matrix<2>(StencilMatrix<2> &);
-  template void
-  add_laplace_matrix<3>(StencilMatrix<3> &);
+  template decltype(add_laplace_matrix<2>) add_laplace_matrix<2>;
+  template decltype(add_laplace_matrix<3>) add_laplace_matrix<3>;
   template class LaplaceLevel<2>;
   template class LaplaceLevel<3>;
 } // namespace greville

@@ -94,8 +94,6 @@ namespace greville
 
 
 
-  template OperatorRecord
-  measure_operators<2>(AssembledMassLevel<2> &);
-  template OperatorRecord
-  measure_operators<3>(AssembledMassLevel<3> &);
+  template decltype(measure_operators<2>) measure_operators<2>;
+  template decltype(measure_operators<3>) measure_operators<3>;
 } // namespace greville

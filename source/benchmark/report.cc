@@ -8,7 +8,6 @@
 #include <greville/base/errors.h>
 #include <greville/benchmark/report.h>
 
-#include <cstdio>
 #include <iomanip>
 #include <iostream>
 #include <set>

@@ -150,14 +150,10 @@ namespace greville
                const std::string        &section,
                const Lattice<dim>       &lattice)
     {
-      Point<dim> lower = surface[0][0], upper = lower;
+      BoundingBox<dim> box(surface[0]);
       for (const auto &facet : surface)
-        for (const Point<dim> &x : facet)
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              lower[d] = std::min(lower[d], x[d]);
-              upper[d] = std::max(upper[d], x[d]);
-            }
+        box.merge_with(BoundingBox<dim>(facet));
+      const auto &[lower, upper] = box.get_boundary_points();
       double in_cells = 0., in_grids = 0.;
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -237,9 +233,7 @@ namespace greville
     const std::uint64_t n_per_cell =
       std::max<std::uint64_t>(whole.size(), n_polynomials<dim>(degree));
     check_ids(lattice, n_per_cell, section);
-    double cell_volume = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      cell_volume *= lattice.cell_size(d);
+    const double cell_volume = lattice.cell_volume();
 
     std::vector<PlacedPoint<dim>> result;
     for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)

@@ -117,24 +117,20 @@ namespace greville
   {
     for (unsigned int f = 0; f < surface.size(); ++f)
       {
-        std::array<int, dim> first, last;
-        bool                 is_near = true;
+        const BoundingBox<dim> box(surface[f]);
+        std::array<int, dim>   first, last;
+        bool                   is_near = true;
         for (unsigned int d = 0; d < dim; ++d)
           {
-            double low = surface[f][0][d], high = low;
-            for (const Point<dim> &x : surface[f])
-              {
-                low  = std::min(low, x[d]);
-                high = std::max(high, x[d]);
-              }
             const auto cell = [&](const double x, const double shift) {
               const double place =
                 (x - lattice.lower(d)) / lattice.cell_size(d) + shift;
               return int(std::floor(
                 std::min(std::max(place, -2.), lattice.n_cells()[d] + 1.)));
             };
-            first[d] = std::max(-1, cell(low, -1e-9));
-            last[d]  = std::min<int>(lattice.n_cells()[d], cell(high, 1e-9));
+            first[d] = std::max(-1, cell(box.lower_bound(d), -1e-9));
+            last[d]  = std::min<int>(lattice.n_cells()[d],
+                                    cell(box.upper_bound(d), 1e-9));
             is_near  = is_near && first[d] <= last[d];
           }
         if (!is_near)
@@ -170,25 +166,16 @@ namespace greville
   void
   SurfaceShape<dim>::sort_by_rays()
   {
-    lower = upper = surface[0][0];
+    BoundingBox<dim> whole(surface[0]);
     for (const auto &facet : surface)
-      for (const Point<dim> &x : facet)
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            lower[d] = std::min(lower[d], x[d]);
-            upper[d] = std::max(upper[d], x[d]);
-          }
+      whole.merge_with(BoundingBox<dim>(facet));
+    std::tie(lower, upper) = whole.get_boundary_points();
     n_rays = std::max(1., std::pow(surface.size(), 1. / (dim - 1)));
     by_ray.resize(dim == 2 ? n_rays : std::size_t(n_rays) * n_rays);
     for (unsigned int f = 0; f < surface.size(); ++f)
       {
-        Point<dim> low = surface[f][0], high = low;
-        for (const Point<dim> &x : surface[f])
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              low[d]  = std::min(low[d], x[d]);
-              high[d] = std::max(high[d], x[d]);
-            }
+        const BoundingBox<dim> box(surface[f]);
+        const auto &[low, high] = box.get_boundary_points();
         const std::size_t first = ray_key(low), last = ray_key(high);
         for (std::size_t k = first / n_rays; k <= last / n_rays; ++k)
           for (std::size_t i = first % n_rays; i <= last % n_rays; ++i)

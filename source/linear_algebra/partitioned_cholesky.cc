@@ -191,12 +191,8 @@ namespace greville
             n_managed += managed;
           }
 
-    std::uint64_t first = 0;
-    int ierr = MPI_Exscan(&n_managed, &first, 1, MPI_UINT64_T, MPI_SUM, comm);
-    AssertThrowMPI(ierr);
-    if (me == 0)
-      first = 0;
-    Vector number(layout->partitioner(1));
+    const std::uint64_t first = sum_before(n_managed, comm);
+    Vector              number(layout->partitioner(1));
     for (unsigned int u = 0; u < n; ++u)
       number.local_element(u) = -1.;
     for (unsigned int k = 0; k < n_managed; ++k)

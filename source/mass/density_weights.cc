@@ -39,9 +39,7 @@ namespace greville
   {
     const unsigned int width = CellBatches<dim>::width();
 
-    double cell_measure = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      cell_measure *= space.lattice().cell_size(d);
+    const double        cell_measure = space.lattice().cell_volume();
     const QGauss<dim>   quadrature(n_q);
     std::vector<double> densities(n_points());
     double              largest = 0.;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/index_limits.h>
 #include <greville/base/with_width.h>
 #include <greville/mass/extended_unknowns.h>
 
@@ -182,12 +183,7 @@ namespace greville
     std::map<std::uint64_t, unsigned int> ghost_of; // by position
     if (is_parallel)
       {
-        const std::uint64_t mine   = n_owned;
-        std::uint64_t       offset = 0;
-        int ierr = MPI_Exscan(&mine, &offset, 1, MPI_UINT64_T, MPI_SUM, comm);
-        AssertThrowMPI(ierr);
-        first_unknown =
-          Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : offset;
+        first_unknown = sum_before(n_owned, comm);
 
         const auto &owned = space.owned_functions();
         for (unsigned int f = n_functions; f < n_all; ++f)
@@ -292,7 +288,7 @@ namespace greville
     });
 
     // Components that hold something, and pairs of them that differ in E.
-    unsigned int found[dim * dim] = {};
+    std::vector<unsigned int> found(dim * dim);
     for (std::size_t k = 0; k < n_held; ++k)
       {
         const auto        &entry = held_places[k];
@@ -305,9 +301,7 @@ namespace greville
               found[c * dim + d] |= ((changes >> c) ^ (changes >> d)) & 1;
           }
       }
-    Utilities::MPI::max(ArrayView<const unsigned int>(found, dim * dim),
-                        communicator(),
-                        ArrayView<unsigned int>(found, dim * dim));
+    Utilities::MPI::max(found, communicator(), found);
     for (unsigned int c = 0; c < dim; ++c)
       {
         component_has_held[c] = found[c * dim + c] != 0;

@@ -256,42 +256,6 @@ namespace greville
 
 
 
-  // The members of this source.
-#define INSTANTIATE(dim)                                                       \
-  template void ExtendedUnknowns<dim>::restrict_columns(                       \
-    VectorType &,                                                              \
-    const std::vector<const VectorType *> &,                                   \
-    const unsigned int,                                                        \
-    const unsigned int) const;                                                 \
-  template void ExtendedUnknowns<dim>::write_columns(                          \
-    const std::vector<VectorType *> &,                                         \
-    VectorType &,                                                              \
-    const unsigned int,                                                        \
-    const unsigned int) const;                                                 \
-  template void ExtendedUnknowns<dim>::restrict_fields(                        \
-    VectorType &,                                                              \
-    const std::vector<const VectorField<dim> *> &,                             \
-    const unsigned int) const;                                                 \
-  template void ExtendedUnknowns<dim>::read_fields(                            \
-    VectorType &,                                                              \
-    const std::vector<const VectorField<dim> *> &,                             \
-    const unsigned int) const;                                                 \
-  template void ExtendedUnknowns<dim>::write_fields(                           \
-    const std::vector<VectorField<dim> *> &, VectorType &, const unsigned int) \
-    const;                                                                     \
-  template void ExtendedUnknowns<dim>::to_places(const VectorType &) const;    \
-  template void ExtendedUnknowns<dim>::read(VectorType &,                      \
-                                            const VectorType &,                \
-                                            const unsigned int) const;         \
-  template void ExtendedUnknowns<dim>::write(VectorType &,                     \
-                                             const VectorType &,               \
-                                             const unsigned int) const;        \
-  template void ExtendedUnknowns<dim>::distribute(VectorType &,                \
-                                                  const unsigned int) const;   \
-  template void ExtendedUnknowns<dim>::condense(VectorType &,                  \
-                                                const unsigned int) const;     \
-  template void ExtendedUnknowns<dim>::extend(VectorField<dim> &,              \
-                                              const VectorType &) const
-  INSTANTIATE(2);
-  INSTANTIATE(3);
+  template class ExtendedUnknowns<2>;
+  template class ExtendedUnknowns<3>;
 } // namespace greville

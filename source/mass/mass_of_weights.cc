@@ -91,8 +91,6 @@ namespace greville
 
 
 
-  template void
-  add_mass_matrix<2>(StencilMatrix<2> &, const DensityWeights<2> &);
-  template void
-  add_mass_matrix<3>(StencilMatrix<3> &, const DensityWeights<3> &);
+  template decltype(add_mass_matrix<2>) add_mass_matrix<2>;
+  template decltype(add_mass_matrix<3>) add_mass_matrix<3>;
 } // namespace greville

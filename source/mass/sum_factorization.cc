@@ -453,13 +453,10 @@ namespace greville
 
 
 
-#define INSTANTIATE(dim)                                       \
-  template class ShapeTables<dim>;                             \
-  template CellKernels  cell_kernels<dim>(const unsigned int,  \
-                                         const unsigned int); \
-  template ColumnKernel column_kernel<dim>(const unsigned int, \
-                                           const unsigned int, \
-                                           const unsigned int)
-  INSTANTIATE(2);
-  INSTANTIATE(3);
+  template class ShapeTables<2>;
+  template class ShapeTables<3>;
+  template decltype(cell_kernels<2>)  cell_kernels<2>;
+  template decltype(cell_kernels<3>)  cell_kernels<3>;
+  template decltype(column_kernel<2>) column_kernel<2>;
+  template decltype(column_kernel<3>) column_kernel<3>;
 } // namespace greville

@@ -23,27 +23,19 @@ namespace greville
       MakeMaterial make;
     };
 
-    template <typename Law>
-    Entry
-    entry()
-    {
-      return {Law::name, []() -> std::unique_ptr<Material> {
-                return std::make_unique<Law>();
-              }};
-    }
-
     // All materials, one line each.
     std::vector<Entry> &
     materials()
     {
-      static std::vector<Entry> list = {entry<LinearElastic>(),
-                                        entry<NeoHookean>(),
-                                        entry<DecoupledNeoHookean>(),
-                                        entry<VonMises>(),
-                                        entry<DruckerPrager>(),
-                                        entry<MohrCoulomb>(),
-                                        entry<NewtonianFluid>(),
-                                        entry<Bingham>()};
+      static std::vector<Entry> list = {
+        {LinearElastic::name, new_material<LinearElastic>},
+        {NeoHookean::name, new_material<NeoHookean>},
+        {DecoupledNeoHookean::name, new_material<DecoupledNeoHookean>},
+        {VonMises::name, new_material<VonMises>},
+        {DruckerPrager::name, new_material<DruckerPrager>},
+        {MohrCoulomb::name, new_material<MohrCoulomb>},
+        {NewtonianFluid::name, new_material<NewtonianFluid>},
+        {Bingham::name, new_material<Bingham>}};
       return list;
     }
   } // namespace

@@ -49,19 +49,19 @@ namespace greville
                     section,
                     "Residual cohesion",
                     last_cohesion,
-                    "at most the peak cohesion, which is " + to_text(cohesion));
+                    "at most the peak cohesion, which is " + text_of(cohesion));
     check_parameter(last_angle <= friction_angle,
                     section,
                     "Residual friction angle",
                     last_angle,
                     "at most the peak friction angle, which is " +
-                      to_text(friction_angle));
+                      text_of(friction_angle));
     check_parameter(dilatancy_angle <= last_angle,
                     section,
                     "Dilatancy angle",
                     dilatancy_angle,
                     "at most the (residual) friction angle, which is " +
-                      to_text(last_angle));
+                      text_of(last_angle));
     check_parameter(last_cohesion > 0. || last_angle > 0.,
                     section,
                     "Residual cohesion",

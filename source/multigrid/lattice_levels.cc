@@ -3,7 +3,6 @@
 #include <deal.II/lac/la_parallel_vector.h>
 
 #include <greville/base/index_limits.h>
-#include <greville/base/vector_field.h>
 #include <greville/multigrid/lattice_levels.h>
 
 #include <algorithm>
@@ -156,12 +155,7 @@ namespace greville
 
     // Their numbers.
     const std::uint64_t n_owned = owned.size();
-    std::uint64_t       first   = 0;
-    const int           ierr =
-      MPI_Exscan(&n_owned, &first, 1, MPI_UINT64_T, MPI_SUM, comm);
-    AssertThrowMPI(ierr);
-    if (me == 0)
-      first = 0;
+    const std::uint64_t first   = sum_before(n_owned, comm);
     list.zero_out_ghost_values();
     list = 0.;
     for (std::uint64_t k = 0; k < n_owned; ++k)

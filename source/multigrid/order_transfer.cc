@@ -254,8 +254,6 @@ namespace greville
 
   template class OrderTransfer<2>;
   template class OrderTransfer<3>;
-  template void
-  add_inverse_mass<2>(const std::string &, const MakeInverseMass<2> &);
-  template void
-  add_inverse_mass<3>(const std::string &, const MakeInverseMass<3> &);
+  template decltype(add_inverse_mass<2>) add_inverse_mass<2>;
+  template decltype(add_inverse_mass<3>) add_inverse_mass<3>;
 } // namespace greville

@@ -394,18 +394,10 @@ namespace greville
 
 
 
-#define INSTANTIATE(dim)                                                            \
-  template void                            add_smoother(const std::string &,        \
-                                                        const bool,                 \
-                                                        const bool,                 \
-                                                        const MakeSmoother<dim> &); \
-  template std::unique_ptr<Preconditioner> make_by_components(                      \
-    std::unique_ptr<Preconditioner>, const LevelOperator<dim> &);                   \
-  template std::unique_ptr<Preconditioner> make_smoother<dim>(                      \
-    const std::string &,                                                            \
-    const SmootherParameters &,                                                     \
-    const LevelOperator<dim> &,                                                     \
-    const bool)
-  INSTANTIATE(2);
-  INSTANTIATE(3);
+  template decltype(add_smoother<2>)       add_smoother<2>;
+  template decltype(add_smoother<3>)       add_smoother<3>;
+  template decltype(make_by_components<2>) make_by_components<2>;
+  template decltype(make_by_components<3>) make_by_components<3>;
+  template decltype(make_smoother<2>)      make_smoother<2>;
+  template decltype(make_smoother<3>)      make_smoother<3>;
 } // namespace greville

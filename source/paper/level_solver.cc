@@ -4,10 +4,10 @@
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_gmres.h>
 
+#include <greville/base/errors.h>
 #include <greville/linear_algebra/krylov.h>
 #include <greville/paper/level_solver.h>
 
-#include <sstream>
 
 
 namespace greville
@@ -43,17 +43,11 @@ namespace greville
     // Recursive and true residual may differ by round-off.
     result.converged = result.reduction <= 1.01 * tolerance;
     if (!result.converged && result.reason.empty())
-      {
-        std::ostringstream reason;
-        if (result.iterations)
-          reason << "did not reach the tolerance: round-off keeps the true "
-                    "residual at "
-                 << result.reduction << " times the right-hand side";
-        else
-          reason << "is a direct approximation; the residual is "
-                 << result.reduction << " times the right-hand side";
-        result.reason = reason.str();
-      }
+      result.reason =
+        (result.iterations ? "did not reach the tolerance: round-off keeps the "
+                             "true residual at "
+                           : "is a direct approximation; the residual is ") +
+        text_of(result.reduction) + " times the right-hand side";
     return result;
   }
 
@@ -129,20 +123,8 @@ namespace greville
 
 
 
-#define INSTANTIATE(dim)                                 \
-  template SolveResult solve_and_check<dim>(             \
-    const LevelOperator<dim> &,                          \
-    VectorType &,                                        \
-    const VectorType &,                                  \
-    const double,                                        \
-    const std::function<void(SolveResult &)> &);         \
-  template void iterate<dim>(const LevelMethod,          \
-                             const LevelOperator<dim> &, \
-                             const Preconditioner *,     \
-                             const SolverParameters &,   \
-                             VectorType &,               \
-                             const VectorType &,         \
-                             SolveResult &)
-  INSTANTIATE(2);
-  INSTANTIATE(3);
+  template decltype(solve_and_check<2>) solve_and_check<2>;
+  template decltype(solve_and_check<3>) solve_and_check<3>;
+  template decltype(iterate<2>)         iterate<2>;
+  template decltype(iterate<3>)         iterate<3>;
 } // namespace greville

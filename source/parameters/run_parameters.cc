@@ -6,7 +6,6 @@
 #include <greville/parameters/run_parameters.h>
 #include <greville/points/point_fields.h>
 
-#include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 
 namespace greville

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/parameters/names.h>
 #include <greville/parameters/stage_parameters.h>
 
-#include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 
 namespace greville

@@ -23,9 +23,7 @@ namespace greville
     std::vector<double>                            &result) const
   {
     constexpr double largest_expansion = 1.5;
-    double           cell_volume       = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      cell_volume *= tables.space->lattice().cell_size(d);
+    const double     cell_volume       = tables.space->lattice().cell_volume();
     result.assign(tables.space->owned_cells().size(), 0.);
     for (const MaterialPoints<dim> *points : bodies)
       for (const unsigned int cell : points->cells())

@@ -117,9 +117,7 @@ namespace greville
     const auto &positions = neighbors.positions();
     const auto &extents   = space.lattice().n_cells();
 
-    double cell_volume = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      cell_volume *= space.lattice().cell_size(d);
+    const double        cell_volume = space.lattice().cell_volume();
     std::vector<double> filling(positions.size(), 0.);
     points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
       filling[cell] += p.volume() / cell_volume;
@@ -184,9 +182,7 @@ namespace greville
     const unsigned int to_load   = has_load ? to.first("load") : 0;
     result.reinit(space, to);
 
-    double cell_volume = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      cell_volume *= lattice.cell_size(d);
+    const double           cell_volume = lattice.cell_volume();
     const QGauss<dim>      quadrature(n_q);
     constexpr unsigned int n_stress = Layout::n_stress;
     const unsigned int     n_fields = 1 + dim + n_stress + (has_load ? dim : 0);

@@ -10,7 +10,6 @@
 #include <limits>
 #include <map>
 #include <set>
-#include <sstream>
 
 namespace greville
 {
@@ -145,16 +144,6 @@ namespace greville
                          body.points.space().lattice().cell_size(axis);
       return {Utilities::MPI::sum(own, comm),
               is_on ? Utilities::MPI::sum(above, comm) : 0.};
-    }
-
-
-
-    std::string
-    rounded(const double value)
-    {
-      std::ostringstream text;
-      text << std::setprecision(4) << value;
-      return text.str();
     }
   } // namespace
 

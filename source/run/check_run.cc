@@ -17,7 +17,6 @@
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
-#include <sstream>
 
 namespace greville
 {
@@ -39,18 +38,7 @@ namespace greville
     double
     seconds_since(const Clock::time_point &begin, const MPI_Comm comm)
     {
-      return Utilities::MPI::max(
-        std::chrono::duration<double>(Clock::now() - begin).count(), comm);
-    }
-
-
-
-    std::string
-    rounded(const double value, const unsigned int digits = 3)
-    {
-      std::ostringstream text;
-      text << std::setprecision(digits) << value;
-      return text.str();
+      return Utilities::MPI::max(greville::seconds_since(begin), comm);
     }
 
 
@@ -254,9 +242,9 @@ namespace greville
                 out << "  " << std::left << std::setw(16) << first[s].first
                     << std::right << std::setw(13)
                     << rounded(Utilities::MPI::sum(area, comm), 6) << "   "
-                    << text(first[s].second) << " at t = " << rounded(t)
+                    << text(first[s].second) << " at t = " << rounded(t, 3)
                     << " s, " << text(last[s].second)
-                    << " at t = " << rounded(end) << " s\n";
+                    << " at t = " << rounded(end, 3) << " s\n";
               }
           }
       }
@@ -316,11 +304,12 @@ namespace greville
         const double each  = n > 1 ? steps / (n - 1) : first_step;
         const double total = set_up + first_step + each * (n_steps - 1.);
         out << "  step: " << rounded(dt, 4) << " s, the mean of " << n
-            << " trial step(s) from t = " << rounded(begin_of_trial) << " s\n"
+            << " trial step(s) from t = " << rounded(begin_of_trial, 3)
+            << " s\n"
             << "  number of steps: " << (is_cut ? "" : "about ")
             << std::uint64_t(n_steps)
             << (is_cut ? ", as 'Time/Maximum steps' says"
-                       : " to t = " + rounded(end) + " s")
+                       : " to t = " + rounded(end, 3) + " s")
             << '\n'
             << "  estimated time: " << duration(total)
             << (is_explicit ? ""

@@ -147,10 +147,8 @@ namespace greville
             const PointLayout<dim> &layout = surfaces[k].points.layout();
             const PointField       *gap    = layout.find("gap");
             // Points of loads are as those that face nothing.
-            const auto &lattice = surfaces[k].points.space().lattice();
-            double      h       = lattice.cell_size(0);
-            for (unsigned int d = 1; d < dim; ++d)
-              h = std::min(h, lattice.cell_size(d));
+            const auto  &lattice = surfaces[k].points.space().lattice();
+            const double h       = lattice.smallest_cell_size();
             surfaces[k].points.for_each(
               [&](const unsigned int, ConstPointRef<dim> p) {
                 const SurfaceState<dim> state = surface_state<dim>(p, layout);

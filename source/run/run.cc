@@ -6,16 +6,12 @@
 #include <greville/run/check_materials.h>
 #include <greville/run/run.h>
 #include <greville/run/run_header.h>
-#include <greville/steps/implicit_scheme.h>
 #include <greville/steps/load_balance.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <iomanip>
-#include <iostream>
 #include <limits>
-#include <sstream>
 #include <unistd.h>
 
 namespace greville
@@ -24,16 +20,6 @@ namespace greville
 
   namespace
   {
-    double
-    seconds_since(const std::chrono::steady_clock::time_point &begin)
-    {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() -
-                                           begin)
-        .count();
-    }
-
-
-
     /**
      * Whether a line can be written again. mpirun gives processes a terminal
      * even where its own output goes to a file, so that TERM = dumb says no.

@@ -16,19 +16,6 @@ namespace greville
 {
   using namespace dealii;
 
-  namespace
-  {
-    double
-    seconds_since(const std::chrono::steady_clock::time_point &begin)
-    {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() -
-                                           begin)
-        .count();
-    }
-  } // namespace
-
-
-
   template <int dim>
   void
   SimulationRun<dim>::print_progress(const bool is_last)
@@ -292,20 +279,6 @@ namespace greville
 
 
 
-  template void
-  SimulationRun<2>::print_progress(const bool);
-  template void
-  SimulationRun<2>::print_summary(const RunSummary &);
-  template void
-  SimulationRun<2>::write_summary(const RunSummary &);
-  template double
-  SimulationRun<2>::bytes_per_point() const;
-  template void
-  SimulationRun<3>::print_progress(const bool);
-  template void
-  SimulationRun<3>::print_summary(const RunSummary &);
-  template void
-  SimulationRun<3>::write_summary(const RunSummary &);
-  template double
-  SimulationRun<3>::bytes_per_point() const;
+  template class SimulationRun<2>;
+  template class SimulationRun<3>;
 } // namespace greville

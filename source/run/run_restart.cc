@@ -370,28 +370,6 @@ namespace greville
 
 
 
-  template void
-  SimulationRun<2>::begin_run(const RunOptions &);
-  template void
-  SimulationRun<3>::begin_run(const RunOptions &);
-  template void
-  SimulationRun<2>::go_on(const Checkpoint &);
-  template void
-  SimulationRun<3>::go_on(const Checkpoint &);
-  template SimulationRun<2>::Mark
-  SimulationRun<2>::make_mark() const;
-  template SimulationRun<3>::Mark
-  SimulationRun<3>::make_mark() const;
-  template void
-  SimulationRun<2>::write_checkpoint();
-  template void
-  SimulationRun<3>::write_checkpoint();
-  template std::string
-  SimulationRun<2>::write_last_good_state();
-  template std::string
-  SimulationRun<3>::write_last_good_state();
-  template void
-  SimulationRun<2>::look_for_checkpoint(const bool);
-  template void
-  SimulationRun<3>::look_for_checkpoint(const bool);
+  template class SimulationRun<2>;
+  template class SimulationRun<3>;
 } // namespace greville

@@ -8,7 +8,6 @@
 #include <greville/run/sweep.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iomanip>

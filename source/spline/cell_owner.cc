@@ -65,12 +65,6 @@ namespace greville
 
 
 
-  template unsigned int
-  cell_owner<2>(const DistributedTriangulation<2> &,
-                const Lattice<2> &,
-                const MultiIndex<2> &);
-  template unsigned int
-  cell_owner<3>(const DistributedTriangulation<3> &,
-                const Lattice<3> &,
-                const MultiIndex<3> &);
+  template decltype(cell_owner<2>) cell_owner<2>;
+  template decltype(cell_owner<3>) cell_owner<3>;
 } // namespace greville

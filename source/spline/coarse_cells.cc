@@ -94,8 +94,8 @@ namespace greville
 
   template struct CoarseCells<2>;
   template struct CoarseCells<3>;
-  template std::string
-  describe_many_coarse_cells<2>(const MultiIndex<2> &, const unsigned int);
-  template std::string
-  describe_many_coarse_cells<3>(const MultiIndex<3> &, const unsigned int);
+  template decltype(describe_many_coarse_cells<2>)
+    describe_many_coarse_cells<2>;
+  template decltype(describe_many_coarse_cells<3>)
+    describe_many_coarse_cells<3>;
 } // namespace greville

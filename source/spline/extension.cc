@@ -256,13 +256,11 @@ namespace greville
   typename Extension<dim>::Counts
   Extension<dim>::counts() const
   {
-    Counts        result;
-    std::uint64_t n[4] = {0, 0, 0, 0};
+    Counts                     result;
+    std::vector<std::uint64_t> n(4);
     for (unsigned int f = 0; f < spline_space->owned_functions().size(); ++f)
       ++n[classes[f]];
-    Utilities::MPI::sum(ArrayView<const std::uint64_t>(n, 4),
-                        spline_space->communicator(),
-                        ArrayView<std::uint64_t>(n, 4));
+    Utilities::MPI::sum(n, spline_space->communicator(), n);
     result.stable   = n[stable];
     result.extended = n[extended];
     result.lumped   = n[lumped];

@@ -19,9 +19,8 @@ namespace greville
 
     // Smallest and largest corners and cell sizes, negated where the minimum
     // serves as maximum: one reduction.
-    const double                infinity = std::numeric_limits<double>::max();
-    std::array<double, 4 * dim> local;
-    local.fill(infinity);
+    const double        infinity = std::numeric_limits<double>::max();
+    std::vector<double> local(4 * dim, infinity), global(4 * dim);
     for (const auto &cell : triangulation.active_cell_iterators())
       if (cell->is_locally_owned())
         for (unsigned int d = 0; d < dim; ++d)
@@ -34,10 +33,7 @@ namespace greville
             local[2 * dim + d] = std::min(local[2 * dim + d], b - a);
             local[3 * dim + d] = std::min(local[3 * dim + d], a - b);
           }
-    std::array<double, 4 * dim> global;
-    Utilities::MPI::min(ArrayView<const double>(local.data(), local.size()),
-                        comm,
-                        ArrayView<double>(global.data(), global.size()));
+    Utilities::MPI::min(local, comm, global);
 
     double product = 1;
     for (unsigned int d = 0; d < dim; ++d)
@@ -125,13 +121,8 @@ namespace greville
 
 
 
-#define INSTANTIATE(dim)                                              \
-  template class Lattice<dim>;                                        \
-  template void create_box_mesh<dim>(DistributedTriangulation<dim> &, \
-                                     const Point<dim> &,              \
-                                     const Point<dim> &,              \
-                                     const MultiIndex<dim> &,         \
-                                     const std::array<bool, dim> &)
-  INSTANTIATE(2);
-  INSTANTIATE(3);
+  template class Lattice<2>;
+  template class Lattice<3>;
+  template decltype(create_box_mesh<2>) create_box_mesh<2>;
+  template decltype(create_box_mesh<3>) create_box_mesh<3>;
 } // namespace greville

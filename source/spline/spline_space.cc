@@ -162,12 +162,7 @@ namespace greville
       }
     std::sort(owned.begin(), owned.end());
 
-    const std::uint64_t n_owned = owned.size();
-    std::uint64_t       offset  = 0;
-    const int           ierr =
-      MPI_Exscan(&n_owned, &offset, 1, MPI_UINT64_T, MPI_SUM, comm);
-    AssertThrowMPI(ierr);
-    first_owned = Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : offset;
+    first_owned = sum_before(owned.size(), comm);
   }
 
 

@@ -3,7 +3,6 @@
 #include <greville/base/errors.h>
 #include <greville/base/memory.h>
 #include <greville/boundary/walls.h>
-#include <greville/geometry/shape.h>
 #include <greville/points/body.h>
 #include <greville/steps/body_grids.h>
 

@@ -5,7 +5,6 @@
 #include <greville/steps/central_differences.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace greville
 {

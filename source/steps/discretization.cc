@@ -3,16 +3,15 @@
 #include <greville/base/errors.h>
 #include <greville/base/memory.h>
 #include <greville/base/step_errors.h>
+#include <greville/parameters/names.h>
 #include <greville/spline/coarse_cells.h>
 #include <greville/steps/discretization.h>
-#include <greville/steps/implicit_scheme.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <sstream>
 
 namespace greville
 {
@@ -231,18 +230,6 @@ namespace greville
 
 
   template <int dim>
-  double
-  Discretization<dim>::cell_size() const
-  {
-    double h = space().lattice().cell_size(0);
-    for (unsigned int d = 1; d < dim; ++d)
-      h = std::min(h, space().lattice().cell_size(d));
-    return h;
-  }
-
-
-
-  template <int dim>
   void
   Discretization<dim>::initialize(VectorField<dim> &field) const
   {
@@ -445,49 +432,37 @@ namespace greville
   {
     const PartTimer timer(log, "transport");
     std::string     problem;
+    const auto      move = [&](MaterialPoints<dim>             &points,
+                          const std::vector<unsigned int> &left,
+                          const std::string               &owner) {
+      const auto result = point_transport.move(points, left);
+      if (result.n_removed > 0 && problem.empty() &&
+          (parameters.scheme.stops_outside() ||
+           !std::isfinite(result.outside_position.norm())))
+        problem = "point " + std::to_string(result.outside) + " of the " +
+                  owner + "' has left the grid: it is at (" +
+                  text_of(result.outside_position) + ") m";
+      if (state.n_steps % defragment_every == defragment_every - 1)
+        points.defragment();
+      return result;
+    };
     // Points, removed ones, and the mass of the last: integers are exact in
     // doubles.
     std::vector<double> counts(3);
     for (unsigned int b = 0; b < state.bodies.size(); ++b)
       {
-        Body<dim> &body   = state.bodies[b];
-        const auto result = point_transport.move(body.points, left_cells[b]);
+        Body<dim> &body = state.bodies[b];
+        const auto result =
+          move(body.points, left_cells[b], "body '" + body.name);
         counts[0] += body.points.n_points();
         counts[1] += result.n_removed;
         counts[2] += result.removed_mass;
         state.n_sent += result.n_sent;
-        if (result.n_removed > 0 && problem.empty() &&
-            (parameters.scheme.stops_outside() ||
-             !std::isfinite(result.outside_position.norm())))
-          {
-            std::ostringstream message;
-            message << "point " << result.outside << " of the body '"
-                    << body.name << "' has left the grid: it is at ("
-                    << result.outside_position << ") m";
-            problem = message.str();
-          }
-        if (state.n_steps % defragment_every == defragment_every - 1)
-          body.points.defragment();
       }
     for (unsigned int s = 0; s < left_surface_cells.size(); ++s)
-      {
-        Surface<dim> &surface = state.surfaces[s];
-        const auto    result =
-          point_transport.move(surface.points, left_surface_cells[s]);
-        if (result.n_removed > 0 && problem.empty() &&
-            (parameters.scheme.stops_outside() ||
-             !std::isfinite(result.outside_position.norm())))
-          {
-            std::ostringstream message;
-            message << "point " << result.outside
-                    << " of the surface of the load '" << surface.name
-                    << "' has left the grid: it is at ("
-                    << result.outside_position << ") m";
-            problem = message.str();
-          }
-        if (state.n_steps % defragment_every == defragment_every - 1)
-          surface.points.defragment();
-      }
+      move(state.surfaces[s].points,
+           left_surface_cells[s],
+           "surface of the load '" + state.surfaces[s].name);
     state.points_have_changed();
     Utilities::MPI::sum(counts, comm, counts);
     state.n_points = std::uint64_t(counts[0]);

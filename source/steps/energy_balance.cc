@@ -3,7 +3,6 @@
 #include <greville/steps/energy_balance.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace greville
@@ -24,12 +23,10 @@ namespace greville
   EnergyTotals
   EnergyBalance::totals(const double energy, const MPI_Comm comm) const
   {
-    std::array<double, 3> sums{{0., own_damping, own_friction}};
+    std::vector<double> sums{0., own_damping, own_friction};
     for (const double amount : own_work)
       sums[0] += amount;
-    Utilities::MPI::sum(ArrayView<const double>(sums.data(), sums.size()),
-                        comm,
-                        ArrayView<double>(sums.data(), sums.size()));
+    Utilities::MPI::sum(sums, comm, sums);
     return {energy, sums[0], sums[1], sums[2]};
   }
 

@@ -36,13 +36,13 @@ namespace greville
         update.acceleration = kick ? &(field.*kick) : nullptr;
         update.velocity     = velocity ? &(field.*velocity) : nullptr;
         update.deformation  = deformation ? &(field.*deformation) : nullptr;
-        update_points(state.bodies,
-                      field.bodies,
-                      discretization.transfer(),
-                      update,
-                      state.time + (move ? trial.step : 0.),
-                      row,
-                      motion);
+        update_points_of(state.bodies,
+                         field.bodies,
+                         discretization.transfer(),
+                         update,
+                         state.time + (move ? trial.step : 0.),
+                         row,
+                         motion);
         update_surfaces(state, field, update, motion);
       }
     if (watches)

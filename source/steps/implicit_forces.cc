@@ -125,8 +125,8 @@ namespace greville
     constexpr double units = 16. * std::numeric_limits<double>::epsilon();
     // The displacement of points is of the size of its mean: coefficients of
     // functions that points hardly see may be any number.
-    const VectorType &mass    = field().lumped_mass;
-    double            sums[2] = {};
+    const VectorType   &mass = field().lumped_mass;
+    std::vector<double> sums(2);
     for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
       {
         sums[1] += mass.local_element(i);
@@ -134,9 +134,7 @@ namespace greville
           sums[0] += mass.local_element(i) * displacement[d].local_element(i) *
                      displacement[d].local_element(i);
       }
-    Utilities::MPI::sum(ArrayView<const double>(sums, 2),
-                        discretization.communicator(),
-                        ArrayView<double>(sums, 2));
+    Utilities::MPI::sum(sums, discretization.communicator(), sums);
     const double u = sums[1] > 0. ? std::sqrt(sums[0] / sums[1]) : 0.;
     double       x = 0.;
     for (const auto *corner : {&parameters.grid.lower, &parameters.grid.upper})

@@ -7,10 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <iostream>
-#include <limits>
-#include <sstream>
 
 namespace greville
 {
@@ -542,6 +538,18 @@ namespace greville
                            discretization.cell_size(),
                            state.first_signal,
                            dt);
+    const auto pass    = [&](const PointUpdate<dim> &update) {
+      PointMotion motion = update_points(state.bodies,
+                                         discretization.transfer(),
+                                         update,
+                                         state.time + dt);
+      update_surfaces(state.surfaces,
+                      field().surfaces,
+                      discretization.transfer(),
+                      update,
+                      motion);
+      return motion;
+    };
     MomentumBalance<dim> momentum;
     if (scheme.is_static)
       stop_points(state);
@@ -551,31 +559,15 @@ namespace greville
         momentum.add(field().momentum, kick.flip);
         momentum.add(lumped, state.fields[0].acceleration, kick.flip * dt);
         momentum.add(lumped, velocity, 1. - kick.flip);
-        PointMotion kicked = update_points(state.bodies,
-                                           discretization.transfer(),
-                                           kick,
-                                           state.time + dt);
-        update_surfaces(state.surfaces,
-                        field().surfaces,
-                        discretization.transfer(),
-                        kick,
-                        kicked);
+        pass(kick);
       }
     PointUpdate<dim> move;
-    move.velocity      = &displacement;
-    move.deformation   = &displacement;
-    move.move          = true;
-    move.step          = dt;
-    move.projection    = discretization.volume_projection();
-    PointMotion motion = update_points(state.bodies,
-                                       discretization.transfer(),
-                                       move,
-                                       state.time + dt);
-    update_surfaces(state.surfaces,
-                    field().surfaces,
-                    discretization.transfer(),
-                    move,
-                    motion);
+    move.velocity            = &displacement;
+    move.deformation         = &displacement;
+    move.move                = true;
+    move.step                = dt;
+    move.projection          = discretization.volume_projection();
+    const PointMotion motion = pass(move);
     state.points_have_changed();
     const std::string problem =
       discretization.transport_points(state,
@@ -585,10 +577,8 @@ namespace greville
                 discretization.communicator());
     guard.set(motion);
     guard.set(momentum);
-    double speeds[2] = {motion.fastest_signal, motion.fastest_wave};
-    Utilities::MPI::max(ArrayView<const double>(speeds, 2),
-                        discretization.communicator(),
-                        ArrayView<double>(speeds, 2));
+    std::vector<double> speeds{motion.fastest_signal, motion.fastest_wave};
+    Utilities::MPI::max(speeds, discretization.communicator(), speeds);
     state.signals.fastest = speeds[0];
     state.signals.wave    = speeds[1];
   }

@@ -57,9 +57,7 @@ namespace greville
     check_overlap(const std::vector<Body<dim>> &bodies,
                   const SplineSpace<dim>       &space)
     {
-      double cell_volume = 1.;
-      for (unsigned int d = 0; d < dim; ++d)
-        cell_volume *= space.lattice().cell_size(d);
+      const double cell_volume = space.lattice().cell_volume();
 
       // Fractions of cells: where the bodies before fill more than what this
       // one leaves, two of them are in the same place.
@@ -106,12 +104,10 @@ namespace greville
     {
       // Volumes in both of two bodies are errors above these parts of a cell,
       // and of the smaller body.
-      constexpr double most_of_cell = 0.4, most_of_body = 0.5;
-      double           cell_volume = 1.;
-      for (unsigned int d = 0; d < dim; ++d)
-        cell_volume *= space.lattice().cell_size(d);
-      const std::size_t   n_bodies = bodies.size();
-      const unsigned int  n_cells  = space.owned_cells().size();
+      constexpr double    most_of_cell = 0.4, most_of_body = 0.5;
+      const double        cell_volume = space.lattice().cell_volume();
+      const std::size_t   n_bodies    = bodies.size();
+      const unsigned int  n_cells     = space.owned_cells().size();
       std::vector<double> common(n_bodies * n_bodies, 0.), volumes(n_bodies);
       std::vector<double> largest(common);
       std::vector<unsigned int> cells(common.size(), 0);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace greville
 {
@@ -74,13 +73,13 @@ namespace greville
 
   template <int dim>
   void
-  update_points(std::vector<Body<dim>>          &bodies,
-                const std::vector<unsigned int> &numbers,
-                PointTransfer<dim>              &transfer,
-                PointUpdate<dim>                 update,
-                const double                     time,
-                LateRow<dim>                    *row,
-                PointMotion                     &motion)
+  update_points_of(std::vector<Body<dim>>          &bodies,
+                   const std::vector<unsigned int> &numbers,
+                   PointTransfer<dim>              &transfer,
+                   PointUpdate<dim>                 update,
+                   const double                     time,
+                   LateRow<dim>                    *row,
+                   PointMotion                     &motion)
   {
     motion.left_cells.resize(bodies.size());
     for (const unsigned int b : numbers)
@@ -114,23 +113,6 @@ namespace greville
                            " of the body '" + body.name +
                            "': " + report.bad_reason;
       }
-  }
-
-
-
-  template <int dim>
-  PointMotion
-  update_points(std::vector<Body<dim>> &bodies,
-                PointTransfer<dim>     &transfer,
-                PointUpdate<dim>        update,
-                const double            time,
-                LateRow<dim>           *row)
-  {
-    std::vector<unsigned int> all(bodies.size());
-    std::iota(all.begin(), all.end(), 0);
-    PointMotion motion;
-    update_points(bodies, all, transfer, update, time, row, motion);
-    return motion;
   }
 
 
@@ -185,38 +167,12 @@ namespace greville
 
 
 
-  template decltype(stop_points<2>) stop_points<2>;
-  template decltype(stop_points<3>) stop_points<3>;
-  template void
-  update_points<2>(std::vector<Body<2>> &,
-                   const std::vector<unsigned int> &,
-                   PointTransfer<2> &,
-                   PointUpdate<2>,
-                   const double,
-                   LateRow<2> *,
-                   PointMotion &);
-  template void
-  update_points<3>(std::vector<Body<3>> &,
-                   const std::vector<unsigned int> &,
-                   PointTransfer<3> &,
-                   PointUpdate<3>,
-                   const double,
-                   LateRow<3> *,
-                   PointMotion &);
-  template PointMotion
-  update_points<2>(std::vector<Body<2>> &,
-                   PointTransfer<2> &,
-                   PointUpdate<2>,
-                   const double,
-                   LateRow<2> *);
-  template PointMotion
-                                        update_points<3>(std::vector<Body<3>> &,
-                   PointTransfer<3> &,
-                   PointUpdate<3>,
-                   const double,
-                   LateRow<3> *);
-  template decltype(update_surfaces<2>) update_surfaces<2>;
-  template decltype(update_surfaces<3>) update_surfaces<3>;
-  template decltype(share_volume<2>)    share_volume<2>;
-  template decltype(share_volume<3>)    share_volume<3>;
+  template decltype(stop_points<2>)      stop_points<2>;
+  template decltype(stop_points<3>)      stop_points<3>;
+  template decltype(update_points_of<2>) update_points_of<2>;
+  template decltype(update_points_of<3>) update_points_of<3>;
+  template decltype(update_surfaces<2>)  update_surfaces<2>;
+  template decltype(update_surfaces<3>)  update_surfaces<3>;
+  template decltype(share_volume<2>)     share_volume<2>;
+  template decltype(share_volume<3>)     share_volume<3>;
 } // namespace greville

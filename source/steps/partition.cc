@@ -2,7 +2,6 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/mixed_bits.h>
-#include <greville/base/parameters.h>
 #include <greville/steps/partition.h>
 
 #include <array>

@@ -261,16 +261,6 @@ namespace greville
 
 
 
-  template PetscMatrix
-  TangentLevel<2>::petsc_matrix() const;
-  template PetscMatrix
-  TangentLevel<3>::petsc_matrix() const;
-  template std::unique_ptr<Preconditioner>
-  TangentLevel<2>::lattice_preconditioner(const std::string &) const;
-  template std::unique_ptr<Preconditioner>
-  TangentLevel<3>::lattice_preconditioner(const std::string &) const;
-  template std::unique_ptr<Preconditioner>
-  TangentLevel<2>::petsc_preconditioner(const std::string &) const;
-  template std::unique_ptr<Preconditioner>
-  TangentLevel<3>::petsc_preconditioner(const std::string &) const;
+  template class TangentLevel<2>;
+  template class TangentLevel<3>;
 } // namespace greville

@@ -5,7 +5,6 @@
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_gmres.h>
 
-#include <greville/base/errors.h>
 #include <greville/linear_algebra/krylov.h>
 #include <greville/stiffness/tangent_system.h>
 
@@ -204,26 +203,6 @@ namespace greville
 
 
 
-  template void
-  TangentSystem<2>::multiply(VectorType &, const VectorType &);
-  template void
-  TangentSystem<3>::multiply(VectorType &, const VectorType &);
-  template SolveResult
-  TangentSystem<2>::solve(VectorType &, const VectorType &, const double);
-  template SolveResult
-  TangentSystem<3>::solve(VectorType &, const VectorType &, const double);
-  template SolveResult
-  TangentSystem<2>::solve_together(
-    const std::vector<TangentSystem *> &,
-    const double,
-    const std::function<SolveResult(const unsigned int)> &);
-  template SolveResult
-  TangentSystem<3>::solve_together(
-    const std::vector<TangentSystem *> &,
-    const double,
-    const std::function<SolveResult(const unsigned int)> &);
-  template SolveResult
-  TangentSystem<2>::solve_mass(VectorField<2> &, const VectorField<2> &);
-  template SolveResult
-  TangentSystem<3>::solve_mass(VectorField<3> &, const VectorField<3> &);
+  template class TangentSystem<2>;
+  template class TangentSystem<3>;
 } // namespace greville

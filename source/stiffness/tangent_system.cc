@@ -133,17 +133,6 @@ namespace greville
                                : 1.;
     }
 
-
-
-    template <int dim>
-    double
-    smallest_cell_size(const SplineSpace<dim> &space)
-    {
-      double h = space.lattice().cell_size(0);
-      for (unsigned int d = 1; d < dim; ++d)
-        h = std::min(h, space.lattice().cell_size(d));
-      return h;
-    }
   } // namespace
 
 
@@ -159,7 +148,7 @@ namespace greville
   {
     std::string problem;
     // Sums of both moduli of K, and of the squares of the first one of cells.
-    double sums_of_moduli[3] = {};
+    std::vector<double> sums_of_moduli(3);
     sums.back().clear();
     if (with_stiffness)
       {
@@ -229,12 +218,12 @@ namespace greville
     sums.back().take_force(force);
     if (with_stiffness)
       {
-        Utilities::MPI::sum(ArrayView<const double>(sums_of_moduli, 3),
+        Utilities::MPI::sum(sums_of_moduli,
                             space().communicator(),
-                            ArrayView<double>(sums_of_moduli, 3));
+                            sums_of_moduli);
         moduli = {{sums_of_moduli[0], sums_of_moduli[1]}};
         force_of_strain =
-          std::sqrt(sums_of_moduli[2]) / smallest_cell_size(space());
+          std::sqrt(sums_of_moduli[2]) / space().lattice().smallest_cell_size();
       }
     return problem;
   }
@@ -260,17 +249,15 @@ namespace greville
     if (mass_factor == 0.)
       return true;
     // The largest entries of K and c M, those of the last finish_tangent().
-    constexpr double stiff   = 30.;
-    double           sums[2] = {finest().largest_diagonal(), 0.};
-    double           mass    = 0.;
+    constexpr double    stiff = 30.;
+    std::vector<double> sums{finest().largest_diagonal(), 0.};
+    double              mass = 0.;
     for (const unsigned int place :
          finest().extended().unknowns().unknown_places())
       if (place != numbers::invalid_unsigned_int)
         mass = std::max(mass, finest().extended().matrix().diagonal(place));
     sums[1] = mass_factor * mass;
-    Utilities::MPI::max(ArrayView<const double>(sums, 2),
-                        space().communicator(),
-                        ArrayView<double>(sums, 2));
+    Utilities::MPI::max(sums, space().communicator(), sums);
     return sums[0] > (1. + stiff) * sums[1];
   }
 

@@ -35,6 +35,18 @@ namespace greville
   }
 
   /**
+   * A number with as many @p digits at most.
+   */
+  inline std::string
+  rounded(const double value, const unsigned int digits = 4)
+  {
+    std::ostringstream text;
+    text.precision(digits);
+    text << value;
+    return text.str();
+  }
+
+  /**
    * " Did you mean <lumped>?" where a word of @p known is close to @p word,
    * and nothing otherwise.
    */

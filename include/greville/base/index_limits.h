@@ -59,6 +59,21 @@ namespace greville
 
 
   /**
+   * Collective. The sum of @p number of the processes before this one.
+   */
+  inline std::uint64_t
+  sum_before(const std::uint64_t number, const MPI_Comm comm)
+  {
+    std::uint64_t sum = 0;
+    const int ierr = MPI_Exscan(&number, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
+    AssertThrowMPI(ierr);
+    // MPI leaves that of the first process open.
+    return dealii::Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : sum;
+  }
+
+
+
+  /**
    * Collective. dealii::Utilities::MPI::some_to_some() for lists, which must
    * not be too long for a message.
    */

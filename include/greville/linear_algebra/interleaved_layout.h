@@ -5,7 +5,6 @@
 
 #include <deal.II/base/partitioner.h>
 
-#include <array>
 #include <memory>
 #include <vector>
 

@@ -100,7 +100,7 @@ namespace greville
                       "Dilatancy angle",
                       dilatancy_angle,
                       "at most the friction angle, which is " +
-                        to_text(friction_angle));
+                        text_of(friction_angle));
       check_parameter(cohesion > 0. || friction_angle > 0.,
                       section,
                       "Cohesion",
@@ -116,7 +116,7 @@ namespace greville
                       "Tension cut-off",
                       tension_cut_off,
                       "at most the apex of the cone, which is at " +
-                        to_text(apex));
+                        text_of(apex));
       largest_mean =
         tension_cut_off < 0. ? apex : std::min(tension_cut_off, apex);
       is_cut_off            = largest_mean < apex;

@@ -8,8 +8,6 @@
 #include <greville/materials/material_lanes.h>
 #include <greville/materials/parameter_checks.h>
 
-#include <algorithm>
-#include <limits>
 
 namespace greville
 {
@@ -125,7 +123,7 @@ namespace greville
                    material,
                    sigma,
                    "the mean stress has to be smaller than K / exp(1) = " +
-                     to_text(bulk * std::exp(-1.)) + " Pa");
+                     text_of(bulk * std::exp(-1.)) + " Pa");
       // Newton's method approaches from one side.
       double log_J = 0.;
       for (unsigned int i = 0; i < 100; ++i)

@@ -88,7 +88,7 @@ namespace greville
                    Law::name,
                    stress,
                    std::string("the yield function ") + Law::yield_condition +
-                     " of J times this stress is " + to_text(f) +
+                     " of J times this stress is " + text_of(f) +
                      " Pa and has to be at most 0");
       point.state.fill(0.);
       set_elastic(point, e);

@@ -258,6 +258,13 @@ namespace greville
 
   using MakeMaterial = std::unique_ptr<Material> (*)();
 
+  template <typename Law>
+  std::unique_ptr<Material>
+  new_material()
+  {
+    return std::make_unique<Law>();
+  }
+
   /**
    * Add a material to the list, before parameters are read. Not from several
    * threads.
@@ -272,9 +279,7 @@ namespace greville
   void
   add_material()
   {
-    add_material(Law::name, []() -> std::unique_ptr<Material> {
-      return std::make_unique<Law>();
-    });
+    add_material(Law::name, new_material<Law>);
   }
 
   /**

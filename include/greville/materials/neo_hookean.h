@@ -74,8 +74,8 @@ namespace greville
       check_stress(converged && std::isfinite(stress.norm()),
                    name,
                    stress,
-                   "no deformation has it with lambda = " + to_text(lambda) +
-                     " Pa and mu = " + to_text(mu) + " Pa");
+                   "no deformation has it with lambda = " + text_of(lambda) +
+                     " Pa and mu = " + text_of(mu) + " Pa");
       point.J = std::exp(log_J);
       point.F = spectrum.tensor(stretch);
       update_point(point);

@@ -7,6 +7,7 @@
 #include <deal.II/base/patterns.h>
 #include <deal.II/base/symmetric_tensor.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 
 #include <sstream>
@@ -36,12 +37,10 @@ namespace greville
                   const double       value,
                   const std::string &allowed)
   {
-    if (valid)
-      return;
-    std::ostringstream text;
-    text << "The parameter '" << name << "' in section '" << section << "' is "
-         << value << "; it has to be " << allowed << ".";
-    AssertThrow(false, dealii::ExcMessage(text.str()));
+    AssertThrow(valid,
+                dealii::ExcMessage("The parameter '" + name + "' in section '" +
+                                   section + "' is " + text_of(value) +
+                                   "; it has to be " + allowed + "."));
   }
 
 
@@ -66,16 +65,6 @@ namespace greville
       text << (i == 0 ? "" : ", ") << stress.access_raw_entry(i) + 0.;
     text << ") Pa: " << reason << ".";
     AssertThrow(false, dealii::ExcMessage(text.str()));
-  }
-
-
-
-  inline std::string
-  to_text(const double value)
-  {
-    std::ostringstream text;
-    text << value;
-    return text.str();
   }
 } // namespace greville
 

@@ -9,7 +9,6 @@
 #include <greville/base/expression.h>
 #include <greville/materials/parameter_checks.h>
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -63,8 +62,8 @@ namespace greville
       AssertThrow(value > 0.,
                   dealii::ExcMessage(
                     "The formula <" + text + "> of the parameter '" +
-                    parameter + "' is " + to_text(value) + " at t = " +
-                    to_text(time) + "; it has to be greater than 0."));
+                    parameter + "' is " + text_of(value) + " at t = " +
+                    text_of(time) + "; it has to be greater than 0."));
       return value;
     }
 

@@ -101,7 +101,7 @@ namespace greville
                    Law::name,
                    stress,
                    "the tension has to be smaller than rho0 c^2 / gamma = " +
-                     to_text(B) + " Pa");
+                     text_of(B) + " Pa");
       const double log_J = -std::log1p(p / B) / exponent;
       point.J            = std::exp(log_J);
       point.F            = 0.;

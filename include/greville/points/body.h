@@ -9,7 +9,6 @@
 #include <greville/materials/material.h>
 #include <greville/points/material_points.h>
 
-#include <memory>
 #include <string>
 
 namespace greville

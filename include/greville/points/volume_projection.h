@@ -5,8 +5,6 @@
 
 #include <greville/points/point_transfer.h>
 
-#include <memory>
-
 namespace greville
 {
   /**

@@ -141,6 +141,24 @@ namespace greville
       return (upper_corner[d] - lower_corner[d]) / cells[d];
     }
 
+    double
+    smallest_cell_size() const
+    {
+      double h = cell_size(0);
+      for (unsigned int d = 1; d < dim; ++d)
+        h = std::min(h, cell_size(d));
+      return h;
+    }
+
+    double
+    cell_volume() const
+    {
+      double volume = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        volume *= cell_size(d);
+      return volume;
+    }
+
     /**
      * The corner of the cell @p index with the smallest coordinates.
      */

@@ -91,7 +91,10 @@ namespace greville
      * The smallest edge of a cell, m.
      */
     double
-    cell_size() const;
+    cell_size() const
+    {
+      return space().lattice().smallest_cell_size();
+    }
 
     const Walls<dim> &
     walls() const

@@ -7,6 +7,7 @@
 #include <greville/steps/late_row.h>
 #include <greville/steps/state.h>
 
+#include <numeric>
 #include <string>
 
 namespace greville
@@ -60,24 +61,30 @@ namespace greville
    */
   template <int dim>
   void
-  update_points(std::vector<Body<dim>>          &bodies,
-                const std::vector<unsigned int> &numbers,
-                PointTransfer<dim>              &transfer,
-                PointUpdate<dim>                 update,
-                const double                     time,
-                LateRow<dim>                    *row,
-                PointMotion                     &motion);
+  update_points_of(std::vector<Body<dim>>          &bodies,
+                   const std::vector<unsigned int> &numbers,
+                   PointTransfer<dim>              &transfer,
+                   PointUpdate<dim>                 update,
+                   const double                     time,
+                   LateRow<dim>                    *row,
+                   PointMotion                     &motion);
 
   /**
-   * Collective. Likewise of all bodies.
+   * Collective. Likewise of all bodies, without a row.
    */
   template <int dim>
   PointMotion
   update_points(std::vector<Body<dim>> &bodies,
                 PointTransfer<dim>     &transfer,
-                PointUpdate<dim>        update,
-                const double            time,
-                LateRow<dim>           *row = nullptr);
+                const PointUpdate<dim> &update,
+                const double            time)
+  {
+    std::vector<unsigned int> all(bodies.size());
+    std::iota(all.begin(), all.end(), 0);
+    PointMotion motion;
+    update_points_of<dim>(bodies, all, transfer, update, time, nullptr, motion);
+    return motion;
+  }
 
   /**
    * Collective. Likewise the points of the surfaces of the given numbers, which

@@ -42,6 +42,16 @@ namespace greville
 
 
 
+  inline double
+  seconds_since(const std::chrono::steady_clock::time_point &begin)
+  {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() -
+                                         begin)
+      .count();
+  }
+
+
+
   /**
    * Adds the time of its life to a part.
    */
@@ -59,9 +69,7 @@ namespace greville
 
     ~PartTimer()
     {
-      sum +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
-          .count();
+      sum += seconds_since(begin);
     }
 
   private:
