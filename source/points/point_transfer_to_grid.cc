@@ -2,6 +2,8 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
+#include <greville/base/with_width.h>
+
 #include "point_kernels.h"
 
 namespace greville
