@@ -4,6 +4,7 @@
 #define greville_source_points_point_kernels_h
 
 #include <greville/base/simd.h>
+#include <greville/base/with_width.h>
 #include <greville/points/point_transfer.h>
 
 /**

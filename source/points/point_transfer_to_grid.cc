@@ -2,8 +2,6 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
-#include <greville/base/with_width.h>
-
 #include "point_kernels.h"
 
 namespace greville

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/with_width.h>
 #include <greville/points/row_sums.h>
 #include <greville/points/volume_projection.h>
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/with_width.h>
-
 #include "point_kernels.h"
 
 namespace greville

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/with_width.h>
 #include <greville/points/trial_surface.h>
 
 #include "gradients.h"

@@ -287,7 +287,8 @@ namespace greville
     return std::all_of(contacts.contacts.begin(),
                        contacts.contacts.end(),
                        [](const Contact &contact) {
-                         return contact.average->law().friction->is_symmetric();
+                         const auto &friction = contact.average->law().friction;
+                         return !friction || friction->is_symmetric();
                        });
   }
 

@@ -3,8 +3,6 @@
 #ifndef greville_contact_friction_law_h
 #define greville_contact_friction_law_h
 
-#include <deal.II/base/numbers.h>
-
 #include <functional>
 #include <memory>
 #include <string>
@@ -44,8 +42,8 @@ namespace greville
     slopes(const double pressure, const double speed) const;
 
     /**
-     * Whether surfaces never slide under a finite strength that is not zero:
-     * tangents are symmetric then.
+     * Whether the strength does not depend on pressure and speed, as that of
+     * smooth and of rough surfaces: tangents are symmetric then.
      */
     virtual bool
     is_symmetric() const

@@ -8,7 +8,6 @@
 #include <greville/materials/material_lanes.h>
 #include <greville/materials/parameter_checks.h>
 
-
 namespace greville
 {
   /**
