@@ -265,6 +265,8 @@ namespace greville
     check_mass_name(scheme.mass, "Scheme/Mass");
     if (scheme.is_total_lagrangian())
       check_total_lagrangian();
+    if (scheme.averages_over_domains())
+      check_domains();
     AssertThrow(scheme.transfer == "FLIP" || scheme.flip == 1.,
                 ExcMessage("The parameter 'Scheme/FLIP share' is " +
                            text_of(scheme.flip) +
@@ -313,5 +315,33 @@ namespace greville
              "'Walls/" + WallParameters::names[w] + "' = friction",
              "walls act on the initial configuration, which does not slide "
              "along them.");
+  }
+
+
+
+  void
+  SimulationParameters::check_domains() const
+  {
+    const auto refuse = [](const bool         wrong,
+                           const std::string &parameter,
+                           const std::string &why) {
+      AssertThrow(!wrong,
+                  ExcMessage("'Scheme/Functions' = domains does not go with " +
+                             parameter + ": " + why));
+    };
+    refuse(scheme.is_total_lagrangian(),
+           "'Scheme/Formulation' = total Lagrangian",
+           "points stay where they are in their cells; take points.");
+    refuse(!scheme.sums_over_points(),
+           "'Scheme/Quadrature' = " + scheme.quadrature,
+           "take points.");
+    refuse(scheme.has_projection(),
+           "'Scheme/Volumetric projection' = " + scheme.volumetric_projection,
+           "it projects what gradients at points give; take none.");
+    refuse(is_explicit_scheme(scheme.stress_update) &&
+             !scheme.has_consistent_mass(),
+           "'Scheme/Mass' = " + scheme.mass,
+           "the mass of functions that a domain reaches, and no point, is "
+           "found by extension; take consistent.");
   }
 } // namespace greville

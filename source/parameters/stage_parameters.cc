@@ -103,6 +103,11 @@ namespace greville
       "The fraction of FLIP that the velocities of points keep in the time in "
       "which the fastest initial wave crosses a cell, the rest being PIC. 1: "
       "all of FLIP, 0: all of PIC. Unit: none.");
+    add_parameter(prm, "Functions", functions, Selection("points|domains"))(
+      "Where gradients of B-splines are taken in updated Lagrangian steps with "
+      "the consistent mass: at the points, or averaged over the domains of "
+      "points, boxes that follow their deformation. With domains errors keep "
+      "falling with the cell size where points have moved.");
     add_parameter(prm,
                   "Quadrature",
                   quadrature,

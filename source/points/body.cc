@@ -263,6 +263,46 @@ namespace greville
 
 
 
+    /**
+     * Give a point a box of its volume, with the edges of a cell over the
+     * points per direction in proportion. With F of an initial stress, the box
+     * of the stress-free state is the one that F makes it.
+     */
+    template <int dim>
+    void
+    set_domain(const PointRef<dim>     p,
+               const PointLayout<dim> &layout,
+               const Lattice<dim>     &lattice,
+               const BodyParameters   &parameters,
+               const double            volume)
+    {
+      Tensor<1, dim> half;
+      double         share = volume;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          half[d] = 0.5 * lattice.cell_size(d);
+          if (parameters.points_file.empty())
+            half[d] /= parameters.points_per_direction[std::min<std::size_t>(
+              d, parameters.points_per_direction.size() - 1)];
+          share /= 2. * half[d];
+        }
+      half *= std::pow(share, 1. / dim);
+      Tensor<2, dim> squares;
+      Tensor<1, dim> square;
+      for (unsigned int i = 0; i < dim; ++i)
+        {
+          square[i] = half[i] * half[i];
+          for (unsigned int j = 0; j < dim; ++j)
+            squares[i][j] = p.F(i, j) * p.F(i, j);
+        }
+      const Tensor<1, dim> free = invert(squares) * square;
+      for (unsigned int d = 0; d < dim; ++d)
+        p[layout.domain + d] =
+          std::isfinite(free[d]) && free[d] > 0. ? std::sqrt(free[d]) : half[d];
+    }
+
+
+
     template <int dim>
     void
     insert_points(Body<dim>                           &body,
@@ -371,6 +411,8 @@ namespace greville
           p.set_F(state.F);
           if (layout.projected_J != 0)
             p[layout.projected_J] = state.J;
+          if (layout.domain != 0)
+            set_domain(p, layout, lattice, parameters, point.volume);
           store_material_point<dim>(state, p, layout);
           body.points.insert(point.cell, make_array_view(values));
         }

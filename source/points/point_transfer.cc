@@ -9,9 +9,11 @@ namespace greville
 
   template <int dim>
   void
-  PointTransfer<dim>::reinit(const SplineSpace<dim> &space)
+  PointTransfer<dim>::reinit(const SplineSpace<dim> &space,
+                             const CellWindows<dim> *given)
   {
     tables.reinit(space);
+    windows = given;
   }
 
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include "point_kernels.h"
+#include "domains.h"
 
 namespace greville
 {
@@ -12,7 +12,9 @@ namespace greville
     /**
      * y += K x on this process, where values lie function by function and
      * product(group, shape, u, sums) adds what a group of points has of K x for
-     * the values u of its cell.
+     * the values u of its cell. Cells that reach their neighbours by the
+     * windows
+     * @p without are left out.
      */
     template <int dim, int n, bool derivatives, typename Product>
     void
@@ -20,11 +22,14 @@ namespace greville
                    const SpacePolynomials<dim> &tables,
                    const double                *source,
                    double                      *target,
-                   const Product               &product)
+                   const Product               &product,
+                   const CellWindows<dim>      *without = nullptr)
     {
       constexpr int n_values = power(n, dim) * dim;
       for (const unsigned int cell : points.cells())
         {
+          if (without && without->reaches(cell))
+            continue;
           const CellGeometry<dim, n> geometry(tables, cell);
           double                     u[n_values];
           Simd                       sums[n_values];
@@ -58,8 +63,11 @@ namespace greville
     multiply_stiffness(const MaterialPoints<dim>   &points,
                        const SpacePolynomials<dim> &tables,
                        const Stiffness             &stiffness,
+                       const CellWindows<dim>      *windows,
                        const double                *source,
-                       double                      *target)
+                       double                      *target,
+                       const double                *window_source,
+                       double                      *window_target)
     {
       using Layout                    = PointLayout<dim>;
       constexpr int      n_z          = dim == 3 ? n : 1;
@@ -68,19 +76,47 @@ namespace greville
       const double       wave_modulus = stiffness.lambda + 2. * stiffness.shear;
       const double       inverse =
         wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
+      // The stress, times the volume, of a gradient.
+      const auto stress_of =
+        [&](const double *group, Simd(&H)[dim][dim], Simd(&stress)[dim][dim]) {
+          const Simd volume = load(group + Layout::volume0 * simd_width) *
+                              load(group + Layout::J * simd_width);
+          const Simd scale =
+            load(group + Layout::wave_modulus * simd_width) * inverse;
+          const Simd lambda =
+            volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
+          const Simd shear =
+            volume * (scale * stiffness.shear + stiffness.viscous_shear);
+
+          Simd inverse[dim][dim];
+          if (total)
+            {
+              Simd reference[dim][dim];
+              std::copy_n(H[0], dim * dim, reference[0]);
+              load_inverse_F<dim>(group, initial_F, inverse);
+              multiply<dim>(reference, inverse, H);
+            }
+          Simd trace = H[0][0];
+          for (int i = 1; i < dim; ++i)
+            trace += H[i][i];
+          for (int i = 0; i < dim; ++i)
+            for (int j = 0; j < dim; ++j)
+              {
+                stress[i][j] = shear * (H[i][j] + H[j][i]);
+                if (i == j)
+                  stress[i][j] += lambda * trace;
+              }
+          if (total)
+            {
+              Simd sigma[dim][dim];
+              std::copy_n(stress[0], dim * dim, sigma[0]);
+              multiply_transposed<dim>(sigma, inverse, stress);
+            }
+        };
       const auto product = [&](const double              *group,
                                const ShapeValues<dim, n> &shape,
                                const double              *u,
                                Simd                      *sums) {
-        const Simd volume = load(group + Layout::volume0 * simd_width) *
-                            load(group + Layout::J * simd_width);
-        const Simd scale =
-          load(group + Layout::wave_modulus * simd_width) * inverse;
-        const Simd lambda =
-          volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
-        const Simd shear =
-          volume * (scale * stiffness.shear + stiffness.viscous_shear);
-
         // A row of functions along x has the factors of y and z, and
         // their derivatives, in common.
         const auto for_each_row = [&](const auto &action) {
@@ -125,31 +161,8 @@ namespace greville
                 H[i][j] += factors[j] * values[i];
             }
         });
-        Simd inverse[dim][dim];
-        if (total)
-          {
-            Simd reference[dim][dim];
-            std::copy_n(H[0], dim * dim, reference[0]);
-            load_inverse_F<dim>(group, initial_F, inverse);
-            multiply<dim>(reference, inverse, H);
-          }
-        Simd trace = H[0][0];
-        for (int i = 1; i < dim; ++i)
-          trace += H[i][i];
         Simd stress[dim][dim];
-        for (int i = 0; i < dim; ++i)
-          for (int j = 0; j < dim; ++j)
-            {
-              stress[i][j] = shear * (H[i][j] + H[j][i]);
-              if (i == j)
-                stress[i][j] += lambda * trace;
-            }
-        if (total)
-          {
-            Simd sigma[dim][dim];
-            std::copy_n(stress[0], dim * dim, sigma[0]);
-            multiply_transposed<dim>(sigma, inverse, stress);
-          }
+        stress_of(group, H, stress);
         for_each_row([&](const int first, const Simd *factors) {
           for (int i = 0; i < dim; ++i)
             {
@@ -163,7 +176,37 @@ namespace greville
             }
         });
       };
-      multiply_cells<dim, n, true>(points, tables, source, target, product);
+      multiply_cells<dim, n, true>(
+        points, tables, source, target, product, windows);
+
+      // Points that see the windows of their cells
+      constexpr int n_sums = WindowShape<dim, n>::n_functions * dim;
+      for (const unsigned int cell : points.cells())
+        if (windows && windows->reaches(cell))
+          {
+            const WindowGeometry<dim, n> geometry(tables, *windows, cell);
+            double                       u[n_sums];
+            Simd                         sums[n_sums];
+            read_window(geometry, window_source, u);
+            std::fill_n(sums, n_sums, Simd(0.));
+            for (unsigned int g = points.first_group(cell);
+                 g != MaterialPoints<dim>::none;
+                 g = points.next_group(g))
+              {
+                const double *group = points.group(g);
+                Simd          x[dim], s[dim], H[dim][dim], stress[dim][dim];
+                load_basis_positions(points, group, x);
+                load_domains(points, group, s);
+                WindowShape<dim, n> shape;
+                shape.evaluate(geometry, x, s);
+                shape.gradient(u, H);
+                stress_of(group, H, stress);
+                shape.add_divergence(stress, sums);
+              }
+            for (int k = 0; k < n_sums; ++k)
+              window_target[std::size_t(geometry.functions[k / dim]) * dim +
+                            k % dim] += reduce(sums[k]);
+          }
     }
 
 
@@ -213,17 +256,31 @@ namespace greville
                                     VectorField<dim>          &k,
                                     const bool                 overwrite)
   {
-    multiply_fields<dim>(*tables.space,
-                         buffer,
-                         u,
-                         k,
-                         overwrite,
-                         [&](const auto    size,
-                             const double *source,
-                             double       *target) {
-                           multiply_stiffness<dim, decltype(size)::value>(
-                             points, tables, stiffness, source, target);
-                         });
+    const CellWindows<dim> *seen = windows_of(points, windows);
+    std::vector<double>     window_target;
+    if (seen)
+      {
+        seen->read(u, window_buffer);
+        window_target.resize(window_buffer.size());
+      }
+    multiply_fields<dim>(
+      *tables.space,
+      buffer,
+      u,
+      k,
+      overwrite,
+      [&](const auto size, const double *source, double *target) {
+        multiply_stiffness<dim, decltype(size)::value>(points,
+                                                       tables,
+                                                       stiffness,
+                                                       seen,
+                                                       source,
+                                                       target,
+                                                       window_buffer.data(),
+                                                       window_target.data());
+      });
+    if (seen)
+      seen->add_to(k, window_target);
   }
 
 

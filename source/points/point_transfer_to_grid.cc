@@ -2,7 +2,8 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
-#include "point_kernels.h"
+#include "domains.h"
+#include <optional>
 
 namespace greville
 {
@@ -39,6 +40,68 @@ namespace greville
 
 
     /**
+     * The forces of points on the window of a cell that reaches its neighbours.
+     */
+    template <int dim, int n>
+    class WindowForces
+    {
+    public:
+      WindowForces(const SpacePolynomials<dim> &tables,
+                   const CellWindows<dim>      *windows,
+                   double                      *buffer)
+        : tables(tables)
+        , windows(windows)
+        , buffer(buffer)
+      {}
+
+      /**
+       * Whether the cell reaches its neighbours.
+       */
+      bool
+      begin(const unsigned int cell)
+      {
+        geometry.reset();
+        if (!windows || !windows->reaches(cell))
+          return false;
+        geometry.emplace(tables, *windows, cell);
+        std::fill_n(sums, n_sums, Simd(0.));
+        return true;
+      }
+
+      __attribute__((noinline)) void
+      add(const MaterialPoints<dim> &points,
+          const double              *group,
+          const Simd (&x)[dim],
+          const Simd (&stress)[dim][dim])
+      {
+        Simd s[dim];
+        load_domains(points, group, s);
+        WindowShape<dim, n> shape;
+        shape.evaluate(*geometry, x, s);
+        shape.add_divergence(stress, sums);
+      }
+
+      void
+      end() const
+      {
+        for (int k = 0; k < n_sums; ++k)
+          buffer[std::size_t(geometry->functions[k / dim]) * dim + k % dim] +=
+            reduce(sums[k]);
+      }
+
+    private:
+      static constexpr int n_sums = WindowShape<dim, n>::n_functions * dim;
+
+      const SpacePolynomials<dim>          &tables;
+      const CellWindows<dim>               *windows;
+      double                               *buffer;
+      std::optional<WindowGeometry<dim, n>> geometry;
+      Simd                                  sums[n_sums];
+    };
+
+
+
+    /**
      * The fields of a function are mass and momentum (if with_momentum) and
      * force (if with_force).
      */
@@ -46,21 +109,27 @@ namespace greville
     void
     add_points(const MaterialPoints<dim>   &points,
                const SpacePolynomials<dim> &tables,
-               double                      *buffer)
+               const CellWindows<dim>      *windows,
+               double                      *buffer,
+               double                      *window_buffer)
     {
       using Layout                     = PointLayout<dim>;
       const PointField  *field_of_load = points.layout().find("load");
       const unsigned int first_affine =
         affine ? points.layout().first("affine") : 0;
-      constexpr int      first_force = with_momentum ? 1 + dim : 0;
-      constexpr int      n_fields    = first_force + (with_force ? dim : 0);
-      constexpr int      n_z         = dim == 3 ? n : 1;
-      const bool         total       = points.layout().is_total_lagrangian();
-      const unsigned int initial_F   = points.layout().initial_F;
+      constexpr int        first_force = with_momentum ? 1 + dim : 0;
+      constexpr int        n_fields    = first_force + (with_force ? dim : 0);
+      constexpr int        n_z         = dim == 3 ? n : 1;
+      const bool           total       = points.layout().is_total_lagrangian();
+      const unsigned int   initial_F   = points.layout().initial_F;
+      WindowForces<dim, n> of_window(tables,
+                                     windows_of(points, windows),
+                                     window_buffer);
 
       for (const unsigned int cell : points.cells())
         {
-          const CellGeometry<dim, n>        geometry(tables, cell);
+          const CellGeometry<dim, n> geometry(tables, cell);
+          const bool reaches = with_force && of_window.begin(cell);
           CellSums<power(n, dim), n_fields> cell_sums;
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
@@ -96,6 +165,11 @@ namespace greville
                       std::copy_n(stress[0], dim * dim, sigma[0]);
                       load_inverse_F<dim>(group, initial_F, inverse);
                       multiply_transposed<dim>(sigma, inverse, stress);
+                    }
+                  if (reaches)
+                    {
+                      of_window.add(points, group, x, stress);
+                      std::fill_n(stress[0], dim * dim, Simd(0.));
                     }
                   for (int i = 0; i < dim; ++i)
                     load_force[i] =
@@ -180,6 +254,8 @@ namespace greville
                   }
             }
           cell_sums.add_to(geometry.functions, buffer);
+          if (reaches)
+            of_window.end();
         }
     }
   } // namespace
@@ -196,21 +272,24 @@ namespace greville
   {
     Assert((mass == nullptr) == (momentum == nullptr),
            ExcMessage("Mass and momentum go together."));
+    if (!mass && !force)
+      return;
     const SplineSpace<dim> &space = *tables.space;
     const unsigned int      n_functions =
       space.owned_functions().size() + space.ghost_functions().size();
     const unsigned int first_force = mass ? 1 + dim : 0;
     const unsigned int n_fields    = first_force + (force ? dim : 0);
     buffer.assign(std::size_t(n_functions) * n_fields, 0.);
+    if (windows && force)
+      window_buffer.assign(windows->n_places() * dim, 0.);
 
     for (const MaterialPoints<dim> *points : bodies)
       with_order(space.degree(), [&](const auto size) {
         constexpr int n      = decltype(size)::value;
         const bool    affine = points->layout().find("affine");
         const auto    run    = [&](auto with_mass, auto with_force, auto apic) {
-          add_points<dim, n, with_mass, with_force, apic>(*points,
-                                                          tables,
-                                                          buffer.data());
+          add_points<dim, n, with_mass, with_force, apic>(
+            *points, tables, windows, buffer.data(), window_buffer.data());
         };
         constexpr std::true_type  yes;
         constexpr std::false_type no;
@@ -231,6 +310,8 @@ namespace greville
     if (force)
       for (unsigned int d = 0; d < dim; ++d)
         take_from_buffer(buffer, n_fields, first_force + d, (*force)[d]);
+    if (windows && force)
+      windows->add_to(*force, window_buffer);
   }
 
 

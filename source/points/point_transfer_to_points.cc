@@ -3,8 +3,9 @@
 #include <greville/points/row_sums.h>
 #include <greville/points/volume_projection.h>
 
-#include "point_kernels.h"
+#include "domains.h"
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 namespace greville
@@ -199,13 +200,37 @@ namespace greville
 
 
 
+    /**
+     * The gradient of a field with the coefficients @p u of a window at a group
+     * of points.
+     */
+    template <int dim, int n>
+    __attribute__((noinline)) void
+    find_mean_gradient(const MaterialPoints<dim>    &points,
+                       const double                 *group,
+                       const WindowGeometry<dim, n> &geometry,
+                       const double                 *u,
+                       Simd (&gradient)[dim][dim])
+    {
+      Simd x[dim], s[dim];
+      load_basis_positions(points, group, x);
+      load_domains(points, group, s);
+      WindowShape<dim, n> shape;
+      shape.evaluate(geometry, x, s);
+      shape.gradient(u, gradient);
+    }
+
+
+
     template <int dim, int n, typename Kind>
     void
     update_points(MaterialPoints<dim>         &points,
                   const SpacePolynomials<dim> &tables,
+                  const CellWindows<dim>      *windows,
                   const PointUpdate<dim>      &update,
                   const double                *projected,
                   const double                *buffer,
+                  const double                *window_buffer,
                   PointReport                 &report)
     {
       using Layout = PointLayout<dim>;
@@ -235,6 +260,16 @@ namespace greville
             for (int k = 0; k < n_fields; ++k)
               coefficients[a * n_fields + k] =
                 buffer[std::size_t(geometry.functions[a]) * n_fields + k];
+
+          [[maybe_unused]] std::optional<WindowGeometry<dim, n>> window;
+          [[maybe_unused]] double
+            in_window[derivatives ? WindowShape<dim, n>::n_functions * dim : 1];
+          if constexpr (derivatives)
+            if (windows && windows->reaches(cell))
+              {
+                window.emplace(tables, *windows, cell);
+                read_window(*window, window_buffer, in_window);
+              }
 
           bool         left  = false;
           unsigned int count = points.n_in_first_group(cell);
@@ -370,6 +405,12 @@ namespace greville
                     for (int i = 0; i < dim; ++i)
                       store_numbers<dim>(B[i], first_affine + i * dim, group);
                 }
+
+              // Before the points move.
+              if constexpr (derivatives)
+                if (window)
+                  find_mean_gradient(
+                    points, group, *window, in_window, gradient);
 
               if constexpr (Kind::move)
                 {
@@ -530,6 +571,8 @@ namespace greville
     for (unsigned int f = 0; f < fields.size(); ++f)
       for (unsigned int d = 0; d < dim; ++d)
         put_into_buffer((*fields[f])[d], n_fields, f * dim + d, buffer);
+    if (deform && windows_of(points, windows))
+      windows->read(*update.deformation, window_buffer);
 
     const double *projected =
       deform && update.projection
@@ -541,7 +584,14 @@ namespace greville
       constexpr int n   = decltype(size)::value;
       const auto    run = [&](const auto kind) {
         update_points<dim, n, std::decay_t<decltype(kind)>>(
-          points, tables, update, projected, buffer.data(), report);
+          points,
+          tables,
+          windows_of(points, windows),
+          update,
+          projected,
+          buffer.data(),
+          window_buffer.data(),
+          report);
       };
       if (kick && update.move && deform && same)
         update.apic ? run(Pass<true, true, true, true, true>())

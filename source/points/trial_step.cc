@@ -2,8 +2,10 @@
 
 #include <greville/points/trial_step.h>
 
+#include "domains.h"
 #include "gradients.h"
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 namespace greville
@@ -208,7 +210,9 @@ namespace greville
     evaluate_points(const MaterialPoints<dim>             &points,
                     const Material                        &material,
                     const SpacePolynomials<dim>           &tables,
+                    const CellWindows<dim>                *windows,
                     const double                          *u,
+                    const double                          *window_u,
                     const double                           dt,
                     const double                           strength_reduction,
                     const StepStress                       stress,
@@ -232,6 +236,14 @@ namespace greville
               coefficients[i][a] =
                 u[std::size_t(geometry.functions[a]) * dim + i];
 
+          std::optional<WindowGeometry<dim, n>> window;
+          double in_window[WindowShape<dim, n>::n_functions * dim];
+          if (windows && windows->reaches(cell))
+            {
+              window.emplace(tables, *windows, cell);
+              read_window(*window, window_u, in_window);
+            }
+
           unsigned int n_points = 0;
           points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
             if (trials.size() == n_points)
@@ -245,9 +257,20 @@ namespace greville
             MaterialPoint   &state = states[n_points];
             trial.x                = p.basis_position(layout);
             trial.volume           = p.volume();
-            const Gradients<dim, n> gradients(geometry, trial.x);
-            const Tensor<2, dim>    f = increment_of_point<dim, n>(
-              p, layout, gradients, coefficients, 1.);
+            Tensor<2, dim> f;
+            if (window)
+              {
+                trial.domain = domain_of_point(points, p);
+                f            = unit_symmetric_tensor<dim>() +
+                    mean_gradient(*window, trial.x, trial.domain, in_window);
+              }
+            else
+              f =
+                increment_of_point<dim, n>(p,
+                                           layout,
+                                           Gradients<dim, n>(geometry, trial.x),
+                                           coefficients,
+                                           1.);
             const double theta = determinant(f);
             state              = MaterialPoint();
             load_material_point<dim>(p, layout, state);
@@ -322,9 +345,11 @@ namespace greville
 
   template <int dim>
   void
-  TrialStep<dim>::reinit(const SplineSpace<dim> &space)
+  TrialStep<dim>::reinit(const SplineSpace<dim> &space,
+                         const CellWindows<dim> *given)
   {
     tables.reinit(space);
+    windows = given;
   }
 
 
@@ -346,12 +371,17 @@ namespace greville
       (space.owned_functions().size() + space.ghost_functions().size()) * dim);
     for (unsigned int d = 0; d < dim; ++d)
       put_into_buffer(u[d], dim, d, buffer);
+    const CellWindows<dim> *seen = windows_of(points, windows);
+    if (seen)
+      seen->read(u, window_buffer);
     PointReport report;
     with_order(space.degree(), [&](const auto size) {
       evaluate_points<dim, decltype(size)::value>(points,
                                                   material,
                                                   tables,
+                                                  seen,
                                                   buffer.data(),
+                                                  window_buffer.data(),
                                                   dt,
                                                   strength_reduction,
                                                   stress,

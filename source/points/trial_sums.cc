@@ -2,6 +2,7 @@
 
 #include <greville/points/trial_step.h>
 
+#include "domains.h"
 #include "gradients.h"
 
 namespace greville
@@ -11,9 +12,11 @@ namespace greville
 
   template <int dim>
   void
-  TrialSums<dim>::reinit(const SplineSpace<dim> &space)
+  TrialSums<dim>::reinit(const SplineSpace<dim> &space,
+                         const CellWindows<dim> *given)
   {
     tables.reinit(space);
+    windows             = given;
     const std::size_t n = Utilities::fixed_power<dim>(space.degree() + 1) * dim;
     matrix.resize(n * n);
     clear();
@@ -30,6 +33,8 @@ namespace greville
                  tables.space->ghost_functions().size()) *
                   dim,
                 0.);
+    if (windows)
+      window_sums.assign(windows->n_places() * dim, 0.);
   }
 
 
@@ -207,15 +212,120 @@ namespace greville
 
 
 
+  namespace
+  {
+    /**
+     * Let @p add(geometry, point, force) add the forces of points on the window
+     * of a cell, and return the sum of their squares.
+     */
+    template <int dim, int n, typename Add>
+    double
+    add_forces_of_window(const WindowGeometry<dim, n>       &geometry,
+                         const std::vector<TrialPoint<dim>> &points,
+                         double                             *sums,
+                         const Add                          &add)
+    {
+      constexpr int n_values        = WindowShape<dim, n>::n_functions * dim;
+      double        force[n_values] = {};
+      for (const TrialPoint<dim> &point : points)
+        add(point, force);
+      double square = 0.;
+      for (int k = 0; k < n_values; ++k)
+        {
+          sums[std::size_t(geometry.functions[k / dim]) * dim + k % dim] +=
+            force[k];
+          square += force[k] * force[k];
+        }
+      return square;
+    }
+
+
+
+    /**
+     * Add V T : grad N.
+     */
+    template <int dim, typename Shape>
+    void
+    add_divergence(const Shape                  &shape,
+                   const double                  volume,
+                   const dealii::Tensor<2, dim> &T,
+                   double                       *force)
+    {
+      double values[dim][dim];
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          values[i][j] = volume * T[i][j];
+      shape.add_divergence(values, force);
+    }
+  } // namespace
+
+
+
   template <int dim>
   void
   TrialSums<dim>::add_force(const unsigned int                  cell,
                             const std::vector<TrialPoint<dim>> &points)
   {
     with_order(tables.space->degree(), [&](const auto size) {
-      constexpr int              n = decltype(size)::value;
+      constexpr int n = decltype(size)::value;
+      if (windows && windows->reaches(cell))
+        {
+          const WindowGeometry<dim, n> geometry(tables, *windows, cell);
+          square += add_forces_of_window(
+            geometry,
+            points,
+            window_sums.data(),
+            [&](const TrialPoint<dim> &point, double *force) {
+              add_divergence<dim>(evaluated(geometry, point.x, point.domain),
+                                  point.volume,
+                                  point.P,
+                                  force);
+            });
+          return;
+        }
       const CellGeometry<dim, n> geometry(tables, cell);
       square += add_force_of_cell<dim, n>(geometry, points, sums.data());
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  TrialSums<dim>::add_change(const unsigned int                  cell,
+                             const std::vector<TrialPoint<dim>> &points,
+                             const std::vector<double>          &u)
+  {
+    with_order(tables.space->degree(), [&](const auto size) {
+      constexpr int                n = decltype(size)::value;
+      const WindowGeometry<dim, n> geometry(tables, *windows, cell);
+      double in_window[WindowShape<dim, n>::n_functions * dim];
+      read_window(geometry, u.data(), in_window);
+      add_forces_of_window(
+        geometry,
+        points,
+        window_sums.data(),
+        [&](const TrialPoint<dim> &point, double *force) {
+          for (const bool at_point : {false, true})
+            {
+              const auto shape =
+                evaluated(geometry,
+                          point.x,
+                          at_point ? Tensor<1, dim>() : point.domain);
+              double H[dim][dim];
+              shape.gradient(in_window, H);
+              // dP_iJ = map_Jj A_ijkl map_Ll H_kL.
+              const Tensor<2, dim> df = Tensor<2, dim>(H) * point.map;
+              Tensor<2, dim>       dP;
+              for (unsigned int i = 0; i < dim; ++i)
+                for (unsigned int j = 0; j < dim; ++j)
+                  dP[i][j] = scalar_product(point.A[i][j], df);
+              add_divergence<dim>(shape,
+                                  at_point ? -point.volume : point.volume,
+                                  dP * transpose(point.map),
+                                  force);
+            }
+        });
     });
   }
 
@@ -227,6 +337,8 @@ namespace greville
   {
     for (unsigned int d = 0; d < dim; ++d)
       take_from_buffer(sums, dim, d, force[d]);
+    if (windows)
+      windows->add_to(force, window_sums);
   }
 
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 namespace greville
 {
@@ -11,10 +12,13 @@ namespace greville
 
   template <int dim>
   void
-  CellFilling<dim>::reinit(const SplineSpace<dim> &space, const Walls &walls)
+  CellFilling<dim>::reinit(const SplineSpace<dim> &space,
+                           const Walls            &walls,
+                           const bool              with_rims)
   {
     spline_space  = &space;
     contact_walls = walls;
+    has_rims      = with_rims;
     neighbors.reinit(space);
     const auto &positions = neighbors.positions();
     // Other than any class: the first update() is a change also where no cell
@@ -42,17 +46,14 @@ namespace greville
                                   : filling[c] == 0.        ? empty
                                   : filling[c] >= threshold ? well_filled
                                                             : cut;
-        has_changed |=
-          now != classes[c] && (now != well_filled || classes[c] != host);
+        has_changed |= now != classes[c] &&
+                       (now != well_filled || classes[c] != host) &&
+                       (now != empty || classes[c] != beyond || !has_rims);
         new_classes[c] = now;
       }
     if (Utilities::MPI::max(has_changed, spline_space->communicator()) == 0)
       return false;
     std::copy(new_classes.begin(), new_classes.end(), classes.begin());
-    filled.clear();
-    for (unsigned int c = 0; c < n_owned; ++c)
-      if (classes[c] != empty)
-        filled.push_back(c);
     find_hosts(with_outer_hosts);
     return true;
   }
@@ -100,9 +101,35 @@ namespace greville
     const auto find = [&](const MultiIndex<dim> &index) {
       for (unsigned int d = 0; d < dim; ++d)
         if (index[d] >= extents[d])
-          return dealii::numbers::invalid_unsigned_int;
+          return numbers::invalid_unsigned_int;
       return neighbors.find(lexicographic<dim>(index, extents));
     };
+
+    if (has_rims)
+      {
+        std::vector<unsigned int> rims;
+        for (unsigned int c = 0; c < n_owned; ++c)
+          if (classes[c] == empty)
+            {
+              bool is_rim = false;
+              for_each_neighbor(
+                c,
+                [&](const MultiIndex<dim> &, const MultiIndex<dim> &neighbor) {
+                  const unsigned int n = find(neighbor);
+                  is_rim = is_rim || (n != numbers::invalid_unsigned_int &&
+                                      holds_points(n));
+                });
+              if (is_rim)
+                rims.push_back(c);
+            }
+        for (const unsigned int c : rims)
+          classes[c] = beyond;
+        exchange(classes);
+      }
+    filled.clear();
+    for (unsigned int c = 0; c < n_owned; ++c)
+      if (classes[c] != empty)
+        filled.push_back(c);
 
     // Whether the cell and its neighbours are well-filled, in 3D those by
     // faces.
@@ -125,8 +152,7 @@ namespace greville
           if (is_behind_wall)
             return;
           const unsigned int n = find(neighbor);
-          if (n == dealii::numbers::invalid_unsigned_int ||
-              classes[n] != well_filled)
+          if (n == numbers::invalid_unsigned_int || classes[n] != well_filled)
             result = false;
         });
       return result;
@@ -138,6 +164,14 @@ namespace greville
     for (const unsigned int c : inside)
       classes[c] = host;
     exchange(classes);
+
+    const auto square_of_steps = [&](const MultiIndex<dim> &a,
+                                     const MultiIndex<dim> &b) {
+      int distance = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        distance += Utilities::fixed_power<2>(lattice.steps(a[d], b[d], d));
+      return distance;
+    };
 
     // Find hosts of cells, and return the cells that have none.
     const auto find_hosts_of = [&](const std::vector<unsigned int> &cells) {
@@ -154,7 +188,7 @@ namespace greville
                               const int          distance =
                                 dim -
                                 std::count(offset.begin(), offset.end(), 1u);
-                              if (n == dealii::numbers::invalid_unsigned_int ||
+                              if (n == numbers::invalid_unsigned_int ||
                                   classes[n] != host || distance > nearest)
                                 return;
                               if (distance < nearest)
@@ -179,10 +213,7 @@ namespace greville
               [&](const MultiIndex<dim> &offset, const MultiIndex<dim> &found) {
                 if ((near[n] >> lexicographic<dim>(offset, three) & 1) == 0)
                   return;
-                int distance = 0;
-                for (unsigned int d = 0; d < dim; ++d)
-                  distance += Utilities::fixed_power<2>(
-                    lattice.steps(index[d], found[d], d));
+                const int distance = square_of_steps(index, found);
                 if (distance < nearest)
                   hosts_of_cells.resize(begin);
                 nearest = std::min(nearest, distance);
@@ -199,7 +230,7 @@ namespace greville
                               [&](const MultiIndex<dim> &,
                                   const MultiIndex<dim> &neighbor) {
                                 const unsigned int n = find(neighbor);
-                                if (n != dealii::numbers::invalid_unsigned_int)
+                                if (n != numbers::invalid_unsigned_int)
                                   add_near(n);
                               });
           const auto first = hosts_of_cells.begin() + begin;
@@ -212,8 +243,68 @@ namespace greville
       return without;
     };
 
+    // Give cells beyond the body the nearest hosts that their neighbours have,
+    // and return the cells that have none.
+    const auto find_hosts_of_rims = [&](
+                                      const std::vector<unsigned int> &cells) {
+      std::vector<std::vector<std::uint64_t>> lists(positions.size());
+      for (const auto &entry : hosts_of_cells)
+        lists[entry.first].push_back(entry.second);
+      std::size_t n_rounds = 0;
+      for (const auto &list : lists)
+        n_rounds = std::max(n_rounds, list.size());
+      n_rounds = Utilities::MPI::max(n_rounds, spline_space->communicator());
+      for (unsigned int r = 0; r < n_rounds; ++r)
+        {
+          // Positions plus one, so that 0 is none.
+          std::vector<double> travelling(positions.size(), 0.);
+          for (unsigned int c = 0; c < n_owned; ++c)
+            if (r < lists[c].size())
+              travelling[c] = double(lists[c][r] + 1);
+          exchange(travelling);
+          for (unsigned int c = n_owned; c < positions.size(); ++c)
+            if (travelling[c] > 0.)
+              lists[c].push_back(std::uint64_t(travelling[c]) - 1);
+        }
+      std::vector<unsigned int> without;
+      for (const unsigned int c : cells)
+        if (classes[c] == beyond)
+          {
+            const auto index   = multi_index<dim>(positions[c], extents);
+            int        nearest = std::numeric_limits<int>::max();
+            std::set<std::uint64_t> found;
+            for_each_neighbor(
+              c, [&](const MultiIndex<dim> &, const MultiIndex<dim> &neighbor) {
+                const unsigned int n = find(neighbor);
+                if (n == numbers::invalid_unsigned_int || n == c)
+                  return;
+                for (const std::uint64_t position : lists[n])
+                  {
+                    const int distance =
+                      square_of_steps(index,
+                                      multi_index<dim>(position, extents));
+                    if (distance < nearest)
+                      found.clear();
+                    nearest = std::min(nearest, distance);
+                    if (distance == nearest)
+                      found.insert(position);
+                  }
+              });
+            for (const std::uint64_t position : found)
+              hosts_of_cells.emplace_back(c, position);
+            if (found.empty())
+              without.push_back(c);
+          }
+        else
+          without.push_back(c);
+      std::sort(hosts_of_cells.begin(), hosts_of_cells.end());
+      return without;
+    };
+
     hosts_of_cells.clear();
-    const std::vector<unsigned int> fragments = find_hosts_of(outside);
+    std::vector<unsigned int> fragments = find_hosts_of(outside);
+    if (has_rims)
+      fragments = find_hosts_of_rims(fragments);
     if (!with_outer_hosts)
       return;
     std::vector<unsigned int> cut_fragments;
@@ -223,7 +314,9 @@ namespace greville
       else
         cut_fragments.push_back(c);
     exchange(classes);
-    find_hosts_of(cut_fragments);
+    fragments = find_hosts_of(cut_fragments);
+    if (has_rims)
+      find_hosts_of_rims(fragments);
     std::sort(hosts_of_cells.begin(), hosts_of_cells.end());
   }
 

@@ -19,7 +19,9 @@ namespace greville
     typename CellFilling<dim>::Walls contact_walls;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       contact_walls[w] = walls.is_friction(w);
-    filling.reinit(this->space(), contact_walls);
+    filling.reinit(this->space(),
+                   contact_walls,
+                   parameters.scheme.averages_over_domains());
     extended_mass.reinit(this->space());
     const auto make_solver = [&]() {
       return std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
@@ -86,7 +88,11 @@ namespace greville
     const bool unknowns_changed =
       filling.update(filled_part, parameters.scheme.filling_threshold());
     if (unknowns_changed)
-      spline_extension.reinit(this->space(), filling);
+      {
+        spline_extension.reinit(this->space(), filling);
+        if (windows)
+          windows->update(spline_extension);
+      }
     has_new_unknowns = has_new_unknowns || unknowns_changed;
     is_assembled     = false;
     if (!is_implicit_scheme(parameters.scheme.stress_update))

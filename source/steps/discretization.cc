@@ -162,6 +162,17 @@ namespace greville
     mass_is_known = false;
     grid_walls    = Walls<dim>(parameters.walls);
     orders.reinit(mesh, parameters.grid.degree, coarsening_of(parameters));
+    windows.reset();
+    if (parameters.scheme.averages_over_domains())
+      {
+        AssertThrow(parameters.grid.fields.size() <= 1,
+                    ExcMessage("'Scheme/Functions' = domains goes with one of "
+                               "GridParameters::fields, not with " +
+                               std::to_string(parameters.grid.fields.size()) +
+                               "."));
+        windows = std::make_unique<CellWindows<dim>>();
+        windows->reinit(space());
+      }
     make_fields();
     grid_walls.reinit(space());
     // The grid of total Lagrangian steps is that of initial positions.
@@ -169,7 +180,7 @@ namespace greville
                            parameters.time.start,
                            parameters.time.end,
                            !parameters.scheme.is_total_lagrangian());
-    point_transfer.reinit(space());
+    point_transfer.reinit(space(), windows.get());
     projection.reset();
     if (parameters.scheme.has_projection())
       {
@@ -221,6 +232,9 @@ namespace greville
         field.mass = make_grid_mass<dim>(orders, parameters, grid_walls);
         field.consistent =
           dynamic_cast<ConsistentMass<dim> *>(field.mass.get());
+        if (field.consistent &&
+            is_explicit_scheme(parameters.scheme.stress_update))
+          field.consistent->set_windows(windows.get());
         space().initialize_vector(field.lumped_mass);
         initialize(field.momentum);
         initialize(field.force);
@@ -296,19 +310,29 @@ namespace greville
           const PartTimer timer(log, "points to grid");
           // Reconstructions have stress and loads, which may have changed.
           set_points(state, field, true);
+          // With windows, the force needs the extension of the mass.
           point_transfer.points_to_grid(field.points,
                                         is_current ? nullptr
                                                    : &field.lumped_mass,
                                         is_current ? nullptr : &field.momentum,
-                                        with_force ? &field.force : nullptr);
-          if (with_force)
-            add_surface_forces(state, field, field.surface_forces, field.force);
+                                        with_force && !windows ? &field.force
+                                                               : nullptr);
         }
         // That of total Lagrangian steps never changes.
         if (!is_current && !mass_is_known)
           {
             const PartTimer timer(log, "mass");
             field.mass->update(field.lumped_mass, field.points, point_transfer);
+          }
+        if (with_force)
+          {
+            const PartTimer timer(log, "points to grid");
+            if (windows)
+              point_transfer.points_to_grid(field.points,
+                                            nullptr,
+                                            nullptr,
+                                            &field.force);
+            add_surface_forces(state, field, field.surface_forces, field.force);
           }
       }
     if (!is_current)

@@ -29,7 +29,8 @@ namespace greville
         parameters.implicit_solver,
         parameters.scheme.filling_threshold(true),
         parameters.scheme.has_lumped_mass(),
-        discretization.volume_projection())
+        discretization.volume_projection(),
+        discretization.cell_windows())
   {
     check_parameters(name, parts);
     step_formula.emplace(parameters.time.step,

@@ -286,6 +286,8 @@ namespace greville
           Loads<dim>(parameters).add_fields(layout);
           if (parameters.scheme.has_projection())
             layout.add_projected_J();
+          if (parameters.scheme.averages_over_domains())
+            layout.add_domain();
         }
     }
   } // namespace

@@ -19,7 +19,7 @@ namespace greville
   TangentSystem<dim>::multiply(VectorType &dst, const VectorType &src)
   {
     finest().vmult(dst, src);
-    if (!projection)
+    if (!has_more_than_matrix())
       return;
     VectorField<dim> direction, force;
     for (VectorField<dim> *field : {&direction, &force})
@@ -27,6 +27,12 @@ namespace greville
         space().initialize_vector(component);
     extend(direction, src);
     sums.back().clear();
+    if (windows)
+      {
+        windows->read(direction, window_buffer);
+        for (const auto &of_cell : domains)
+          sums.back().add_change(of_cell.first, of_cell.second, window_buffer);
+      }
     std::vector<TrialPoint<dim>> trials;
     for (const ProjectedBody<dim> &body : projected_bodies)
       {
@@ -83,7 +89,10 @@ namespace greville
         using Fgmres = SolverFGMRES<VectorType>;
         const Fgmres::AdditionalData n_vectors(n_basis_vectors());
         if (takes_cg())
-          SolverCG<VectorType>(control).solve(finest(), x, b, *multigrid);
+          SolverCG<VectorType>(control).solve(Operator{*this},
+                                              x,
+                                              b,
+                                              *multigrid);
         else
           Fgmres(control, n_vectors).solve(Operator{*this}, x, b, *multigrid);
       });

@@ -16,7 +16,8 @@ namespace greville
                                     const TangentParameters   &parameters,
                                     const double           filling_threshold,
                                     const bool             lump,
-                                    VolumeProjection<dim> *projection)
+                                    VolumeProjection<dim> *projection,
+                                    CellWindows<dim>      *windows)
     : parameters(parameters)
     , filling_threshold(filling_threshold)
     , lump(lump)
@@ -24,14 +25,16 @@ namespace greville
     , transfers(orders.n_levels())
     , sums(orders.n_levels())
     , projection(projection)
+    , windows(windows)
   {
-    filling.reinit(orders.finest());
-    trial.reinit(orders.finest());
+    filling.reinit(orders.finest(), {}, windows != nullptr);
+    trial.reinit(orders.finest(), windows);
     std::vector<TangentLevel<dim> *> all;
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
       {
         transfers[l].reinit(orders[l]);
-        sums[l].reinit(orders[l]);
+        sums[l].reinit(orders[l],
+                       l + 1 == orders.n_levels() ? windows : nullptr);
         levels.push_back(std::make_unique<TangentLevel<dim>>(
           orders[l], held ? held(orders[l]) : std::vector<unsigned char>()));
         all.push_back(levels.back().get());
@@ -71,6 +74,8 @@ namespace greville
         levels[l]->finish_mass(lump);
         transfers[l].mass_weights(points, levels[l]->weights());
       }
+    if (windows && changed)
+      windows->update(finest().extension());
     finest().extended().unknowns().initialize_vector(unknowns, dim);
   }
 
@@ -158,6 +163,7 @@ namespace greville
         if (projection)
           displacement = u;
         projected_bodies.clear();
+        domains.clear();
       }
     for (const TrialBody<dim> &body : bodies)
       {
@@ -198,6 +204,8 @@ namespace greville
                   }
                 sums_of_moduli[0] += of_cell[0];
                 sums_of_moduli[1] += of_cell[1];
+                if (windows && windows->reaches(cell))
+                  domains.emplace_back(cell, points);
                 for (unsigned int l = 0; l < levels.size(); ++l)
                   levels[l]->stiffness().add_cell(
                     cell, sums[l].stiffness(cell, points, is_symmetric));

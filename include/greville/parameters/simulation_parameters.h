@@ -205,6 +205,9 @@ namespace greville
     void
     check_total_lagrangian() const;
 
+    void
+    check_domains() const;
+
     /**
      * What "auto" stands for: lumped mass where bodies spread into thin layers,
      * and with APIC; the consistent one otherwise, and with total Lagrangian

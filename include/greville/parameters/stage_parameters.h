@@ -66,6 +66,7 @@ namespace greville
     std::string stress_update         = "USL";
     std::string transfer              = "FLIP";
     double      flip                  = 1.;
+    std::string functions             = "points";
     std::string quadrature            = "points";
     std::string volumetric_projection = "none";
     double      full_cell             = 0.5;
@@ -111,6 +112,12 @@ namespace greville
     sums_over_points() const
     {
       return quadrature == "points";
+    }
+
+    bool
+    averages_over_domains() const
+    {
+      return functions == "domains";
     }
 
     bool

@@ -32,6 +32,8 @@ namespace greville
    *     plane) from the stress-free state to the initial one,
    *   "projected_J", one number: the ratio of volumes that the material sees
    *     where changes of volume are projected (VolumeProjection),
+   *   "domain", dim numbers: half of the edges of the box around the point of
+   *     the stress-free state over which gradients are averaged, m,
    * and of what else somebody keeps at points (PointLoad) that there are.
    */
   template <int dim>
@@ -134,6 +136,16 @@ namespace greville
     {
       add("projected_J", 1);
       projected_J = first("projected_J");
+    }
+
+    /// "domain", 0 where there is none.
+    unsigned int domain = 0;
+
+    void
+    add_domain()
+    {
+      add("domain", dim);
+      domain = first("domain");
     }
 
     void

@@ -9,6 +9,7 @@
 #include <greville/materials/material.h>
 #include <greville/points/material_points.h>
 #include <greville/points/spline_polynomials.h>
+#include <greville/spline/cell_windows.h>
 
 #include <algorithm>
 #include <array>
@@ -156,6 +157,11 @@ namespace greville
    * v_p = v(x_p) and C_p = sum_i N_i v_i (xi_i - x_p)^T D_p^-1 with the
    * diagonal matrix D_p = sum_i N_i (xi_i - x_p)(xi_i - x_p)^T.
    *
+   * With CellWindows, gradients are means over the domains of points
+   * (@ref Bardenhagen2004 "Bardenhagen and Kober, 2004") in the cells that
+   * reach their neighbours: the force and the increment of F see them, and
+   * values of functions are those at the x_p.
+   *
    * Kernels take the points of a group by SIMD; loops over a cell's functions
    * are a tensor product. The space has order 1 to 5.
    */
@@ -164,10 +170,12 @@ namespace greville
   {
   public:
     /**
-     * The space is kept by reference.
+     * The space is kept by reference, and so are the windows of its cells,
+     * which are null where gradients are those at points.
      */
     void
-    reinit(const SplineSpace<dim> &space);
+    reinit(const SplineSpace<dim> &space,
+           const CellWindows<dim> *windows = nullptr);
 
     /**
      * Collective. Overwrite those of the three that are given with the sums
@@ -256,8 +264,9 @@ namespace greville
     spread(const unsigned int cell, const dealii::Point<dim> &x) const;
 
   private:
-    SpacePolynomials<dim> tables;
-    std::vector<double>   buffer;
+    SpacePolynomials<dim>   tables;
+    const CellWindows<dim> *windows = nullptr;
+    std::vector<double>     buffer, window_buffer;
   };
 } // namespace greville
 

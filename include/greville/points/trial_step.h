@@ -39,6 +39,9 @@ namespace greville
     /// = map_Jj A_ijkl map_Ll.
     dealii::Tensor<4, dim> A;
     dealii::Tensor<2, dim> map;
+    /// Half of the edges of the domain over which gradients are averaged in
+    /// cells that reach their neighbours (CellWindows), m.
+    dealii::Tensor<1, dim> domain = {};
   };
 
 
@@ -83,10 +86,12 @@ namespace greville
   {
   public:
     /**
-     * The space is kept by reference.
+     * The space is kept by reference, and so are its windows, null where there
+     * are none.
      */
     void
-    reinit(const SplineSpace<dim> &space);
+    reinit(const SplineSpace<dim> &space,
+           const CellWindows<dim> *windows = nullptr);
 
     /**
      * Evaluate points of one body in a step of length @p dt (s) with the
@@ -109,8 +114,9 @@ namespace greville
              const Action              &action);
 
   private:
-    SpacePolynomials<dim> tables;
-    std::vector<double>   buffer;
+    SpacePolynomials<dim>   tables;
+    const CellWindows<dim> *windows = nullptr;
+    std::vector<double>     buffer, window_buffer;
   };
 
 
@@ -124,10 +130,12 @@ namespace greville
   {
   public:
     /**
-     * The space is kept by reference.
+     * The space is kept by reference, and so are its windows, null where there
+     * are none.
      */
     void
-    reinit(const SplineSpace<dim> &space);
+    reinit(const SplineSpace<dim> &space,
+           const CellWindows<dim> *windows = nullptr);
 
     /**
      * Set the force to zero.
@@ -150,6 +158,17 @@ namespace greville
               const std::vector<TrialSurfacePoint<dim>> &points);
 
     /**
+     * Add what stiffness() leaves out in a cell that reaches its neighbours:
+     * the product of a field with the derivative of the force of means over
+     * domains, less that of gradients at points. @p u is the buffer of
+     * CellWindows::read().
+     */
+    void
+    add_change(const unsigned int                  cell,
+               const std::vector<TrialPoint<dim>> &points,
+               const std::vector<double>          &u);
+
+    /**
      * Sum of the squares of all forces that have been added, cell by cell.
      */
     double
@@ -167,7 +186,7 @@ namespace greville
     /**
      * The matrix of a cell with entries as BlockStencil::add_cell() takes them.
      * Where the derivatives are @p symmetric (A_ijkl = A_klij), half of it is
-     * summed up.
+     * summed up. Gradients are those at the points.
      */
     const double *
     stiffness(const unsigned int                  cell,
@@ -182,9 +201,10 @@ namespace greville
               const std::vector<TrialSurfacePoint<dim>> &points);
 
   private:
-    SpacePolynomials<dim> tables;
-    std::vector<double>   sums, matrix, work;
-    double                square = 0.;
+    SpacePolynomials<dim>   tables;
+    const CellWindows<dim> *windows = nullptr;
+    std::vector<double>     sums, window_sums, matrix, work;
+    double                  square = 0.;
   };
 } // namespace greville
 

@@ -36,6 +36,10 @@ namespace greville
    * two cells, and at *contact walls*. Contact can begin and end within a step,
    * so functions that do not vanish there have to be unknowns, if possible.
    *
+   * With *rims*, the empty cells around those that hold points are beyond the
+   * body, so that functions are extended to all cells that domains of points
+   * reach (CellWindows).
+   *
    * The classes depend on the mesh only, not on the order of the splines.
    */
   template <int dim>
@@ -60,7 +64,9 @@ namespace greville
      * class before update().
      */
     void
-    reinit(const SplineSpace<dim> &space, const Walls &contact_walls = {});
+    reinit(const SplineSpace<dim> &space,
+           const Walls            &contact_walls = {},
+           const bool              with_rims     = false);
 
     /**
      * Whether a function of a space does not vanish at a contact wall.
@@ -158,7 +164,7 @@ namespace greville
     find_hosts(const bool with_outer_hosts);
 
     const SplineSpace<dim> *spline_space  = nullptr;
-    bool                    all_are_hosts = false;
+    bool                    all_are_hosts = false, has_rims = false;
     Walls                   contact_walls{};
 
     // By local cell of the neighbours, or owned cells.

@@ -91,6 +91,16 @@ namespace greville
       extended_mass.unknowns().extend(field, this->lumped_mass);
     }
 
+    /**
+     * Windows of cells that are to know which of them reach their neighbours,
+     * kept by reference; null: none.
+     */
+    void
+    set_windows(CellWindows<dim> *given)
+    {
+      windows = given;
+    }
+
     const Extension<dim> &
     extension() const
     {
@@ -174,6 +184,7 @@ namespace greville
     std::vector<double>                      filled_part; // of owned cells
     CellFilling<dim>                         filling;
     Extension<dim>                           spline_extension;
+    CellWindows<dim>                        *windows = nullptr;
     ExtendedMass<dim>                        extended_mass;
     VectorType                               diagonal;  // for "cg-jacobi"
     std::unique_ptr<ExtendedMultigrid<dim>>  multigrid; // "cg-p-multigrid"

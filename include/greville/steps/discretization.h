@@ -131,6 +131,15 @@ namespace greville
     }
 
     /**
+     * The windows of cells, null where gradients are those at points.
+     */
+    CellWindows<dim> *
+    cell_windows()
+    {
+      return windows.get();
+    }
+
+    /**
      * The projection of changes of volume, null where there is none.
      */
     VolumeProjection<dim> *
@@ -247,6 +256,7 @@ namespace greville
     std::vector<GridField<dim>>            grid_fields;
     PointTransfer<dim>                     point_transfer;
     std::unique_ptr<VolumeProjection<dim>> projection;
+    std::unique_ptr<CellWindows<dim>>      windows;
     PointTransport<dim>                    point_transport;
 
     // Points that integrals are summed over.

@@ -84,6 +84,12 @@ namespace greville
       return extended_mass;
     }
 
+    const Extension<dim> &
+    extension() const
+    {
+      return spline_extension;
+    }
+
     /**
      * The components (bits) that are held of local functions.
      */

@@ -29,6 +29,10 @@ namespace greville
    * the projection sees are much stiffer than in K, and all others are alike:
    * iterations hardly depend on the bulk modulus.
    *
+   * Likewise for gradients averaged over the domains of points, which see the
+   * windows of cells: the preconditioner has gradients at points, and
+   * multiply() adds the difference.
+   *
    * Fields have a coefficient for each function of the space. Those of
    * functions that are held are given, and those of extended functions follow
    * from the others.
@@ -45,8 +49,9 @@ namespace greville
       std::function<std::vector<unsigned char>(const SplineSpace<dim> &space)>;
 
     /**
-     * Collective. Orders and parameters are kept by reference, and so is the @p
-     * projection, which may be null. Cells are well-filled from the fraction
+     * Collective. Orders and parameters are kept by reference, and so are the
+     * @p projection and the @p windows, which may be null. Cells are
+     * well-filled from the fraction
      * @p filling on, see CellFilling. @p lump takes the row sums of the mass.
      */
     TangentSystem(const OrderHierarchy<dim> &orders,
@@ -54,7 +59,8 @@ namespace greville
                   const TangentParameters   &parameters,
                   const double               filling,
                   const bool                 lump,
-                  VolumeProjection<dim>     *projection = nullptr);
+                  VolumeProjection<dim>     *projection = nullptr,
+                  CellWindows<dim>          *windows    = nullptr);
 
     const SplineSpace<dim> &
     space() const
@@ -178,6 +184,13 @@ namespace greville
     void
     multiply(VectorType &dst, const VectorType &src);
 
+    /// Whether A is more than the matrix of finest().
+    bool
+    has_more_than_matrix() const
+    {
+      return projection || windows;
+    }
+
     /**
      * Collective. Solve A x = b until the residual is @p tolerance times that
      * of zero. Throws ErrorOnAll like set_operator().
@@ -272,6 +285,10 @@ namespace greville
     // Of the last evaluate() with stiffness and a projection.
     VectorField<dim>                displacement;
     std::vector<ProjectedBody<dim>> projected_bodies;
+    // The points with domains of each cell that reaches its neighbours.
+    CellWindows<dim>                                                  *windows;
+    std::vector<std::pair<unsigned int, std::vector<TrialPoint<dim>>>> domains;
+    std::vector<double> window_buffer;
 
     // Sums of the moduli of compression and of shear of all points.
     std::array<double, 2> moduli{};

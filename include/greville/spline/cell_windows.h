@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_spline_cell_windows_h
+#define greville_spline_cell_windows_h
+
+#include <greville/base/vector_field.h>
+#include <greville/spline/extension.h>
+
+namespace greville
+{
+  /**
+   * The *window* of a cell: the @f$ (p + 3)^\text{dim} @f$ functions of a space
+   * that do not vanish on the cell or on one of its neighbours (by a face, an
+   * edge or a vertex). Points whose domains reach over the faces of their cell
+   * see these functions.
+   *
+   * Coefficients lie in a buffer, function by function. Its last place stands
+   * for the functions of windows that there are not, at the edges of the grid.
+   *
+   * A cell *reaches* its neighbours if all functions of its window are stable
+   * or extended. The others are determined by nothing but the points in their
+   * own cells, and points in cells that do not reach see no neighbour.
+   */
+  template <int dim>
+  class CellWindows
+  {
+  public:
+    /**
+     * Collective. The space, of one component, is kept by reference. No cell
+     * reaches its neighbours before update().
+     */
+    void
+    reinit(const SplineSpace<dim> &space);
+
+    /**
+     * Collective. Find the cells that reach their neighbours.
+     */
+    void
+    update(const Extension<dim> &extension);
+
+    bool
+    reaches(const unsigned int cell) const
+    {
+      return reaching[cell];
+    }
+
+    /**
+     * Places in the buffer of the functions of the window of an owned cell, in
+     * lexicographic order.
+     */
+    const unsigned int *
+    functions(const unsigned int cell) const
+    {
+      return places.data() + std::size_t(cell) * n_in_window;
+    }
+
+    /**
+     * Places of the buffer.
+     */
+    std::size_t
+    n_places() const
+    {
+      return buffer_vector.locally_owned_size() +
+             buffer_vector.get_partitioner()->n_ghost_indices() + 1;
+    }
+
+    /**
+     * Collective. Copy the dim coefficients of each function into the buffer,
+     * which is resized.
+     */
+    void
+    read(const VectorField<dim> &field, std::vector<double> &buffer) const;
+
+    /**
+     * Collective. Add what the buffers of all processes have of each function
+     * to a field.
+     */
+    void
+    add_to(VectorField<dim> &field, const std::vector<double> &buffer) const;
+
+  private:
+    const SplineSpace<dim>    *spline_space = nullptr;
+    unsigned int               n_in_window  = 0;
+    std::vector<unsigned int>  places;
+    std::vector<unsigned char> reaching;
+    mutable VectorType         buffer_vector;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_source_points_domains_h
+#define greville_source_points_domains_h
+
+#include <greville/spline/cell_windows.h>
+
+#include "point_kernels.h"
+
+/**
+ * Gradients averaged over the domains of points. To be included in sources.
+ *
+ * The domain of a point is a box around it with edges 2 s_d along the axes. It
+ * has the second moments that the box of the stress-free state has when F has
+ * deformed it, s_i^2 = sum_j F_ij^2 s0_j^2: a rotation leaves a cube as it is,
+ * and boxes that filled a body before a stretch along the axes fill it
+ * afterwards. It has one cell at most, and is cut at the edges of the grid.
+ */
+namespace greville
+{
+  namespace internal
+  {
+    /**
+     * The windows where points have domains.
+     */
+    template <int dim>
+    inline const CellWindows<dim> *
+    windows_of(const MaterialPoints<dim> &points,
+               const CellWindows<dim>    *windows)
+    {
+      return points.layout().domain == 0 ? nullptr : windows;
+    }
+
+
+
+    template <int dim, typename Number>
+    inline void
+    limit_domain(const SplineSpace<dim> &space, Number (&s)[dim])
+    {
+      using std::min;
+      using std::sqrt;
+      for (int d = 0; d < dim; ++d)
+        s[d] =
+          min(Number(sqrt(s[d])), Number(0.5 * space.lattice().cell_size(d)));
+    }
+
+
+
+    /**
+     * The halves s_d of the edges of the domains of a group.
+     */
+    template <int dim>
+    inline void
+    load_domains(const MaterialPoints<dim> &points,
+                 const double              *group,
+                 Simd (&s)[dim])
+    {
+      Simd initial[dim];
+      load_numbers<dim>(group, points.layout().domain, initial);
+      for (int i = 0; i < dim; ++i)
+        {
+          s[i] = 0.;
+          for (int j = 0; j < dim; ++j)
+            {
+              const Simd edge =
+                initial[j] *
+                load(group + (PointLayout<dim>::F + i * dim + j) * simd_width);
+              s[i] += edge * edge;
+            }
+        }
+      limit_domain<dim>(points.space(), s);
+    }
+
+
+
+    /**
+     * Those of a point.
+     */
+    template <int dim>
+    inline dealii::Tensor<1, dim>
+    domain_of_point(const MaterialPoints<dim> &points,
+                    const ConstPointRef<dim>   p)
+    {
+      double s[dim];
+      for (int i = 0; i < dim; ++i)
+        {
+          s[i] = 0.;
+          for (int j = 0; j < dim; ++j)
+            {
+              const double edge = p[points.layout().domain + j] * p.F(i, j);
+              s[i] += edge * edge;
+            }
+        }
+      limit_domain<dim>(points.space(), s);
+      dealii::Tensor<1, dim> result;
+      for (int i = 0; i < dim; ++i)
+        result[i] = s[i];
+      return result;
+    }
+
+
+
+    /**
+     * What is the same for all points of a cell that sees its window.
+     */
+    template <int dim, int n>
+    struct WindowGeometry
+    {
+      WindowGeometry(const SpacePolynomials<dim> &tables,
+                     const CellWindows<dim>      &windows,
+                     const unsigned int           cell)
+        : functions(windows.functions(cell))
+      {
+        const SplineSpace<dim> &space   = *tables.space;
+        const auto             &lattice = space.lattice();
+        const auto              index =
+          multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double       h       = lattice.cell_size(d);
+            const unsigned int n_cells = lattice.n_cells()[d];
+            center[d]    = lattice.lower(d) + (index[d] + 0.5) * h;
+            inverse_h[d] = 1. / h;
+            for (unsigned int k = 0; k < 3; ++k)
+              {
+                const bool is_there =
+                  lattice.is_periodic(d) ||
+                  (index[d] + k >= 1 && index[d] + k <= n_cells);
+                // Boxes end at the edges of the grid.
+                if (k != 1)
+                  ends[d][k / 2] = (is_there ? 1.5 : 0.5) * (int(k) - 1);
+                polynomials[d][k] =
+                  is_there ? tables.directions[d].coefficients(
+                               (index[d] + k + n_cells - 1) % n_cells)
+                           : nullptr;
+              }
+          }
+      }
+
+      double              center[dim];
+      double              inverse_h[dim];
+      double              ends[dim][2];
+      const double       *polynomials[dim][3];
+      const unsigned int *functions;
+    };
+
+
+
+    inline bool
+    is_positive(const Simd &value)
+    {
+      return any_of(value > 0.);
+    }
+
+    inline bool
+    is_positive(const double value)
+    {
+      return value > 0.;
+    }
+
+
+
+    /**
+     * Values and derivatives of the univariate functions of a window, averaged
+     * over the domains of a group of points, or of one. Functions before first
+     * and from last on are zero.
+     */
+    template <int dim, int n, typename Number = Simd>
+    struct WindowShape
+    {
+      static constexpr int n_1d        = n + 2;
+      static constexpr int n_functions = power(n_1d, dim);
+
+      void
+      evaluate(const WindowGeometry<dim, n> &cell,
+               const Number                 *x,
+               const Number                 *s)
+      {
+        using std::max;
+        using std::min;
+        // In cells: below, averages are those of a point.
+        constexpr double smallest = 1e-8;
+        for (int d = 0; d < dim; ++d)
+          {
+            const Number t = (x[d] - cell.center[d]) * cell.inverse_h[d];
+            const Number r =
+              max(Number(s[d] * cell.inverse_h[d]), Number(smallest));
+            const Number lower = max(Number(t - r), Number(cell.ends[d][0]));
+            const Number upper = min(Number(t + r), Number(cell.ends[d][1]));
+            const Number scale = 1. / (upper - lower);
+            first[d]           = 1;
+            last[d]            = n + 1;
+            for (int a = 0; a < n_1d; ++a)
+              N[d][a] = dN[d][a] = 0.;
+            for (int k = 0; k < 3; ++k)
+              {
+                const Number begin  = max(lower, Number(k - 1.5));
+                const Number end    = min(upper, Number(k - 0.5));
+                const Number length = max(Number(end - begin), Number(0.));
+                if (k != 1 && !is_positive(length))
+                  continue;
+                if (k == 0)
+                  first[d] = 0;
+                if (k == 2)
+                  last[d] = n_1d;
+                add(cell.polynomials[d][k],
+                    0.5 * (begin + end) - double(k - 1),
+                    0.5 * length,
+                    length * scale,
+                    cell.inverse_h[d],
+                    N[d] + k,
+                    dN[d] + k);
+              }
+          }
+      }
+
+      /**
+       * Call action(number of the first function of a row along x, factors of
+       * the row for derivatives in each direction).
+       */
+      template <typename Action>
+      void
+      for_each_row(const Action &action) const
+      {
+        for (int a_z = dim == 3 ? first[dim - 1] : 0;
+             a_z < (dim == 3 ? last[dim - 1] : 1);
+             ++a_z)
+          for (int a_y = first[1]; a_y < last[1]; ++a_y)
+            {
+              Number factors[dim];
+              factors[0] = N[1][a_y];
+              factors[1] = dN[1][a_y];
+              if constexpr (dim == 3)
+                {
+                  factors[2] = factors[0] * dN[2][a_z];
+                  factors[0] *= N[2][a_z];
+                  factors[1] *= N[2][a_z];
+                }
+              action((a_z * n_1d + a_y) * n_1d, factors);
+            }
+      }
+
+      /**
+       * The gradient H_ij = d_j u_i, for coefficients u[function * dim + i].
+       */
+      void
+      gradient(const double *u, Number (&H)[dim][dim]) const
+      {
+        for (auto &row : H)
+          for (Number &entry : row)
+            entry = 0.;
+        for_each_row([&](const int row, const Number *factors) {
+          Number values[dim], slopes[dim];
+          for (int i = 0; i < dim; ++i)
+            values[i] = slopes[i] = 0.;
+          for (int a = first[0]; a < last[0]; ++a)
+            for (int i = 0; i < dim; ++i)
+              {
+                values[i] += N[0][a] * u[(row + a) * dim + i];
+                slopes[i] += dN[0][a] * u[(row + a) * dim + i];
+              }
+          for (int i = 0; i < dim; ++i)
+            {
+              H[i][0] += factors[0] * slopes[i];
+              for (int j = 1; j < dim; ++j)
+                H[i][j] += factors[j] * values[i];
+            }
+        });
+      }
+
+      /**
+       * sums[function * dim + i] += T_ij d_j N.
+       */
+      void
+      add_divergence(const Number (&T)[dim][dim], Number *sums) const
+      {
+        for_each_row([&](const int row, const Number *factors) {
+          for (int i = 0; i < dim; ++i)
+            {
+              const Number along  = factors[0] * T[i][0];
+              Number       across = factors[1] * T[i][1];
+              if constexpr (dim == 3)
+                across += factors[2] * T[i][2];
+              for (int a = first[0]; a < last[0]; ++a)
+                sums[(row + a) * dim + i] +=
+                  dN[0][a] * along + N[0][a] * across;
+            }
+        });
+      }
+
+      Number N[dim][n_1d];
+      Number dN[dim][n_1d];
+      int    first[dim], last[dim];
+
+    private:
+      /**
+       * Add @p weight times the means of polynomials and their derivatives over
+       * [c - l, c + l].
+       */
+      static void
+      add(const double *polynomials,
+          const Number  c,
+          const Number  l,
+          const Number  weight,
+          const double  inverse_h,
+          Number       *values,
+          Number       *slopes)
+      {
+        // Means of t^k: those of even powers of t - c are l^k / (k + 1).
+        Number means[n];
+        for (int k = 0; k < n; ++k)
+          {
+            // Horner's rule in c, with binomial coefficients.
+            Number power_of_l = 1., mean = 0.;
+            double binomial = 1.;
+            for (int j = 0; j <= k; ++j)
+              {
+                if (j % 2 == 0)
+                  {
+                    Number term = power_of_l * (binomial / (j + 1));
+                    for (int i = j; i < k; ++i)
+                      term *= c;
+                    mean += term;
+                  }
+                power_of_l *= l;
+                binomial = binomial * (k - j) / (j + 1);
+              }
+            means[k] = weight * mean;
+          }
+        for (int a = 0; a < n; ++a)
+          {
+            Number value = 0., slope = 0.;
+            for (int k = 0; k < n; ++k)
+              value += polynomials[a * n + k] * means[k];
+            for (int k = 1; k < n; ++k)
+              slope += double(k) * polynomials[a * n + k] * means[k - 1];
+            values[a] += value;
+            slopes[a] += inverse_h * slope;
+          }
+      }
+    };
+
+
+
+    /**
+     * The shape of a window for a point.
+     */
+    template <int dim, int n>
+    inline WindowShape<dim, n, double>
+    evaluated(const WindowGeometry<dim, n> &cell,
+              const dealii::Point<dim>     &x,
+              const dealii::Tensor<1, dim> &domain)
+    {
+      WindowShape<dim, n, double> shape;
+      shape.evaluate(cell, x.begin_raw(), domain.begin_raw());
+      return shape;
+    }
+
+
+
+    /**
+     * The coefficients of the functions of a window, [function][component].
+     */
+    template <int dim, int n>
+    inline void
+    read_window(const WindowGeometry<dim, n> &cell,
+                const double                 *buffer,
+                double                       *u)
+    {
+      for (int a = 0; a < WindowShape<dim, n>::n_functions; ++a)
+        for (int i = 0; i < dim; ++i)
+          u[a * dim + i] = buffer[std::size_t(cell.functions[a]) * dim + i];
+    }
+
+
+
+    /**
+     * The gradient of a field with the coefficients @p u of a window, averaged
+     * over the domain of a point.
+     */
+    template <int dim, int n>
+    inline dealii::Tensor<2, dim>
+    mean_gradient(const WindowGeometry<dim, n> &cell,
+                  const dealii::Point<dim>     &x,
+                  const dealii::Tensor<1, dim> &domain,
+                  const double                 *u)
+    {
+      double H[dim][dim];
+      evaluated(cell, x, domain).gradient(u, H);
+      return dealii::Tensor<2, dim>(H);
+    }
+  } // namespace internal
+} // namespace greville
+
+#endif
