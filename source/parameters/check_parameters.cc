@@ -339,9 +339,9 @@ namespace greville
            "'Scheme/Volumetric projection' = " + scheme.volumetric_projection,
            "it projects what gradients at points give; take none.");
     refuse(is_explicit_scheme(scheme.stress_update) &&
-             !scheme.has_consistent_mass(),
+             !scheme.has_consistent_mass() && !scheme.has_lumped_mass(),
            "'Scheme/Mass' = " + scheme.mass,
-           "the mass of functions that a domain reaches, and no point, is "
-           "found by extension; take consistent.");
+           "take consistent or lumped.");
+    refuse(scheme.is_apic(), "'Scheme/Transfer' = APIC", "take FLIP or PIC.");
   }
 } // namespace greville

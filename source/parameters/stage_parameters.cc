@@ -104,10 +104,13 @@ namespace greville
       "which the fastest initial wave crosses a cell, the rest being PIC. 1: "
       "all of FLIP, 0: all of PIC. Unit: none.");
     add_parameter(prm, "Functions", functions, Selection("points|domains"))(
-      "Where gradients of B-splines are taken in updated Lagrangian steps with "
-      "the consistent mass: at the points, or averaged over the domains of "
-      "points, boxes that follow their deformation. With domains errors keep "
-      "falling with the cell size where points have moved.");
+      "What points see of B-splines in updated Lagrangian steps: their values "
+      "and gradients at the points, or averages over the domains of points, "
+      "boxes that follow the deformation. With domains, errors keep falling "
+      "with the cell size where points have moved. With the consistent mass "
+      "and "
+      "in implicit steps that are not quasi-static, values are those at the "
+      "points.");
     add_parameter(prm,
                   "Quadrature",
                   quadrature,

@@ -203,13 +203,13 @@ namespace greville
                   first[d] = 0;
                 if (k == 2)
                   last[d] = n_1d;
-                add(cell.polynomials[d][k],
-                    0.5 * (begin + end) - double(k - 1),
-                    0.5 * length,
-                    length * scale,
-                    cell.inverse_h[d],
-                    N[d] + k,
-                    dN[d] + k);
+                add_means(cell.polynomials[d][k],
+                          0.5 * (begin + end) - double(k - 1),
+                          0.5 * length,
+                          length * scale,
+                          cell.inverse_h[d],
+                          N[d] + k,
+                          dN[d] + k);
               }
           }
       }
@@ -241,29 +241,86 @@ namespace greville
       }
 
       /**
-       * The gradient H_ij = d_j u_i, for coefficients u[function * dim + i].
+       * Fields with coefficients u[function * n_fields + k], and the gradient
+       * H_ij = d_j u_i of the dim of them from @p first on, if @p
+       * with_gradient.
+       */
+      template <int n_fields, int first_of_H, bool with_gradient = true>
+      void
+      evaluate_fields(const double *u,
+                      Number (&fields)[n_fields],
+                      Number (&H)[dim][dim]) const
+      {
+        for (Number &field : fields)
+          field = 0.;
+        if constexpr (with_gradient)
+          for (auto &row : H)
+            for (Number &entry : row)
+              entry = 0.;
+        for_each_row([&](const int row, const Number *factors) {
+          Number values[n_fields], slopes[dim];
+          for (Number &value : values)
+            value = 0.;
+          for (Number &slope : slopes)
+            slope = 0.;
+          for (int a = first[0]; a < last[0]; ++a)
+            {
+              const double *at = u + (row + a) * n_fields;
+              for (int k = 0; k < n_fields; ++k)
+                values[k] += N[0][a] * at[k];
+              if constexpr (with_gradient)
+                for (int i = 0; i < dim; ++i)
+                  slopes[i] += dN[0][a] * at[first_of_H + i];
+            }
+          for (int k = 0; k < n_fields; ++k)
+            fields[k] += factors[0] * values[k];
+          if constexpr (with_gradient)
+            for (int i = 0; i < dim; ++i)
+              {
+                H[i][0] += factors[0] * slopes[i];
+                for (int j = 1; j < dim; ++j)
+                  H[i][j] += factors[j] * values[first_of_H + i];
+              }
+        });
+      }
+
+      /**
+       * The gradient of a field alone.
        */
       void
       gradient(const double *u, Number (&H)[dim][dim]) const
       {
-        for (auto &row : H)
-          for (Number &entry : row)
-            entry = 0.;
+        Number values[dim];
+        evaluate_fields<dim, 0>(u, values, H);
+      }
+
+      /**
+       * sums[function * n_fields + k] += values[k] N, and where there are
+       * fields from @p first_of_T on, T_ij d_j N for field first_of_T + i.
+       */
+      template <int n_fields, int first_of_T>
+      void
+      add(const Number (&values)[n_fields],
+          const Number (&T)[dim][dim],
+          Number *sums) const
+      {
         for_each_row([&](const int row, const Number *factors) {
-          Number values[dim], slopes[dim];
-          for (int i = 0; i < dim; ++i)
-            values[i] = slopes[i] = 0.;
-          for (int a = first[0]; a < last[0]; ++a)
-            for (int i = 0; i < dim; ++i)
-              {
-                values[i] += N[0][a] * u[(row + a) * dim + i];
-                slopes[i] += dN[0][a] * u[(row + a) * dim + i];
-              }
-          for (int i = 0; i < dim; ++i)
+          Number across[n_fields], along[dim];
+          for (int k = 0; k < n_fields; ++k)
+            across[k] = factors[0] * values[k];
+          for (int i = 0; first_of_T < n_fields && i < dim; ++i)
             {
-              H[i][0] += factors[0] * slopes[i];
+              along[i] = factors[0] * T[i][0];
               for (int j = 1; j < dim; ++j)
-                H[i][j] += factors[j] * values[i];
+                across[(first_of_T + i) % n_fields] += factors[j] * T[i][j];
+            }
+          for (int a = first[0]; a < last[0]; ++a)
+            {
+              Number *at = sums + (row + a) * n_fields;
+              for (int k = 0; k < n_fields; ++k)
+                at[k] += N[0][a] * across[k];
+              for (int i = 0; first_of_T < n_fields && i < dim; ++i)
+                at[(first_of_T + i) % n_fields] += dN[0][a] * along[i];
             }
         });
       }
@@ -274,18 +331,9 @@ namespace greville
       void
       add_divergence(const Number (&T)[dim][dim], Number *sums) const
       {
-        for_each_row([&](const int row, const Number *factors) {
-          for (int i = 0; i < dim; ++i)
-            {
-              const Number along  = factors[0] * T[i][0];
-              Number       across = factors[1] * T[i][1];
-              if constexpr (dim == 3)
-                across += factors[2] * T[i][2];
-              for (int a = first[0]; a < last[0]; ++a)
-                sums[(row + a) * dim + i] +=
-                  dN[0][a] * along + N[0][a] * across;
-            }
-        });
+        Number none[dim];
+        std::fill_n(none, dim, Number(0.));
+        add<dim, 0>(none, T, sums);
       }
 
       Number N[dim][n_1d];
@@ -298,13 +346,13 @@ namespace greville
        * [c - l, c + l].
        */
       static void
-      add(const double *polynomials,
-          const Number  c,
-          const Number  l,
-          const Number  weight,
-          const double  inverse_h,
-          Number       *values,
-          Number       *slopes)
+      add_means(const double *polynomials,
+                const Number  c,
+                const Number  l,
+                const Number  weight,
+                const double  inverse_h,
+                Number       *values,
+                Number       *slopes)
       {
         // Means of t^k: those of even powers of t - c are l^k / (k + 1).
         Number means[n];
@@ -359,17 +407,19 @@ namespace greville
 
 
     /**
-     * The coefficients of the functions of a window, [function][component].
+     * The coefficients of the functions of a window, [function][field].
      */
     template <int dim, int n>
     inline void
     read_window(const WindowGeometry<dim, n> &cell,
                 const double                 *buffer,
-                double                       *u)
+                double                       *u,
+                const int                     n_fields = dim)
     {
       for (int a = 0; a < WindowShape<dim, n>::n_functions; ++a)
-        for (int i = 0; i < dim; ++i)
-          u[a * dim + i] = buffer[std::size_t(cell.functions[a]) * dim + i];
+        for (int k = 0; k < n_fields; ++k)
+          u[a * n_fields + k] =
+            buffer[std::size_t(cell.functions[a]) * n_fields + k];
     }
 
 

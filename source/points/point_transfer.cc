@@ -10,10 +10,12 @@ namespace greville
   template <int dim>
   void
   PointTransfer<dim>::reinit(const SplineSpace<dim> &space,
-                             const CellWindows<dim> *given)
+                             const CellWindows<dim> *given,
+                             const bool              with_values)
   {
     tables.reinit(space);
-    windows = given;
+    windows         = given;
+    averages_values = with_values;
   }
 
 

@@ -40,15 +40,17 @@ namespace greville
 
 
     /**
-     * The forces of points on the window of a cell that reaches its neighbours.
+     * Sums over the points of a cell that reaches its neighbours, n_fields
+     * numbers for each function of its window, to which the stress adds from
+     * first_force on.
      */
-    template <int dim, int n>
-    class WindowForces
+    template <int dim, int n, int n_fields, int first_force>
+    class WindowSums
     {
     public:
-      WindowForces(const SpacePolynomials<dim> &tables,
-                   const CellWindows<dim>      *windows,
-                   double                      *buffer)
+      WindowSums(const SpacePolynomials<dim> &tables,
+                 const CellWindows<dim>      *windows,
+                 double                      *buffer)
         : tables(tables)
         , windows(windows)
         , buffer(buffer)
@@ -60,7 +62,6 @@ namespace greville
       bool
       begin(const unsigned int cell)
       {
-        geometry.reset();
         if (!windows || !windows->reaches(cell))
           return false;
         geometry.emplace(tables, *windows, cell);
@@ -72,25 +73,26 @@ namespace greville
       add(const MaterialPoints<dim> &points,
           const double              *group,
           const Simd (&x)[dim],
+          const Simd (&values)[n_fields],
           const Simd (&stress)[dim][dim])
       {
         Simd s[dim];
         load_domains(points, group, s);
         WindowShape<dim, n> shape;
         shape.evaluate(*geometry, x, s);
-        shape.add_divergence(stress, sums);
+        shape.template add<n_fields, first_force>(values, stress, sums);
       }
 
       void
       end() const
       {
         for (int k = 0; k < n_sums; ++k)
-          buffer[std::size_t(geometry->functions[k / dim]) * dim + k % dim] +=
-            reduce(sums[k]);
+          buffer[std::size_t(geometry->functions[k / n_fields]) * n_fields +
+                 k % n_fields] += reduce(sums[k]);
       }
 
     private:
-      static constexpr int n_sums = WindowShape<dim, n>::n_functions * dim;
+      static constexpr int n_sums = WindowShape<dim, n>::n_functions * n_fields;
 
       const SpacePolynomials<dim>          &tables;
       const CellWindows<dim>               *windows;
@@ -110,6 +112,7 @@ namespace greville
     add_points(const MaterialPoints<dim>   &points,
                const SpacePolynomials<dim> &tables,
                const CellWindows<dim>      *windows,
+               const bool                   with_values,
                double                      *buffer,
                double                      *window_buffer)
     {
@@ -117,19 +120,23 @@ namespace greville
       const PointField  *field_of_load = points.layout().find("load");
       const unsigned int first_affine =
         affine ? points.layout().first("affine") : 0;
-      constexpr int        first_force = with_momentum ? 1 + dim : 0;
-      constexpr int        n_fields    = first_force + (with_force ? dim : 0);
-      constexpr int        n_z         = dim == 3 ? n : 1;
-      const bool           total       = points.layout().is_total_lagrangian();
-      const unsigned int   initial_F   = points.layout().initial_F;
-      WindowForces<dim, n> of_window(tables,
-                                     windows_of(points, windows),
-                                     window_buffer);
+      constexpr int      first_force = with_momentum ? 1 + dim : 0;
+      constexpr int      n_fields    = first_force + (with_force ? dim : 0);
+      constexpr int      n_z         = dim == 3 ? n : 1;
+      const bool         total       = points.layout().is_total_lagrangian();
+      const unsigned int initial_F   = points.layout().initial_F;
+      // What windows get: all, or the force of stresses alone.
+      const CellWindows<dim> *seen = windows_of(points, windows);
+      WindowSums<dim, n, n_fields, first_force> of_window(
+        tables, with_values ? seen : nullptr, window_buffer);
+      WindowSums<dim, n, dim, 0> forces(
+        tables, with_values || !with_force ? nullptr : seen, window_buffer);
 
       for (const unsigned int cell : points.cells())
         {
-          const CellGeometry<dim, n> geometry(tables, cell);
-          const bool reaches = with_force && of_window.begin(cell);
+          const CellGeometry<dim, n>        geometry(tables, cell);
+          const bool                        has_window = of_window.begin(cell);
+          const bool                        has_forces = forces.begin(cell);
           CellSums<power(n, dim), n_fields> cell_sums;
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
@@ -166,17 +173,33 @@ namespace greville
                       load_inverse_F<dim>(group, initial_F, inverse);
                       multiply_transposed<dim>(sigma, inverse, stress);
                     }
-                  if (reaches)
-                    {
-                      of_window.add(points, group, x, stress);
-                      std::fill_n(stress[0], dim * dim, Simd(0.));
-                    }
                   for (int i = 0; i < dim; ++i)
                     load_force[i] =
                       field_of_load
                         ? m * load(group +
                                    (field_of_load->first + i) * simd_width)
                         : Simd(0.);
+                }
+
+              if (has_window)
+                {
+                  Simd values[n_fields];
+                  if constexpr (with_momentum)
+                    {
+                      values[0] = m;
+                      for (int i = 0; i < dim; ++i)
+                        values[1 + i] = m * v[i];
+                    }
+                  if constexpr (with_force)
+                    std::copy_n(load_force, dim, values + first_force);
+                  of_window.add(points, group, x, values, stress);
+                  continue;
+                }
+              if (has_forces)
+                {
+                  const Simd none[dim] = {};
+                  forces.add(points, group, x, none, stress);
+                  std::fill_n(stress[0], dim * dim, Simd(0.));
                 }
 
               Simd C[dim][dim], distance[dim][n];
@@ -254,8 +277,10 @@ namespace greville
                   }
             }
           cell_sums.add_to(geometry.functions, buffer);
-          if (reaches)
+          if (has_window)
             of_window.end();
+          if (has_forces)
+            forces.end();
         }
     }
   } // namespace
@@ -280,8 +305,11 @@ namespace greville
     const unsigned int first_force = mass ? 1 + dim : 0;
     const unsigned int n_fields    = first_force + (force ? dim : 0);
     buffer.assign(std::size_t(n_functions) * n_fields, 0.);
-    if (windows && force)
-      window_buffer.assign(windows->n_places() * dim, 0.);
+    const unsigned int n_window_fields = averages_values ? n_fields
+                                         : force         ? dim
+                                                         : 0;
+    if (windows)
+      window_buffer.assign(windows->n_places() * n_window_fields, 0.);
 
     for (const MaterialPoints<dim> *points : bodies)
       with_order(space.degree(), [&](const auto size) {
@@ -289,7 +317,12 @@ namespace greville
         const bool    affine = points->layout().find("affine");
         const auto    run    = [&](auto with_mass, auto with_force, auto apic) {
           add_points<dim, n, with_mass, with_force, apic>(
-            *points, tables, windows, buffer.data(), window_buffer.data());
+            *points,
+            tables,
+            windows,
+            averages_values,
+            buffer.data(),
+            window_buffer.data());
         };
         constexpr std::true_type  yes;
         constexpr std::false_type no;
@@ -310,8 +343,19 @@ namespace greville
     if (force)
       for (unsigned int d = 0; d < dim; ++d)
         take_from_buffer(buffer, n_fields, first_force + d, (*force)[d]);
-    if (windows && force)
-      windows->add_to(*force, window_buffer);
+    if (!windows || n_window_fields == 0)
+      return;
+    std::vector<VectorType *> sums;
+    if (averages_values && mass)
+      sums.push_back(mass);
+    std::vector<VectorField<dim> *> fields;
+    if (averages_values && mass)
+      fields.push_back(momentum);
+    if (force)
+      fields.push_back(force);
+    for (VectorType *column : columns_of<VectorType>(fields))
+      sums.push_back(column);
+    windows->add_to(sums, window_buffer);
   }
 
 

@@ -201,23 +201,25 @@ namespace greville
 
 
     /**
-     * The gradient of a field with the coefficients @p u of a window at a group
-     * of points.
+     * Means of fields with the coefficients @p u of a window over the domains
+     * of a group of points, and of the gradient of those from first_of_H on.
      */
-    template <int dim, int n>
+    template <int dim, int n, int n_fields, int first_of_H, bool with_gradient>
     __attribute__((noinline)) void
-    find_mean_gradient(const MaterialPoints<dim>    &points,
-                       const double                 *group,
-                       const WindowGeometry<dim, n> &geometry,
-                       const double                 *u,
-                       Simd (&gradient)[dim][dim])
+    find_means(const MaterialPoints<dim>    &points,
+               const double                 *group,
+               const WindowGeometry<dim, n> &geometry,
+               const double                 *u,
+               Simd (&fields)[n_fields],
+               Simd (&gradient)[dim][dim])
     {
       Simd x[dim], s[dim];
       load_basis_positions(points, group, x);
       load_domains(points, group, s);
       WindowShape<dim, n> shape;
       shape.evaluate(geometry, x, s);
-      shape.gradient(u, gradient);
+      shape.template evaluate_fields<n_fields, first_of_H, with_gradient>(
+        u, fields, gradient);
     }
 
 
@@ -227,6 +229,7 @@ namespace greville
     update_points(MaterialPoints<dim>         &points,
                   const SpacePolynomials<dim> &tables,
                   const CellWindows<dim>      *windows,
+                  const bool                   with_values,
                   const PointUpdate<dim>      &update,
                   const double                *projected,
                   const double                *buffer,
@@ -261,15 +264,17 @@ namespace greville
               coefficients[a * n_fields + k] =
                 buffer[std::size_t(geometry.functions[a]) * n_fields + k];
 
-          [[maybe_unused]] std::optional<WindowGeometry<dim, n>> window;
-          [[maybe_unused]] double
-            in_window[derivatives ? WindowShape<dim, n>::n_functions * dim : 1];
-          if constexpr (derivatives)
-            if (windows && windows->reaches(cell))
-              {
-                window.emplace(tables, *windows, cell);
-                read_window(*window, window_buffer, in_window);
-              }
+          std::optional<WindowGeometry<dim, n>> window;
+          double in_window[WindowShape<dim, n>::n_functions * n_fields];
+          if (windows && (with_values || derivatives) && windows->reaches(cell))
+            {
+              window.emplace(tables, *windows, cell);
+              read_window(*window,
+                          window_buffer,
+                          in_window,
+                          with_values ? n_fields : dim);
+            }
+          const bool is_narrow = !window || !with_values;
 
           bool         left  = false;
           unsigned int count = points.n_in_first_group(cell);
@@ -298,7 +303,7 @@ namespace greville
                   }
 
               const double *c = coefficients;
-              for (int a_z = 0; a_z < n_z; ++a_z)
+              for (int a_z = 0; a_z < (is_narrow ? n_z : 0); ++a_z)
                 for (int a_y = 0; a_y < n; ++a_y)
                   {
                     Simd rows[n_fields], slopes[dim], first_moments[dim];
@@ -354,6 +359,17 @@ namespace greville
                         }
                   }
 
+              if (!is_narrow)
+                find_means<dim, n, n_fields, first_gradient, derivatives>(
+                  points, group, *window, in_window, fields, gradient);
+              else if constexpr (derivatives)
+                if (window)
+                  {
+                    Simd values[dim];
+                    find_means<dim, n, dim, 0, true>(
+                      points, group, *window, in_window, values, gradient);
+                  }
+
               // Lanes without a point stay where they are.
               Simd lane_is_used;
               for (unsigned int lane = 0; lane < simd_width; ++lane)
@@ -405,12 +421,6 @@ namespace greville
                     for (int i = 0; i < dim; ++i)
                       store_numbers<dim>(B[i], first_affine + i * dim, group);
                 }
-
-              // Before the points move.
-              if constexpr (derivatives)
-                if (window)
-                  find_mean_gradient(
-                    points, group, *window, in_window, gradient);
 
               if constexpr (Kind::move)
                 {
@@ -571,8 +581,13 @@ namespace greville
     for (unsigned int f = 0; f < fields.size(); ++f)
       for (unsigned int d = 0; d < dim; ++d)
         put_into_buffer((*fields[f])[d], n_fields, f * dim + d, buffer);
-    if (deform && windows_of(points, windows))
-      windows->read(*update.deformation, window_buffer);
+    if (const CellWindows<dim> *seen = windows_of(points, windows))
+      {
+        if (averages_values)
+          seen->read(columns_of<const VectorType>(fields), window_buffer);
+        else if (deform)
+          seen->read(*update.deformation, window_buffer);
+      }
 
     const double *projected =
       deform && update.projection
@@ -587,6 +602,7 @@ namespace greville
           points,
           tables,
           windows_of(points, windows),
+          averages_values,
           update,
           projected,
           buffer.data(),

@@ -106,18 +106,50 @@ namespace greville
 
   template <int dim>
   void
+  CellWindows<dim>::read(const std::vector<const VectorType *> &vectors,
+                         std::vector<double>                   &buffer) const
+  {
+    const std::size_t n = n_places(), n_vectors = vectors.size();
+    buffer.resize(n * n_vectors);
+    for (std::size_t k = 0; k < n_vectors; ++k)
+      {
+        buffer_vector.copy_locally_owned_data_from(*vectors[k]);
+        buffer_vector.update_ghost_values();
+        for (std::size_t f = 0; f + 1 < n; ++f)
+          buffer[f * n_vectors + k] = buffer_vector.local_element(f);
+        buffer[(n - 1) * n_vectors + k] = 0.;
+        buffer_vector.zero_out_ghost_values();
+      }
+  }
+
+
+
+  template <int dim>
+  void
   CellWindows<dim>::read(const VectorField<dim> &field,
                          std::vector<double>    &buffer) const
   {
-    const unsigned int n = n_places();
-    buffer.resize(std::size_t(n) * dim);
-    for (unsigned int d = 0; d < dim; ++d)
+    read(columns_of<const VectorType>(
+           std::vector<const VectorField<dim> *>{&field}),
+         buffer);
+  }
+
+
+
+  template <int dim>
+  void
+  CellWindows<dim>::add_to(const std::vector<VectorType *> &vectors,
+                           const std::vector<double>       &buffer) const
+  {
+    const std::size_t n = n_places(), n_vectors = vectors.size();
+    AssertDimension(buffer.size(), n * n_vectors);
+    for (std::size_t k = 0; k < n_vectors; ++k)
       {
-        buffer_vector.copy_locally_owned_data_from(field[d]);
-        buffer_vector.update_ghost_values();
-        for (unsigned int f = 0; f + 1 < n; ++f)
-          buffer[f * dim + d] = buffer_vector.local_element(f);
-        buffer[(n - 1) * dim + d] = 0.;
+        for (std::size_t f = 0; f + 1 < n; ++f)
+          buffer_vector.local_element(f) = buffer[f * n_vectors + k];
+        buffer_vector.compress(VectorOperation::add);
+        for (unsigned int f = 0; f < buffer_vector.locally_owned_size(); ++f)
+          vectors[k]->local_element(f) += buffer_vector.local_element(f);
         buffer_vector.zero_out_ghost_values();
       }
   }
@@ -129,17 +161,8 @@ namespace greville
   CellWindows<dim>::add_to(VectorField<dim>          &field,
                            const std::vector<double> &buffer) const
   {
-    const unsigned int n = n_places();
-    AssertDimension(buffer.size(), std::size_t(n) * dim);
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        for (unsigned int f = 0; f + 1 < n; ++f)
-          buffer_vector.local_element(f) = buffer[f * dim + d];
-        buffer_vector.compress(VectorOperation::add);
-        for (unsigned int f = 0; f < buffer_vector.locally_owned_size(); ++f)
-          field[d].local_element(f) += buffer_vector.local_element(f);
-        buffer_vector.zero_out_ghost_values();
-      }
+    add_to(columns_of<VectorType>(std::vector<VectorField<dim> *>{&field}),
+           buffer);
   }
 
 

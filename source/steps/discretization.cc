@@ -6,6 +6,7 @@
 #include <greville/parameters/names.h>
 #include <greville/spline/coarse_cells.h>
 #include <greville/steps/discretization.h>
+#include <greville/steps/implicit_scheme.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 
@@ -67,6 +68,30 @@ namespace greville
                    ">: the momentum of APIC is the right-hand side of "
                    "a lumped solve. With the exact mass, PIC already "
                    "is a projection that keeps linear fields."));
+    }
+
+
+
+    bool
+    has_lumped_steps(const SimulationParameters &parameters)
+    {
+      return is_explicit_scheme(parameters.scheme.stress_update) &&
+             parameters.scheme.has_lumped_mass();
+    }
+
+
+
+    /**
+     * Whether values of functions are means over domains, too: where no mass
+     * matrix is that of the points.
+     */
+    bool
+    averages_values(const SimulationParameters &parameters)
+    {
+      const std::string &name = parameters.scheme.stress_update;
+      return has_lumped_steps(parameters) ||
+             (is_implicit_scheme(name) &&
+              make_implicit_scheme(name, parameters.implicit).is_static);
     }
 
 
@@ -172,6 +197,9 @@ namespace greville
                                "."));
         windows = std::make_unique<CellWindows<dim>>();
         windows->reinit(space());
+        // Lumped masses are those of all functions that domains reach.
+        if (has_lumped_steps(parameters))
+          windows->reach_all();
       }
     make_fields();
     grid_walls.reinit(space());
@@ -180,7 +208,7 @@ namespace greville
                            parameters.time.start,
                            parameters.time.end,
                            !parameters.scheme.is_total_lagrangian());
-    point_transfer.reinit(space(), windows.get());
+    point_transfer.reinit(space(), windows.get(), averages_values(parameters));
     projection.reset();
     if (parameters.scheme.has_projection())
       {
@@ -306,17 +334,19 @@ namespace greville
             set_points(state, field, false);
             continue;
           }
+        // The force sees the cells that reach their neighbours by the extension
+        // of the mass.
+        const bool force_waits =
+          field.consistent && field.consistent->has_windows();
         {
           const PartTimer timer(log, "points to grid");
           // Reconstructions have stress and loads, which may have changed.
           set_points(state, field, true);
-          // With windows, the force needs the extension of the mass.
-          point_transfer.points_to_grid(field.points,
-                                        is_current ? nullptr
-                                                   : &field.lumped_mass,
-                                        is_current ? nullptr : &field.momentum,
-                                        with_force && !windows ? &field.force
-                                                               : nullptr);
+          point_transfer.points_to_grid(
+            field.points,
+            is_current ? nullptr : &field.lumped_mass,
+            is_current ? nullptr : &field.momentum,
+            with_force && !force_waits ? &field.force : nullptr);
         }
         // That of total Lagrangian steps never changes.
         if (!is_current && !mass_is_known)
@@ -327,7 +357,7 @@ namespace greville
         if (with_force)
           {
             const PartTimer timer(log, "points to grid");
-            if (windows)
+            if (force_waits)
               point_transfer.points_to_grid(field.points,
                                             nullptr,
                                             nullptr,

@@ -159,8 +159,10 @@ namespace greville
    *
    * With CellWindows, gradients are means over the domains of points
    * (@ref Bardenhagen2004 "Bardenhagen and Kober, 2004") in the cells that
-   * reach their neighbours: the force and the increment of F see them, and
-   * values of functions are those at the x_p.
+   * reach their neighbours: the force and the increment of F see them. Values
+   * of functions are those at the x_p, or means, too. Only means at both places
+   * balance loads where points are no quadrature; but the mass that goes with
+   * them is no StencilMatrix of the space.
    *
    * Kernels take the points of a group by SIMD; loops over a cell's functions
    * are a tensor product. The space has order 1 to 5.
@@ -171,11 +173,14 @@ namespace greville
   public:
     /**
      * The space is kept by reference, and so are the windows of its cells,
-     * which are null where gradients are those at points.
+     * which are null where gradients are those at points. With @p
+     * averages_values, points_to_grid() and grid_to_points() take means of the
+     * values of functions, too.
      */
     void
     reinit(const SplineSpace<dim> &space,
-           const CellWindows<dim> *windows = nullptr);
+           const CellWindows<dim> *windows         = nullptr,
+           const bool              averages_values = false);
 
     /**
      * Collective. Overwrite those of the three that are given with the sums
@@ -265,7 +270,8 @@ namespace greville
 
   private:
     SpacePolynomials<dim>   tables;
-    const CellWindows<dim> *windows = nullptr;
+    const CellWindows<dim> *windows         = nullptr;
+    bool                    averages_values = false;
     std::vector<double>     buffer, window_buffer;
   };
 } // namespace greville

@@ -6,6 +6,8 @@
 #include <greville/base/vector_field.h>
 #include <greville/spline/extension.h>
 
+#include <algorithm>
+
 namespace greville
 {
   /**
@@ -38,6 +40,15 @@ namespace greville
     void
     update(const Extension<dim> &extension);
 
+    /**
+     * Let all cells reach their neighbours, where no function is extended.
+     */
+    void
+    reach_all()
+    {
+      std::fill(reaching.begin(), reaching.end(), 1);
+    }
+
     bool
     reaches(const unsigned int cell) const
     {
@@ -65,16 +76,27 @@ namespace greville
     }
 
     /**
-     * Collective. Copy the dim coefficients of each function into the buffer,
-     * which is resized.
+     * Collective. Copy the coefficients of each function in all @p vectors into
+     * the buffer, which is resized.
+     */
+    void
+    read(const std::vector<const VectorType *> &vectors,
+         std::vector<double>                   &buffer) const;
+
+    /**
+     * The same for the components of a field.
      */
     void
     read(const VectorField<dim> &field, std::vector<double> &buffer) const;
 
     /**
      * Collective. Add what the buffers of all processes have of each function
-     * to a field.
+     * to the vectors; the buffer has @p vectors.size() numbers of each.
      */
+    void
+    add_to(const std::vector<VectorType *> &vectors,
+           const std::vector<double>       &buffer) const;
+
     void
     add_to(VectorField<dim> &field, const std::vector<double> &buffer) const;
 

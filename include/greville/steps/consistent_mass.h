@@ -101,6 +101,12 @@ namespace greville
       windows = given;
     }
 
+    bool
+    has_windows() const
+    {
+      return windows;
+    }
+
     const Extension<dim> &
     extension() const
     {
