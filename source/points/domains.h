@@ -8,7 +8,7 @@
 #include "point_kernels.h"
 
 /**
- * Gradients averaged over the domains of points. To be included in sources.
+ * B-splines averaged over the domains of points. To be included in sources.
  *
  * The domain of a point is a box around it with edges 2 s_d along the axes. It
  * has the second moments that the box of the stress-free state has when F has
@@ -110,6 +110,7 @@ namespace greville
                      const CellWindows<dim>      &windows,
                      const unsigned int           cell)
         : functions(windows.functions(cell))
+        , averages_values(windows.averages_values())
       {
         const SplineSpace<dim> &space   = *tables.space;
         const auto             &lattice = space.lattice();
@@ -142,6 +143,7 @@ namespace greville
       double              ends[dim][2];
       const double       *polynomials[dim][3];
       const unsigned int *functions;
+      bool                averages_values;
     };
 
 
@@ -161,9 +163,10 @@ namespace greville
 
 
     /**
-     * Values and derivatives of the univariate functions of a window, averaged
-     * over the domains of a group of points, or of one. Functions before first
-     * and from last on are zero.
+     * Values and derivatives of the univariate functions of a window at a group
+     * of points, or at one: derivatives are averaged over domains, and values
+     * where the windows average them. Functions before first and from last on
+     * are zero.
      */
     template <int dim, int n, typename Number = Simd>
     struct WindowShape
@@ -180,6 +183,7 @@ namespace greville
         using std::min;
         // In cells: below, averages are those of a point.
         constexpr double smallest = 1e-8;
+        averages_values           = cell.averages_values;
         for (int d = 0; d < dim; ++d)
           {
             const Number t = (x[d] - cell.center[d]) * cell.inverse_h[d];
@@ -211,12 +215,26 @@ namespace greville
                           N[d] + k,
                           dN[d] + k);
               }
+            if (!cell.averages_values)
+              {
+                Number none[n];
+                for (int a = 0; a < n_1d; ++a)
+                  N[d][a] = 0.;
+                add_means(cell.polynomials[d][1],
+                          t,
+                          Number(0.),
+                          Number(1.),
+                          0.,
+                          N[d] + 1,
+                          none);
+              }
           }
       }
 
       /**
        * Call action(number of the first function of a row along x, factors of
-       * the row for derivatives in each direction).
+       * the row for derivatives in each direction, first and last function of
+       * the row that count).
        */
       template <typename Action>
       void
@@ -227,6 +245,12 @@ namespace greville
              ++a_z)
           for (int a_y = first[1]; a_y < last[1]; ++a_y)
             {
+              // Without means of values, neighbours see one derivative only.
+              const bool at_z =
+                averages_values || dim == 2 || (a_z > 0 && a_z <= n);
+              const bool at_y = averages_values || (a_y > 0 && a_y <= n);
+              if (!at_y && !at_z)
+                continue;
               Number factors[dim];
               factors[0] = N[1][a_y];
               factors[1] = dN[1][a_y];
@@ -236,7 +260,11 @@ namespace greville
                   factors[0] *= N[2][a_z];
                   factors[1] *= N[2][a_z];
                 }
-              action((a_z * n_1d + a_y) * n_1d, factors);
+              const bool all = at_y && at_z;
+              action((a_z * n_1d + a_y) * n_1d,
+                     factors,
+                     all ? first[0] : 1,
+                     all ? last[0] : n + 1);
             }
       }
 
@@ -257,13 +285,16 @@ namespace greville
           for (auto &row : H)
             for (Number &entry : row)
               entry = 0.;
-        for_each_row([&](const int row, const Number *factors) {
+        for_each_row([&](const int     row,
+                         const Number *factors,
+                         const int     begin,
+                         const int     end) {
           Number values[n_fields], slopes[dim];
           for (Number &value : values)
             value = 0.;
           for (Number &slope : slopes)
             slope = 0.;
-          for (int a = first[0]; a < last[0]; ++a)
+          for (int a = begin; a < end; ++a)
             {
               const double *at = u + (row + a) * n_fields;
               for (int k = 0; k < n_fields; ++k)
@@ -304,7 +335,10 @@ namespace greville
           const Number (&T)[dim][dim],
           Number *sums) const
       {
-        for_each_row([&](const int row, const Number *factors) {
+        for_each_row([&](const int     row,
+                         const Number *factors,
+                         const int     begin,
+                         const int     end) {
           Number across[n_fields], along[dim];
           for (int k = 0; k < n_fields; ++k)
             across[k] = factors[0] * values[k];
@@ -314,7 +348,7 @@ namespace greville
               for (int j = 1; j < dim; ++j)
                 across[(first_of_T + i) % n_fields] += factors[j] * T[i][j];
             }
-          for (int a = first[0]; a < last[0]; ++a)
+          for (int a = begin; a < end; ++a)
             {
               Number *at = sums + (row + a) * n_fields;
               for (int k = 0; k < n_fields; ++k)
@@ -339,6 +373,7 @@ namespace greville
       Number N[dim][n_1d];
       Number dN[dim][n_1d];
       int    first[dim], last[dim];
+      bool   averages_values;
 
     private:
       /**

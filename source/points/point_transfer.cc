@@ -10,12 +10,10 @@ namespace greville
   template <int dim>
   void
   PointTransfer<dim>::reinit(const SplineSpace<dim> &space,
-                             const CellWindows<dim> *given,
-                             const bool              with_values)
+                             const CellWindows<dim> *given)
   {
     tables.reinit(space);
-    windows         = given;
-    averages_values = with_values;
+    windows = given;
   }
 
 

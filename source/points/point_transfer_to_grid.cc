@@ -112,7 +112,6 @@ namespace greville
     add_points(const MaterialPoints<dim>   &points,
                const SpacePolynomials<dim> &tables,
                const CellWindows<dim>      *windows,
-               const bool                   with_values,
                double                      *buffer,
                double                      *window_buffer)
     {
@@ -126,7 +125,8 @@ namespace greville
       const bool         total       = points.layout().is_total_lagrangian();
       const unsigned int initial_F   = points.layout().initial_F;
       // What windows get: all, or the force of stresses alone.
-      const CellWindows<dim> *seen = windows_of(points, windows);
+      const CellWindows<dim> *seen        = windows_of(points, windows);
+      const bool              with_values = seen && seen->averages_values();
       WindowSums<dim, n, n_fields, first_force> of_window(
         tables, with_values ? seen : nullptr, window_buffer);
       WindowSums<dim, n, dim, 0> forces(
@@ -305,6 +305,7 @@ namespace greville
     const unsigned int first_force = mass ? 1 + dim : 0;
     const unsigned int n_fields    = first_force + (force ? dim : 0);
     buffer.assign(std::size_t(n_functions) * n_fields, 0.);
+    const bool         averages_values = windows && windows->averages_values();
     const unsigned int n_window_fields = averages_values ? n_fields
                                          : force         ? dim
                                                          : 0;
@@ -317,12 +318,7 @@ namespace greville
         const bool    affine = points->layout().find("affine");
         const auto    run    = [&](auto with_mass, auto with_force, auto apic) {
           add_points<dim, n, with_mass, with_force, apic>(
-            *points,
-            tables,
-            windows,
-            averages_values,
-            buffer.data(),
-            window_buffer.data());
+            *points, tables, windows, buffer.data(), window_buffer.data());
         };
         constexpr std::true_type  yes;
         constexpr std::false_type no;

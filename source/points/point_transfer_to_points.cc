@@ -229,7 +229,6 @@ namespace greville
     update_points(MaterialPoints<dim>         &points,
                   const SpacePolynomials<dim> &tables,
                   const CellWindows<dim>      *windows,
-                  const bool                   with_values,
                   const PointUpdate<dim>      &update,
                   const double                *projected,
                   const double                *buffer,
@@ -254,6 +253,7 @@ namespace greville
       const bool         total       = points.layout().is_total_lagrangian();
       const unsigned int initial_F   = points.layout().initial_F;
       const unsigned int projected_J = points.layout().projected_J;
+      const bool         with_values = windows && windows->averages_values();
 
       for (const unsigned int cell : points.cells())
         {
@@ -583,7 +583,7 @@ namespace greville
         put_into_buffer((*fields[f])[d], n_fields, f * dim + d, buffer);
     if (const CellWindows<dim> *seen = windows_of(points, windows))
       {
-        if (averages_values)
+        if (seen->averages_values())
           seen->read(columns_of<const VectorType>(fields), window_buffer);
         else if (deform)
           seen->read(*update.deformation, window_buffer);
@@ -602,7 +602,6 @@ namespace greville
           points,
           tables,
           windows_of(points, windows),
-          averages_values,
           update,
           projected,
           buffer.data(),

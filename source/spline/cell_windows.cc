@@ -10,8 +10,10 @@ namespace greville
 
   template <int dim>
   void
-  CellWindows<dim>::reinit(const SplineSpace<dim> &space)
+  CellWindows<dim>::reinit(const SplineSpace<dim> &space,
+                           const bool              averages_values)
   {
+    with_values = averages_values;
     AssertDimension(space.n_components(), 1);
     spline_space              = &space;
     const unsigned int n      = space.degree() + 3;

@@ -196,7 +196,7 @@ namespace greville
                                std::to_string(parameters.grid.fields.size()) +
                                "."));
         windows = std::make_unique<CellWindows<dim>>();
-        windows->reinit(space());
+        windows->reinit(space(), averages_values(parameters));
         // Lumped masses are those of all functions that domains reach.
         if (has_lumped_steps(parameters))
           windows->reach_all();
@@ -208,7 +208,7 @@ namespace greville
                            parameters.time.start,
                            parameters.time.end,
                            !parameters.scheme.is_total_lagrangian());
-    point_transfer.reinit(space(), windows.get(), averages_values(parameters));
+    point_transfer.reinit(space(), windows.get());
     projection.reset();
     if (parameters.scheme.has_projection())
       {

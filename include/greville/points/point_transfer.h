@@ -157,12 +157,9 @@ namespace greville
    * v_p = v(x_p) and C_p = sum_i N_i v_i (xi_i - x_p)^T D_p^-1 with the
    * diagonal matrix D_p = sum_i N_i (xi_i - x_p)(xi_i - x_p)^T.
    *
-   * With CellWindows, gradients are means over the domains of points
+   * With CellWindows, N_i and its gradient are means over the domains of points
    * (@ref Bardenhagen2004 "Bardenhagen and Kober, 2004") in the cells that
-   * reach their neighbours: the force and the increment of F see them. Values
-   * of functions are those at the x_p, or means, too. Only means at both places
-   * balance loads where points are no quadrature; but the mass that goes with
-   * them is no StencilMatrix of the space.
+   * reach their neighbours, or the gradient alone is.
    *
    * Kernels take the points of a group by SIMD; loops over a cell's functions
    * are a tensor product. The space has order 1 to 5.
@@ -173,14 +170,11 @@ namespace greville
   public:
     /**
      * The space is kept by reference, and so are the windows of its cells,
-     * which are null where gradients are those at points. With @p
-     * averages_values, points_to_grid() and grid_to_points() take means of the
-     * values of functions, too.
+     * which are null where gradients are those at points.
      */
     void
     reinit(const SplineSpace<dim> &space,
-           const CellWindows<dim> *windows         = nullptr,
-           const bool              averages_values = false);
+           const CellWindows<dim> *windows = nullptr);
 
     /**
      * Collective. Overwrite those of the three that are given with the sums
@@ -270,8 +264,7 @@ namespace greville
 
   private:
     SpacePolynomials<dim>   tables;
-    const CellWindows<dim> *windows         = nullptr;
-    bool                    averages_values = false;
+    const CellWindows<dim> *windows = nullptr;
     std::vector<double>     buffer, window_buffer;
   };
 } // namespace greville

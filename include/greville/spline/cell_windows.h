@@ -19,6 +19,12 @@ namespace greville
    * Coefficients lie in a buffer, function by function. Its last place stands
    * for the functions of windows that there are not, at the edges of the grid.
    *
+   * Splines are averaged over domains either as a whole, or their derivatives
+   * alone, each in its direction, with values at the points in the others. The
+   * first kind balances loads at points that are no quadrature, but the mass
+   * matrix that goes with it couples functions of neighbouring windows. The
+   * second one goes with the mass matrix of the points.
+   *
    * A cell *reaches* its neighbours if all functions of its window are stable
    * or extended. The others are determined by nothing but the points in their
    * own cells, and points in cells that do not reach see no neighbour.
@@ -29,10 +35,17 @@ namespace greville
   public:
     /**
      * Collective. The space, of one component, is kept by reference. No cell
-     * reaches its neighbours before update().
+     * reaches its neighbours before update(). @p averages_values tells whether
+     * splines are averaged as a whole.
      */
     void
-    reinit(const SplineSpace<dim> &space);
+    reinit(const SplineSpace<dim> &space, const bool averages_values);
+
+    bool
+    averages_values() const
+    {
+      return with_values;
+    }
 
     /**
      * Collective. Find the cells that reach their neighbours.
@@ -103,6 +116,7 @@ namespace greville
   private:
     const SplineSpace<dim>    *spline_space = nullptr;
     unsigned int               n_in_window  = 0;
+    bool                       with_values  = false;
     std::vector<unsigned int>  places;
     std::vector<unsigned char> reaching;
     mutable VectorType         buffer_vector;
