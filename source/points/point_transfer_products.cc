@@ -58,6 +58,48 @@ namespace greville
 
 
 
+    /**
+     * The same for the cells that reach their neighbours, whose points see
+     * windows.
+     */
+    template <int dim, int n, typename Product>
+    void
+    multiply_windows(const MaterialPoints<dim>   &points,
+                     const SpacePolynomials<dim> &tables,
+                     const CellWindows<dim>      *windows,
+                     const double                *source,
+                     double                      *target,
+                     const Product               &product)
+    {
+      constexpr int n_values = WindowShape<dim, n>::n_functions * dim;
+      for (const unsigned int cell : points.cells())
+        if (windows && windows->reaches(cell))
+          {
+            const WindowGeometry<dim, n> geometry(tables, *windows, cell);
+            double                       u[n_values];
+            Simd                         sums[n_values];
+            read_window(geometry, source, u);
+            std::fill_n(sums, n_values, Simd(0.));
+            for (unsigned int g = points.first_group(cell);
+                 g != MaterialPoints<dim>::none;
+                 g = points.next_group(g))
+              {
+                const double *group = points.group(g);
+                Simd          x[dim], s[dim];
+                load_basis_positions(points, group, x);
+                load_domains(points, group, s);
+                WindowShape<dim, n> shape;
+                shape.evaluate(geometry, x, s);
+                product(group, shape, u, sums);
+              }
+            for (int k = 0; k < n_values; ++k)
+              target[std::size_t(geometry.functions[k / dim]) * dim +
+                     k % dim] += reduce(sums[k]);
+          }
+    }
+
+
+
     template <int dim, int n>
     void
     multiply_stiffness(const MaterialPoints<dim>   &points,
@@ -179,34 +221,20 @@ namespace greville
       multiply_cells<dim, n, true>(
         points, tables, source, target, product, windows);
 
-      // Points that see the windows of their cells
-      constexpr int n_sums = WindowShape<dim, n>::n_functions * dim;
-      for (const unsigned int cell : points.cells())
-        if (windows && windows->reaches(cell))
-          {
-            const WindowGeometry<dim, n> geometry(tables, *windows, cell);
-            double                       u[n_sums];
-            Simd                         sums[n_sums];
-            read_window(geometry, window_source, u);
-            std::fill_n(sums, n_sums, Simd(0.));
-            for (unsigned int g = points.first_group(cell);
-                 g != MaterialPoints<dim>::none;
-                 g = points.next_group(g))
-              {
-                const double *group = points.group(g);
-                Simd          x[dim], s[dim], H[dim][dim], stress[dim][dim];
-                load_basis_positions(points, group, x);
-                load_domains(points, group, s);
-                WindowShape<dim, n> shape;
-                shape.evaluate(geometry, x, s);
-                shape.gradient(u, H);
-                stress_of(group, H, stress);
-                shape.add_divergence(stress, sums);
-              }
-            for (int k = 0; k < n_sums; ++k)
-              window_target[std::size_t(geometry.functions[k / dim]) * dim +
-                            k % dim] += reduce(sums[k]);
-          }
+      multiply_windows<dim, n>(points,
+                               tables,
+                               windows,
+                               window_source,
+                               window_target,
+                               [&](const double              *group,
+                                   const WindowShape<dim, n> &shape,
+                                   const double              *u,
+                                   Simd                      *sums) {
+                                 Simd H[dim][dim], stress[dim][dim];
+                                 shape.gradient(u, H);
+                                 stress_of(group, H, stress);
+                                 shape.add_divergence(stress, sums);
+                               });
     }
 
 
@@ -256,13 +284,8 @@ namespace greville
                                     VectorField<dim>          &k,
                                     const bool                 overwrite)
   {
-    const CellWindows<dim> *seen = windows_of(points, windows);
-    std::vector<double>     window_target;
-    if (seen)
-      {
-        seen->read(u, window_buffer);
-        window_target.resize(window_buffer.size());
-      }
+    const CellWindows<dim> *seen          = windows_of(points, windows);
+    std::vector<double>     window_target = read_windows(seen, u);
     multiply_fields<dim>(
       *tables.space,
       buffer,
@@ -291,8 +314,11 @@ namespace greville
     void
     multiply_mass_matrix(const MaterialPoints<dim>   &points,
                          const SpacePolynomials<dim> &tables,
+                         const CellWindows<dim>      *windows,
                          const double                *source,
-                         double                      *target)
+                         double                      *target,
+                         const double                *window_source,
+                         double                      *window_target)
     {
       constexpr int n_rows  = power(n, dim - 1);
       const auto    product = [&](const double              *group,
@@ -326,7 +352,25 @@ namespace greville
               }
           }
       };
-      multiply_cells<dim, n, false>(points, tables, source, target, product);
+      multiply_cells<dim, n, false>(
+        points, tables, source, target, product, windows);
+      multiply_windows<dim, n>(
+        points,
+        tables,
+        windows,
+        window_source,
+        window_target,
+        [&](const double              *group,
+            const WindowShape<dim, n> &shape,
+            const double              *u,
+            Simd                      *sums) {
+          Simd       values[dim], none[dim][dim];
+          const Simd mass = load(group + PointLayout<dim>::mass * simd_width);
+          shape.template evaluate_fields<dim, 0, false>(u, values, none);
+          for (Simd &value : values)
+            value *= mass;
+          shape.template add<dim, dim>(values, none, sums);
+        });
     }
   } // namespace
 
@@ -339,6 +383,9 @@ namespace greville
     const VectorField<dim>                         &x,
     VectorField<dim>                               &y)
   {
+    const CellWindows<dim> *seen =
+      windows && windows->averages_values() ? windows : nullptr;
+    std::vector<double> window_target = read_windows(seen, x);
     multiply_fields<dim>(*tables.space,
                          buffer,
                          x,
@@ -349,8 +396,29 @@ namespace greville
                              double       *target) {
                            for (const MaterialPoints<dim> *points : bodies)
                              multiply_mass_matrix<dim, decltype(size)::value>(
-                               *points, tables, source, target);
+                               *points,
+                               tables,
+                               windows_of(*points, seen),
+                               source,
+                               target,
+                               window_buffer.data(),
+                               window_target.data());
                          });
+    if (seen)
+      seen->add_to(y, window_target);
+  }
+
+
+
+  template <int dim>
+  std::vector<double>
+  PointTransfer<dim>::read_windows(const CellWindows<dim> *seen,
+                                   const VectorField<dim> &field)
+  {
+    if (!seen)
+      return {};
+    seen->read(field, window_buffer);
+    return std::vector<double>(window_buffer.size());
   }
 
 

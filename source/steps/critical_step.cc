@@ -73,7 +73,8 @@ namespace greville
         for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
           {
             const double m = lumped.local_element(i);
-            if (!(m > smallest_mass) || ((mass.held_by_walls(i) >> d) & 1))
+            if (!mass.is_seen(i) || m < smallest_mass ||
+                ((mass.held_by_walls(i) >> d) & 1))
               continue;
             unknowns[d].push_back(i);
             const double r = noise(space.owned_functions()[i], d);
@@ -82,7 +83,7 @@ namespace greville
               mode.is_known ? mode.force[d].local_element(i) : 0.;
             start.push_back(b);
             squares[0] += m * r * r;
-            squares[1] += b * b / m;
+            squares[1] += m > 0. ? b * b / m : 0.;
           }
       }
     Utilities::MPI::sum(squares, space.communicator(), squares);

@@ -160,6 +160,12 @@ namespace greville
                                                    state.fields[k].mode));
       }
 
+    // Derivatives that are averaged over domains make the highest frequency
+    // depend more on where points are in their cells than the estimates of a
+    // few places show.
+    constexpr double of_domains = 0.85;
+    if (discretization.cell_windows() && discretization.fields()[0].consistent)
+      estimate *= of_domains;
     estimates.last.push_back(estimate);
     const unsigned int n_kept =
       discretization.fields()[0].consistent ? n_estimates : 1;

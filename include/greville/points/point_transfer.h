@@ -263,6 +263,13 @@ namespace greville
     spread(const unsigned int cell, const dealii::Point<dim> &x) const;
 
   private:
+    /**
+     * Collective. Read a field into the buffer of windows, if there are any,
+     * and return another buffer with zeros.
+     */
+    std::vector<double>
+    read_windows(const CellWindows<dim> *seen, const VectorField<dim> &field);
+
     SpacePolynomials<dim>   tables;
     const CellWindows<dim> *windows = nullptr;
     std::vector<double>     buffer, window_buffer;

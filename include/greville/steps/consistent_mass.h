@@ -92,6 +92,17 @@ namespace greville
     }
 
     /**
+     * Domains see extended functions, too, that no point sees.
+     */
+    bool
+    is_seen(const unsigned int function) const override
+    {
+      return GridMass<dim>::is_seen(function) ||
+             (windows &&
+              spline_extension[function] == Extension<dim>::extended);
+    }
+
+    /**
      * Windows of cells that are to know which of them reach their neighbours,
      * kept by reference; null: none.
      */

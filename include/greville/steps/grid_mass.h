@@ -118,6 +118,15 @@ namespace greville
     }
 
     /**
+     * Whether points see an owned function.
+     */
+    virtual bool
+    is_seen(const unsigned int function) const
+    {
+      return lumped_mass.local_element(function) > 0.;
+    }
+
+    /**
      * Collective. The momentum @p b of points that a velocity @p x, the
      * solution of M x = b, leaves out since it is held, as a velocity: (b - M
      * x)_i / m_i where coefficients are held, its part along constrained
