@@ -343,5 +343,12 @@ namespace greville
            "'Scheme/Mass' = " + scheme.mass,
            "take consistent or lumped.");
     refuse(scheme.is_apic(), "'Scheme/Transfer' = APIC", "take FLIP or PIC.");
+    for (const auto &body : bodies)
+      refuse(body.second.points_file.empty() &&
+               (body.second.placement == "Gauss" ||
+                body.second.placement == "fitted"),
+             "'Body " + body.first + "/Placement' = " + body.second.placement,
+             "no boxes around such points fill a cell; take equidistant or "
+             "fitted lattice.");
   }
 } // namespace greville

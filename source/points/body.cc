@@ -266,7 +266,9 @@ namespace greville
     /**
      * Give a point a box of its volume, with the edges of a cell over the
      * points per direction in proportion. With F of an initial stress, the box
-     * of the stress-free state is the one that F makes it.
+     * of the stress-free state is the one that F makes it. Fitted points whose
+     * volume is not that box are a quadrature of a cut cell, which no boxes
+     * around them fill; they have no box.
      */
     template <int dim>
     void
@@ -286,6 +288,10 @@ namespace greville
               d, parameters.points_per_direction.size() - 1)];
           share /= 2. * half[d];
         }
+      constexpr double negligible = 1e-6;
+      if (parameters.placement == "fitted lattice" &&
+          std::abs(share - 1.) > negligible)
+        return;
       half *= std::pow(share, 1. / dim);
       Tensor<2, dim> squares;
       Tensor<1, dim> square;
