@@ -1,11 +1,33 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include "point_kernels.h"
+#include <sstream>
 
 namespace greville
 {
   using namespace dealii;
   using namespace internal;
+
+  template <int dim>
+  std::string
+  describe_place(const SplineSpace<dim> &space,
+                 const unsigned int      cell,
+                 const Point<dim>       &x,
+                 const std::string      &word)
+  {
+    std::ostringstream text;
+    text << "at (";
+    for (unsigned int d = 0; d < dim; ++d)
+      text << (d > 0 ? ", " : "") << x[d];
+    text << ") m, " << word << " the cell (";
+    const auto index =
+      multi_index<dim>(space.owned_cells()[cell], space.lattice().n_cells());
+    for (unsigned int d = 0; d < dim; ++d)
+      text << (d > 0 ? ", " : "") << index[d];
+    return text.str() + ")";
+  }
+
+
 
   template <int dim>
   void
@@ -80,6 +102,8 @@ namespace greville
 
 
 
+  template decltype(describe_place<2>) describe_place<2>;
+  template decltype(describe_place<3>) describe_place<3>;
   template class PointTransfer<2>;
   template class PointTransfer<3>;
 } // namespace greville

@@ -76,27 +76,6 @@ namespace greville
 
 
 
-    template <int dim>
-    std::string
-    place_text(const SplineSpace<dim> &space,
-               const unsigned int      cell,
-               const Point<dim>       &x,
-               const std::string      &word)
-    {
-      std::ostringstream text;
-      text << "at (";
-      for (unsigned int d = 0; d < dim; ++d)
-        text << (d > 0 ? ", " : "") << x[d];
-      text << ") m, " << word << " the cell (";
-      const auto index =
-        multi_index<dim>(space.owned_cells()[cell], space.lattice().n_cells());
-      for (unsigned int d = 0; d < dim; ++d)
-        text << (d > 0 ? ", " : "") << index[d];
-      return text.str() + ")";
-    }
-
-
-
     /**
      * Name what is wrong with a point of a group, if it is the first.
      */
@@ -125,7 +104,10 @@ namespace greville
             reason << "its state is infinite or NaN (J = " << J << ", velocity "
                    << p.velocity(0) << " m/s in x)";
           reason << "; it is "
-                 << place_text<dim>(points.space(), cell, p.position(), "from");
+                 << describe_place<dim>(points.space(),
+                                        cell,
+                                        p.position(),
+                                        "from");
           report.bad_reason = reason.str();
         }
     }
@@ -196,30 +178,6 @@ namespace greville
         }
       else
         update.row->add_motion(group, count, velocities);
-    }
-
-
-
-    /**
-     * Means of fields with the coefficients @p u of a window over the domains
-     * of a group of points, and of the gradient of those from first_of_H on.
-     */
-    template <int dim, int n, int n_fields, int first_of_H, bool with_gradient>
-    __attribute__((noinline)) void
-    find_means(const MaterialPoints<dim>    &points,
-               const double                 *group,
-               const WindowGeometry<dim, n> &geometry,
-               const double                 *u,
-               Simd (&fields)[n_fields],
-               Simd (&gradient)[dim][dim])
-    {
-      Simd x[dim], s[dim];
-      load_basis_positions(points, group, x);
-      load_domains(points, group, s);
-      WindowShape<dim, n> shape;
-      shape.evaluate(geometry, x, s);
-      shape.template evaluate_fields<n_fields, first_of_H, with_gradient>(
-        u, fields, gradient);
     }
 
 
@@ -540,17 +498,6 @@ namespace greville
 
 
   template <int dim>
-  std::string
-  describe_place(const SplineSpace<dim> &space,
-                 const unsigned int      cell,
-                 const Point<dim>       &x)
-  {
-    return place_text<dim>(space, cell, x, "in");
-  }
-
-
-
-  template <int dim>
   PointReport
   PointTransfer<dim>::grid_to_points(MaterialPoints<dim>    &points,
                                      const PointUpdate<dim> &update)
@@ -634,8 +581,6 @@ namespace greville
 
 
 
-  template decltype(describe_place<2>) describe_place<2>;
-  template decltype(describe_place<3>) describe_place<3>;
   template class PointTransfer<2>;
   template class PointTransfer<3>;
 } // namespace greville

@@ -113,13 +113,15 @@ namespace greville
 
   /**
    * Where a point is, for messages: "at (0.1, 0.2) m, in the cell (3, 4)", with
-   * the lexicographic index of the owned cell number @p cell.
+   * the lexicographic index of the owned cell number @p cell, and a @p word for
+   * "in".
    */
   template <int dim>
   std::string
   describe_place(const SplineSpace<dim>   &space,
                  const unsigned int        cell,
-                 const dealii::Point<dim> &x);
+                 const dealii::Point<dim> &x,
+                 const std::string        &word = "in");
 
 
 

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_source_points_window_shape_h
+#define greville_source_points_window_shape_h
+
+#include <greville/spline/cell_windows.h>
+
+#include "point_kernels.h"
+
+/**
+ * B-splines of the windows of cells, averaged over boxes. To be included in
+ * sources.
+ */
+namespace greville
+{
+  namespace internal
+  {
+    /**
+     * What is the same for all points of a cell that sees its window.
+     */
+    template <int dim, int n>
+    struct WindowGeometry
+    {
+      WindowGeometry(const SpacePolynomials<dim> &tables,
+                     const CellWindows<dim>      &windows,
+                     const unsigned int           cell)
+        : functions(windows.functions(cell))
+        , averages_values(windows.averages_values())
+      {
+        const SplineSpace<dim> &space   = *tables.space;
+        const auto             &lattice = space.lattice();
+        const auto              index =
+          multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double       h       = lattice.cell_size(d);
+            const unsigned int n_cells = lattice.n_cells()[d];
+            center[d]    = lattice.lower(d) + (index[d] + 0.5) * h;
+            inverse_h[d] = 1. / h;
+            for (unsigned int k = 0; k < 3; ++k)
+              {
+                const bool is_there =
+                  lattice.is_periodic(d) ||
+                  (index[d] + k >= 1 && index[d] + k <= n_cells);
+                // Boxes end at the edges of the grid.
+                if (k != 1)
+                  ends[d][k / 2] = (is_there ? 1.5 : 0.5) * (int(k) - 1);
+                polynomials[d][k] =
+                  is_there ? tables.directions[d].coefficients(
+                               (index[d] + k + n_cells - 1) % n_cells)
+                           : nullptr;
+              }
+          }
+      }
+
+      double              center[dim];
+      double              inverse_h[dim];
+      double              ends[dim][2];
+      const double       *polynomials[dim][3];
+      const unsigned int *functions;
+      bool                averages_values;
+    };
+
+
+
+    inline bool
+    is_positive(const Simd &value)
+    {
+      return any_of(value > 0.);
+    }
+
+    inline bool
+    is_positive(const double value)
+    {
+      return value > 0.;
+    }
+
+
+
+    /**
+     * Values and derivatives of the univariate functions of a window at a group
+     * of points, or at one: derivatives are averaged over domains, and values
+     * where the windows average them. Functions before first and from last on
+     * are zero.
+     */
+    template <int dim, int n, typename Number = Simd>
+    struct WindowShape
+    {
+      static constexpr int n_1d        = n + 2;
+      static constexpr int n_functions = power(n_1d, dim);
+
+      void
+      evaluate(const WindowGeometry<dim, n> &cell,
+               const Number                 *x,
+               const Number                 *s)
+      {
+        using std::max;
+        using std::min;
+        // In cells: below, averages are those of a point.
+        constexpr double smallest = 1e-8;
+        averages_values           = cell.averages_values;
+        for (int d = 0; d < dim; ++d)
+          {
+            const Number t = (x[d] - cell.center[d]) * cell.inverse_h[d];
+            const Number r =
+              max(Number(s[d] * cell.inverse_h[d]), Number(smallest));
+            const Number lower = max(Number(t - r), Number(cell.ends[d][0]));
+            const Number upper = min(Number(t + r), Number(cell.ends[d][1]));
+            const Number scale = 1. / (upper - lower);
+            first[d]           = 1;
+            last[d]            = n + 1;
+            for (int a = 0; a < n_1d; ++a)
+              N[d][a] = dN[d][a] = 0.;
+            for (int k = 0; k < 3; ++k)
+              {
+                const Number begin  = max(lower, Number(k - 1.5));
+                const Number end    = min(upper, Number(k - 0.5));
+                const Number length = max(Number(end - begin), Number(0.));
+                if (k != 1 && !is_positive(length))
+                  continue;
+                if (k == 0)
+                  first[d] = 0;
+                if (k == 2)
+                  last[d] = n_1d;
+                add_means(cell.polynomials[d][k],
+                          0.5 * (begin + end) - double(k - 1),
+                          0.5 * length,
+                          length * scale,
+                          cell.inverse_h[d],
+                          N[d] + k,
+                          dN[d] + k);
+              }
+            if (!cell.averages_values)
+              {
+                Number none[n];
+                for (int a = 0; a < n_1d; ++a)
+                  N[d][a] = 0.;
+                add_means(cell.polynomials[d][1],
+                          t,
+                          Number(0.),
+                          Number(1.),
+                          0.,
+                          N[d] + 1,
+                          none);
+              }
+          }
+      }
+
+      /**
+       * Call action(number of the first function of a row along x, factors of
+       * the row for derivatives in each direction, first and last function of
+       * the row that count).
+       */
+      template <typename Action>
+      void
+      for_each_row(const Action &action) const
+      {
+        for (int a_z = dim == 3 ? first[dim - 1] : 0;
+             a_z < (dim == 3 ? last[dim - 1] : 1);
+             ++a_z)
+          for (int a_y = first[1]; a_y < last[1]; ++a_y)
+            {
+              // Without means of values, neighbours see one derivative only.
+              const bool at_z =
+                averages_values || dim == 2 || (a_z > 0 && a_z <= n);
+              const bool at_y = averages_values || (a_y > 0 && a_y <= n);
+              if (!at_y && !at_z)
+                continue;
+              Number factors[dim];
+              factors[0] = N[1][a_y];
+              factors[1] = dN[1][a_y];
+              if constexpr (dim == 3)
+                {
+                  factors[2] = factors[0] * dN[2][a_z];
+                  factors[0] *= N[2][a_z];
+                  factors[1] *= N[2][a_z];
+                }
+              const bool all = at_y && at_z;
+              action((a_z * n_1d + a_y) * n_1d,
+                     factors,
+                     all ? first[0] : 1,
+                     all ? last[0] : n + 1);
+            }
+      }
+
+      /**
+       * Fields with coefficients u[function * n_fields + k], and the gradient
+       * H_ij = d_j u_i of the dim of them from @p first on, if @p
+       * with_gradient.
+       */
+      template <int n_fields, int first_of_H, bool with_gradient = true>
+      void
+      evaluate_fields(const double *u,
+                      Number (&fields)[n_fields],
+                      Number (&H)[dim][dim]) const
+      {
+        for (Number &field : fields)
+          field = 0.;
+        if constexpr (with_gradient)
+          for (auto &row : H)
+            for (Number &entry : row)
+              entry = 0.;
+        for_each_row([&](const int     row,
+                         const Number *factors,
+                         const int     begin,
+                         const int     end) {
+          Number values[n_fields], slopes[dim];
+          for (Number &value : values)
+            value = 0.;
+          for (Number &slope : slopes)
+            slope = 0.;
+          for (int a = begin; a < end; ++a)
+            {
+              const double *at = u + (row + a) * n_fields;
+              for (int k = 0; k < n_fields; ++k)
+                values[k] += N[0][a] * at[k];
+              if constexpr (with_gradient)
+                for (int i = 0; i < dim; ++i)
+                  slopes[i] += dN[0][a] * at[first_of_H + i];
+            }
+          for (int k = 0; k < n_fields; ++k)
+            fields[k] += factors[0] * values[k];
+          if constexpr (with_gradient)
+            for (int i = 0; i < dim; ++i)
+              {
+                H[i][0] += factors[0] * slopes[i];
+                for (int j = 1; j < dim; ++j)
+                  H[i][j] += factors[j] * values[first_of_H + i];
+              }
+        });
+      }
+
+      /**
+       * The gradient of a field alone.
+       */
+      void
+      gradient(const double *u, Number (&H)[dim][dim]) const
+      {
+        Number values[dim];
+        evaluate_fields<dim, 0>(u, values, H);
+      }
+
+      /**
+       * sums[function * n_fields + k] += values[k] N, and where there are
+       * fields from @p first_of_T on, T_ij d_j N for field first_of_T + i.
+       */
+      template <int n_fields, int first_of_T>
+      void
+      add(const Number (&values)[n_fields],
+          const Number (&T)[dim][dim],
+          Number *sums) const
+      {
+        for_each_row([&](const int     row,
+                         const Number *factors,
+                         const int     begin,
+                         const int     end) {
+          Number across[n_fields], along[dim];
+          for (int k = 0; k < n_fields; ++k)
+            across[k] = factors[0] * values[k];
+          for (int i = 0; first_of_T < n_fields && i < dim; ++i)
+            {
+              along[i] = factors[0] * T[i][0];
+              for (int j = 1; j < dim; ++j)
+                across[(first_of_T + i) % n_fields] += factors[j] * T[i][j];
+            }
+          for (int a = begin; a < end; ++a)
+            {
+              Number *at = sums + (row + a) * n_fields;
+              for (int k = 0; k < n_fields; ++k)
+                at[k] += N[0][a] * across[k];
+              for (int i = 0; first_of_T < n_fields && i < dim; ++i)
+                at[(first_of_T + i) % n_fields] += dN[0][a] * along[i];
+            }
+        });
+      }
+
+      /**
+       * sums[function * dim + i] += T_ij d_j N.
+       */
+      void
+      add_divergence(const Number (&T)[dim][dim], Number *sums) const
+      {
+        Number none[dim];
+        std::fill_n(none, dim, Number(0.));
+        add<dim, 0>(none, T, sums);
+      }
+
+      Number N[dim][n_1d];
+      Number dN[dim][n_1d];
+      int    first[dim], last[dim];
+      bool   averages_values;
+
+    private:
+      /**
+       * Add @p weight times the means of polynomials and their derivatives over
+       * [c - l, c + l].
+       */
+      static void
+      add_means(const double *polynomials,
+                const Number  c,
+                const Number  l,
+                const Number  weight,
+                const double  inverse_h,
+                Number       *values,
+                Number       *slopes)
+      {
+        // Means of t^k: those of even powers of t - c are l^k / (k + 1).
+        Number means[n];
+        for (int k = 0; k < n; ++k)
+          {
+            // Horner's rule in c, with binomial coefficients.
+            Number power_of_l = 1., mean = 0.;
+            double binomial = 1.;
+            for (int j = 0; j <= k; ++j)
+              {
+                if (j % 2 == 0)
+                  {
+                    Number term = power_of_l * (binomial / (j + 1));
+                    for (int i = j; i < k; ++i)
+                      term *= c;
+                    mean += term;
+                  }
+                power_of_l *= l;
+                binomial = binomial * (k - j) / (j + 1);
+              }
+            means[k] = weight * mean;
+          }
+        for (int a = 0; a < n; ++a)
+          {
+            Number value = 0., slope = 0.;
+            for (int k = 0; k < n; ++k)
+              value += polynomials[a * n + k] * means[k];
+            for (int k = 1; k < n; ++k)
+              slope += double(k) * polynomials[a * n + k] * means[k - 1];
+            values[a] += value;
+            slopes[a] += inverse_h * slope;
+          }
+      }
+    };
+
+
+
+    /**
+     * The shape of a window for a point.
+     */
+    template <int dim, int n>
+    inline WindowShape<dim, n, double>
+    evaluated(const WindowGeometry<dim, n> &cell,
+              const dealii::Point<dim>     &x,
+              const dealii::Tensor<1, dim> &domain)
+    {
+      WindowShape<dim, n, double> shape;
+      shape.evaluate(cell, x.begin_raw(), domain.begin_raw());
+      return shape;
+    }
+
+
+
+    /**
+     * The coefficients of the functions of a window, [function][field].
+     */
+    template <int dim, int n>
+    inline void
+    read_window(const WindowGeometry<dim, n> &cell,
+                const double                 *buffer,
+                double                       *u,
+                const int                     n_fields = dim)
+    {
+      for (int a = 0; a < WindowShape<dim, n>::n_functions; ++a)
+        for (int k = 0; k < n_fields; ++k)
+          u[a * n_fields + k] =
+            buffer[std::size_t(cell.functions[a]) * n_fields + k];
+    }
+
+
+
+    /**
+     * The gradient of a field with the coefficients @p u of a window, averaged
+     * over the domain of a point.
+     */
+    template <int dim, int n>
+    inline dealii::Tensor<2, dim>
+    mean_gradient(const WindowGeometry<dim, n> &cell,
+                  const dealii::Point<dim>     &x,
+                  const dealii::Tensor<1, dim> &domain,
+                  const double                 *u)
+    {
+      double H[dim][dim];
+      evaluated(cell, x, domain).gradient(u, H);
+      return dealii::Tensor<2, dim>(H);
+    }
+  } // namespace internal
+} // namespace greville
+
+#endif
