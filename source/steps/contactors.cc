@@ -78,11 +78,11 @@ namespace greville
      */
     template <int dim>
     std::vector<double>
-    contactor(const PointLayout<dim>    &layout,
-              const Candidate<dim>      &candidate,
-              const ContactPoint<dim>   &met,
-              const double               radius,
-              const std::vector<double> *last)
+    contactor(const PointLayout<dim>  &layout,
+              const Candidate<dim>    &candidate,
+              const ContactPoint<dim> &met,
+              const double             radius,
+              const double            *last)
     {
       std::vector<double>  row(layout.size, 0.);
       const PointRef<dim>  p(row.data());
@@ -90,7 +90,7 @@ namespace greville
       const unsigned int   before = layout.first("before");
       if (last)
         {
-          row = *last;
+          std::copy(last, last + layout.size, row.begin());
           const double way =
             (from.position() - Point<dim>(p.vector(before)) - met.target_motion)
               .norm();
@@ -225,8 +225,14 @@ namespace greville
     largest = spacing_of<dim>(Utilities::MPI::max(largest, comm));
     for (Place &place : contact.sides[0])
       {
-        MaterialPoints<dim> &all = body_of(place).points;
-        for (const NearCell &cell : near_cells(contact, place, largest))
+        MaterialPoints<dim>        &all  = body_of(place).points;
+        const std::vector<NearCell> near = near_cells(contact, place, largest);
+        std::size_t                 n_near = points.size();
+        for (const NearCell &cell : near)
+          n_near += all.n_points(cell.cell);
+        points.reserve(n_near);
+        candidates.reserve(n_near);
+        for (const NearCell &cell : near)
           for_each_in_cell(all, cell.cell, [&](const PointRef<dim> p) {
             // Distances change by no more than what separates two places.
             const double distance =
@@ -259,11 +265,13 @@ namespace greville
         const Place  &place   = contact.sides[0][s];
         Surface<dim> &surface = place.part->current.surfaces[place.surface];
         const PointLayout<dim> layout = surface.points.layout();
-        std::unordered_map<std::uint64_t, std::vector<double>> last;
+        std::unordered_map<std::uint64_t, std::size_t> last; // first numbers
+        std::vector<double>                            last_rows;
+        last_rows.reserve(surface.points.n_points() * layout.size);
         surface.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-          std::vector<double> &row = last[std::uint64_t(p.id())];
+          last[std::uint64_t(p.id())] = last_rows.size();
           for (unsigned int i = 0; i < layout.size; ++i)
-            row.push_back(p[i]);
+            last_rows.push_back(p[i]);
         });
         surface.points.reinit(place.part->space(), layout);
         std::vector<unsigned int> left;
@@ -281,7 +289,8 @@ namespace greville
                         is_new && gap > -deepest_initially * candidate.spacing
                           ? gap
                           : default_radius * candidate.spacing,
-                        found == last.end() ? nullptr : &found->second);
+                        found == last.end() ? nullptr
+                                            : &last_rows[found->second]);
             if (gap < -smallest_lift * candidate.spacing && !is_new)
               {
                 lift(candidate.point,
