@@ -21,8 +21,10 @@ namespace greville
     constexpr double reach_in_cells = farthest_gap_in_cells,
                      longest_motion = 0.25, deepest_overlap = 0.05;
 
-    // Of the larger cell size, too: bodies that touch have gaps of round-off.
-    constexpr double touching_in_cells = 1e-6;
+    // Of the larger cell size, too: bodies that touch have gaps of round-off. It
+    // has to be small beside the overlaps of stiff bodies: a gap that counts as
+    // closed and has no force makes Newton's method stall.
+    constexpr double touching_in_cells = 1e-9;
 
     // The stiffness against slip, over that against overlap.
     constexpr double shear_share = 0.5;
