@@ -24,7 +24,7 @@ namespace greville
     // Of the larger cell size, too: bodies that touch have gaps of round-off. It
     // has to be small beside the overlaps of stiff bodies: a gap that counts as
     // closed and has no force makes Newton's method stall.
-    constexpr double touching_in_cells = 1e-9;
+    constexpr double touching_in_cells = 1e-8;
 
     // The stiffness against slip, over that against overlap.
     constexpr double shear_share = 0.5;
