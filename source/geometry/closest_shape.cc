@@ -173,6 +173,9 @@ namespace greville
                   out = level_set.metric * Point<dim>::unit_vector(d);
                 single.point += level_set.radius / out.norm() * out;
               }
+            if (level_set.kind != LevelSet<dim>::formula &&
+                x.distance(single.point) > query.within)
+              continue;
             if (single.approach(query))
               singles.push_back(single);
           }

@@ -21,8 +21,10 @@ namespace greville
     constexpr double reach_in_cells = farthest_gap_in_cells,
                      longest_motion = 0.25, deepest_overlap = 0.05;
 
-    // Of the larger cell size, too: bodies that touch have gaps of round-off.
-    constexpr double touching_in_cells = 1e-6;
+    // Of the larger cell size, too: bodies that touch have gaps of round-off. It
+    // has to be small beside the overlaps of stiff bodies: a gap that counts as
+    // closed and has no force makes Newton's method stall.
+    constexpr double touching_in_cells = 1e-8;
 
     // The stiffness against slip, over that against overlap.
     constexpr double shear_share = 0.5;
@@ -238,10 +240,10 @@ namespace greville
   BodyContacts<dim>::set_place(ContactPoint<dim>       &point,
                                const ConstPointRef<dim> p,
                                const SurfaceState<dim> &at,
-                               const PointLayout<dim>  &layout)
+                               const PointField        *radius)
   {
     point.x = at.x;
-    if (const PointField *radius = layout.find("radius"))
+    if (radius)
       {
         point.radius = p[radius->first];
         point.area   = p.mass();
@@ -258,24 +260,35 @@ namespace greville
   std::vector<ContactPoint<dim>>
   BodyContacts<dim>::collect(const Contact &contact) const
   {
+    std::size_t n_points = 0;
+    for (const auto &side : contact.sides)
+      for (const Place &place : side)
+        n_points +=
+          place.part->current.surfaces[place.surface].points.n_points();
     std::vector<ContactPoint<dim>> points;
+    points.reserve(n_points);
     for (unsigned int side = 0; side < 2; ++side)
       for (const Place &place : contact.sides[side])
         {
-          const State<dim>   &state   = place.part->current;
-          const Surface<dim> &surface = state.surfaces[place.surface];
-          const auto         &layout  = surface.points.layout();
-          const unsigned int  slip    = layout.first("slip"),
-                             before   = layout.first("before");
+          const State<dim>   &state      = place.part->current;
+          const Surface<dim> &surface    = state.surfaces[place.surface];
+          const auto         &layout     = surface.points.layout();
+          const unsigned int  slip       = layout.first("slip"),
+                             before      = layout.first("before");
+          const unsigned int      normal = layout.first("normal");
+          const PointField *const radius = layout.find("radius");
           surface.points.for_each(
             [&](const unsigned int, ConstPointRef<dim> p) {
-              ContactPoint<dim> point;
-              point.side = side;
-              set_place(point, p, surface_state<dim>(p, layout), layout);
+              ContactPoint<dim> &point = points.emplace_back();
+              point.side               = side;
+              SurfaceState<dim> at;
+              at.x      = p.position();
+              at.F      = p.matrix(PointLayout<dim>::F);
+              at.normal = p.vector(normal);
+              set_place(point, p, at, radius);
               point.slip = p.vector(slip);
               if (state.step > 0.)
                 point.motion = point.x - Point<dim>(p.vector(before));
-              points.push_back(point);
             });
         }
     return points;
@@ -339,7 +352,7 @@ namespace greville
     now.rigid_bodies.clear();
     for (const RigidBodyState<dim> &body : state.rigid_bodies)
       now.rigid_bodies.push_back(body.now);
-    for (const Contact &contact : contacts)
+    for (Contact &contact : contacts)
       {
         if (contact.given.is_by_material_points())
           renew_contactors(contact);
@@ -400,6 +413,8 @@ namespace greville
           const unsigned int load = layout.first("load"),
                              slip = layout.first("new_slip"),
                              gap  = layout.first("gap");
+          const bool         is_of_points = layout.find("radius");
+          const unsigned int normal       = layout.first("normal");
           surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
             for (unsigned int d = 0; d < dim; ++d)
               {
@@ -411,9 +426,9 @@ namespace greville
             p[gap] =
               point->is_facing ? std::min(point->gap, farthest) : farthest;
             p[gap + 1] = double(point->state);
-            if (layout.find("radius") && point->is_facing)
+            if (is_of_points && point->is_facing)
               for (unsigned int d = 0; d < dim; ++d)
-                p[layout.first("normal") + d] = -point->target_normal[d];
+                p[normal + d] = -point->target_normal[d];
             ++point;
           });
         }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <unordered_map>
 
@@ -53,6 +54,23 @@ namespace greville
 
 
 
+    template <int dim, typename Action>
+    void
+    for_each_in_cell(MaterialPoints<dim> &points,
+                     const unsigned int   cell,
+                     const Action        &action)
+    {
+      constexpr unsigned int none  = MaterialPoints<dim>::none,
+                             width = MaterialPoints<dim>::width;
+      unsigned int n               = points.n_in_first_group(cell);
+      for (unsigned int g = points.first_group(cell); g != none;
+           g = points.next_group(g), n = width)
+        for (unsigned int lane = 0; lane < n; ++lane)
+          action(points.point(g, lane));
+    }
+
+
+
     /**
      * A row for a material point, from the one that it has had in the last
      * step, if it has had one. A radius that is not the default one belongs to
@@ -60,11 +78,11 @@ namespace greville
      */
     template <int dim>
     std::vector<double>
-    contactor(const PointLayout<dim>    &layout,
-              const Candidate<dim>      &candidate,
-              const ContactPoint<dim>   &met,
-              const double               radius,
-              const std::vector<double> *last)
+    contactor(const PointLayout<dim>  &layout,
+              const Candidate<dim>    &candidate,
+              const ContactPoint<dim> &met,
+              const double             radius,
+              const double            *last)
     {
       std::vector<double>  row(layout.size, 0.);
       const PointRef<dim>  p(row.data());
@@ -72,7 +90,7 @@ namespace greville
       const unsigned int   before = layout.first("before");
       if (last)
         {
-          row = *last;
+          std::copy(last, last + layout.size, row.begin());
           const double way =
             (from.position() - Point<dim>(p.vector(before)) - met.target_motion)
               .norm();
@@ -191,7 +209,7 @@ namespace greville
 
   template <int dim>
   void
-  BodyContacts<dim>::renew_contactors(const Contact &contact)
+  BodyContacts<dim>::renew_contactors(Contact &contact)
   {
     const bool is_new = parts.front()->current.n_steps == 0;
     // Points of all surfaces of the first side, and then the second side.
@@ -205,29 +223,30 @@ namespace greville
           largest = std::max(largest, p.volume());
         });
     largest = spacing_of<dim>(Utilities::MPI::max(largest, comm));
-    for (const Place &place : contact.sides[0])
+    for (Place &place : contact.sides[0])
       {
-        MaterialPoints<dim>          &all  = body_of(place).points;
-        const std::vector<NearCell>   near = near_cells(contact, all, largest);
-        std::vector<const NearCell *> of_cells(all.space().owned_cells().size(),
-                                               nullptr);
+        MaterialPoints<dim>        &all  = body_of(place).points;
+        const std::vector<NearCell> near = near_cells(contact, place, largest);
+        std::size_t                 n_near = points.size();
         for (const NearCell &cell : near)
-          of_cells[cell.cell] = &cell;
-        all.for_each([&](const unsigned int cell, const PointRef<dim> p) {
-          if (!of_cells[cell])
-            return;
-          const double spacing = spacing_of<dim>(p.volume());
-          // Distances change by no more than what separates two places.
-          if (of_cells[cell]->distance -
-                p.position().distance(of_cells[cell]->center) >
-              spacing)
-            return;
-          ContactPoint<dim> point;
-          point.x    = p.position();
-          point.area = std::pow(spacing, dim - 1);
-          points.push_back(point);
-          candidates.push_back({p, cell, spacing});
-        });
+          n_near += all.n_points(cell.cell);
+        points.reserve(n_near);
+        candidates.reserve(n_near);
+        for (const NearCell &cell : near)
+          for_each_in_cell(all, cell.cell, [&](const PointRef<dim> p) {
+            // Distances change by no more than what separates two places.
+            const double distance =
+              cell.distance - p.position().distance(cell.center);
+            if (distance > largest)
+              return;
+            const double spacing = spacing_of<dim>(p.volume());
+            if (distance > spacing)
+              return;
+            ContactPoint<dim> &point = points.emplace_back();
+            point.x                  = p.position();
+            point.area               = std::pow(spacing, dim - 1);
+            candidates.push_back({p, cell.cell, spacing});
+          });
         ends.push_back(points.size());
       }
     if (contact.rigid < 0)
@@ -246,11 +265,13 @@ namespace greville
         const Place  &place   = contact.sides[0][s];
         Surface<dim> &surface = place.part->current.surfaces[place.surface];
         const PointLayout<dim> layout = surface.points.layout();
-        std::unordered_map<std::uint64_t, std::vector<double>> last;
+        std::unordered_map<std::uint64_t, std::size_t> last; // first numbers
+        std::vector<double>                            last_rows;
+        last_rows.reserve(surface.points.n_points() * layout.size);
         surface.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-          std::vector<double> &row = last[std::uint64_t(p.id())];
+          last[std::uint64_t(p.id())] = last_rows.size();
           for (unsigned int i = 0; i < layout.size; ++i)
-            row.push_back(p[i]);
+            last_rows.push_back(p[i]);
         });
         surface.points.reinit(place.part->space(), layout);
         std::vector<unsigned int> left;
@@ -268,7 +289,8 @@ namespace greville
                         is_new && gap > -deepest_initially * candidate.spacing
                           ? gap
                           : default_radius * candidate.spacing,
-                        found == last.end() ? nullptr : &found->second);
+                        found == last.end() ? nullptr
+                                            : &last_rows[found->second]);
             if (gap < -smallest_lift * candidate.spacing && !is_new)
               {
                 lift(candidate.point,
@@ -295,35 +317,79 @@ namespace greville
 
   template <int dim>
   std::vector<typename BodyContacts<dim>::NearCell>
-  BodyContacts<dim>::near_cells(const Contact             &contact,
-                                const MaterialPoints<dim> &points,
-                                const double               reach)
+  BodyContacts<dim>::near_cells(const Contact &contact,
+                                Place         &place,
+                                const double   reach)
   {
-    const Lattice<dim>            &lattice = points.space().lattice();
-    std::vector<ContactPoint<dim>> centers;
-    double                         diagonal = 0.;
-    for (unsigned int d = 0; d < dim; ++d)
-      diagonal += std::pow(lattice.cell_size(d), 2);
+    const MaterialPoints<dim>        &points  = body_of(place).points;
+    const Lattice<dim>               &lattice = points.space().lattice();
+    const std::vector<std::uint64_t> &numbers = points.space().owned_cells();
+    std::vector<NearCell>             result;
     for (const unsigned int cell : points.cells())
+      result.push_back({cell,
+                        lattice.cell_center(
+                          multi_index<dim>(numbers[cell], lattice.n_cells())),
+                        0.});
+    if (contact.rigid < 0)
+      return result;
+
+    Tensor<1, dim> size;
+    for (unsigned int d = 0; d < dim; ++d)
+      size[d] = lattice.cell_size(d);
+    const double              slack = 0.25 * size.norm();
+    const RigidPosition<dim> &now =
+      parts.front()->current.rigid_bodies[contact.rigid].now;
+    CellDistances &known = place.distances;
+    double         way   = 0.; // of the body, at most
+    for (unsigned int v = 0; v < GeometryInfo<dim>::vertices_per_cell; ++v)
       {
-        centers.emplace_back();
-        centers.back().x = lattice.cell_center(
-          multi_index<dim>(points.space().owned_cells()[cell],
-                           lattice.n_cells()));
+        Point<dim> x;
+        for (unsigned int d = 0; d < dim; ++d)
+          x[d] = (v >> d) & 1 ? lattice.upper(d) : lattice.lower(d);
+        way = std::max(way,
+                       x.distance(current_position(known.position,
+                                                   initial_position(now, x))));
       }
-    if (contact.rigid >= 0)
-      find_gaps(contact, centers, reach + 0.5 * std::sqrt(diagonal));
-    std::vector<NearCell> result;
-    for (std::size_t k = 0; k < centers.size(); ++k)
-      if (contact.rigid < 0 || centers[k].is_facing)
-        result.push_back({points.cells()[k], centers[k].x, centers[k].gap});
+    if (way > slack || reach > known.reach)
+      {
+        known = {now, reach + slack, {}};
+        way   = 0.;
+      }
+    std::vector<ContactPoint<dim>> centers;
+    for (const NearCell &cell : result)
+      if (known.of_cells.count(numbers[cell.cell]) == 0)
+        {
+          centers.emplace_back();
+          centers.back().x = cell.center;
+        }
+    rigid_bodies[contact.rigid].find_gaps(centers,
+                                          known.reach + slack +
+                                            0.5 * size.norm(),
+                                          known.position,
+                                          known.position);
+    auto       center = centers.begin();
+    const auto is_far = [&](NearCell &cell) {
+      const auto [found, is_new] =
+        known.of_cells.emplace(numbers[cell.cell],
+                               std::numeric_limits<double>::infinity());
+      if (is_new)
+        {
+          if (center->is_facing)
+            found->second = center->gap;
+          ++center;
+        }
+      cell.distance = found->second - way;
+      return cell.distance > reach + 0.5 * size.norm();
+    };
+    result.erase(std::remove_if(result.begin(), result.end(), is_far),
+                 result.end());
     return result;
   }
 
 
 
   template void
-  BodyContacts<2>::renew_contactors(const Contact &);
+  BodyContacts<2>::renew_contactors(Contact &);
   template void
-  BodyContacts<3>::renew_contactors(const Contact &);
+  BodyContacts<3>::renew_contactors(Contact &);
 } // namespace greville

@@ -164,9 +164,10 @@ namespace greville
       {
         if (side.contact != contact)
           continue;
-        const auto        &layout = points_of(side).layout();
-        const unsigned int slip   = layout.first("slip");
-        const unsigned int load   = layout.first("load");
+        const auto             &layout = points_of(side).layout();
+        const unsigned int      slip   = layout.first("slip");
+        const unsigned int      load   = layout.first("load");
+        const PointField *const radius = layout.find("radius");
         const bool augmented = contacts.contacts[contact].given.is_augmented();
         SurfaceMotion<dim>  motion;
         ContactPoint<dim>  *point      = points[contact].data() + side.begin;
@@ -178,7 +179,7 @@ namespace greville
           motion,
           [&](const ConstPointRef<dim> p, const SurfaceState<dim> &state) {
             point->side = side.side;
-            BodyContacts<dim>::set_place(*point, p, state, layout);
+            BodyContacts<dim>::set_place(*point, p, state, radius);
             // Areas are those at the start of the step.
             const Tensor<1, dim> normal =
               surface_state<dim>(p, layout).area_vector();

@@ -9,8 +9,10 @@
 #include <greville/steps/simulation.h>
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace greville
@@ -77,11 +79,21 @@ namespace greville
   private:
     friend class TrialContacts<dim>;
 
+    /// How far the centers of cells are from a rigid body in a position, by
+    /// numbers of cells: infinite, where that is more than the reach, m.
+    struct CellDistances
+    {
+      RigidPosition<dim>                        position;
+      double                                    reach = -1.;
+      std::unordered_map<std::uint64_t, double> of_cells;
+    };
+
     /// A surface of a part.
     struct Place
     {
       Simulation<dim> *part;
       unsigned int     surface;
+      CellDistances    distances = CellDistances();
     };
 
     struct Contact
@@ -143,21 +155,21 @@ namespace greville
     /// that are inside of the other side get back onto its surface: pressures,
     /// which are averages, let single ones pass.
     void
-    renew_contactors(const Contact &contact);
+    renew_contactors(Contact &contact);
 
     /// A cell in which points may be near the second side.
     struct NearCell
     {
       unsigned int       cell;
       dealii::Point<dim> center;
-      double             distance; // of the center, 0 where it is not known
+      double             distance; // at least, of the center; 0: not known
     };
 
-    /// Those with @p points that may be closer than @p reach, m.
+    /// Those with points of a body that may be closer than @p reach, m.
+    /// Distances from rigid bodies are found again where they have moved by a
+    /// quarter of a cell.
     std::vector<NearCell>
-    near_cells(const Contact             &contact,
-               const MaterialPoints<dim> &points,
-               const double               reach);
+    near_cells(const Contact &contact, Place &place, const double reach);
 
     static Body<dim> &
     body_of(const Place &place)
@@ -166,12 +178,13 @@ namespace greville
       return state.bodies[state.surfaces[place.surface].body];
     }
 
-    /// Set what is known of a point without the other side.
+    /// Set what is known of a point without the other side. The @p radius is
+    /// null where it is not a material point.
     static void
     set_place(ContactPoint<dim>       &point,
               const ConstPointRef<dim> p,
               const SurfaceState<dim> &at,
-              const PointLayout<dim>  &layout);
+              const PointField        *radius);
 
     /// Set the gaps of points, and what belongs to them.
     void
