@@ -52,34 +52,12 @@ namespace greville
                             "degree raised by 1 or 3, and a range "
                             "of 2 or 4 times the given one."
                           : ""));
-    add_parameter(prm,
-                  "Pre-smoothing steps",
-                  pre_smoothing,
-                  Patterns::Integer(0, 100))(
-      "nu1, smoothing steps before the coarse correction. Unit: steps.");
-    add_parameter(prm,
-                  "Post-smoothing steps",
-                  post_smoothing,
-                  Patterns::Integer(0, 100))(
-      "nu2, smoothing steps after the coarse correction. Unit: steps.");
-    add_parameter(prm,
-                  "Coarse tolerance",
-                  coarse_tolerance,
-                  Patterns::Double(0., 1.))(
-      "Relative residual of the conjugate gradients at p = 1. Where p = 1 is "
-      "the only level, the solver's tolerance applies. 1: the coarse "
-      "preconditioner is applied once. Unit: none.");
-    add_parameter(prm,
-                  "Coarse maximum iterations",
-                  coarse_max_iterations,
-                  Patterns::Integer(1))(
-      "The conjugate gradients at p = 1 end after so many iterations at the "
-      "latest. Unit: iterations.");
-    add_parameter(prm,
-                  "Coarse preconditioner",
-                  coarse_preconditioner,
-                  Patterns::Selection(coarse_preconditioners))(
-      "Preconditioner of the conjugate gradients at p = 1.");
+    if (!coarse_preconditioners.empty())
+      add_parameter(prm,
+                    "Coarse preconditioner",
+                    coarse_preconditioner,
+                    Patterns::Selection(coarse_preconditioners))(
+        "Preconditioner of the conjugate gradients at p = 1.");
   }
 
 

@@ -465,8 +465,7 @@ namespace greville
     declare_section(prm, "Checkpoints", checkpoints);
     declare_section(prm, "Load balance", load_balance);
     declare_section(prm, "Solver", solver);
-    declare_section(
-      prm, "p-multigrid", multigrid, smoother_names(), "none|jacobi");
+    declare_section(prm, "p-multigrid", multigrid, smoother_names(), "");
     declare_section(prm, "Smoother", smoother, true);
     declare_section(prm, "Implicit solver", implicit_solver);
     declare_section(prm,
