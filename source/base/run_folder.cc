@@ -5,7 +5,6 @@
 #include <greville/base/run_folder.h>
 
 #include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>

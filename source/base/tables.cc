@@ -10,7 +10,6 @@
 #include <boost/algorithm/string/join.hpp>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <hdf5.h>
 #include <sstream>

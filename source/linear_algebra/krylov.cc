@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/solver_gmres.h>
+
 #include <greville/linear_algebra/krylov.h>
 
 #include <cmath>
@@ -37,6 +40,38 @@ namespace greville
     if (!result.converged)
       result.reason = reason_of_failure(*result.iterations, result.reduction);
     return result;
+  }
+
+
+
+  SolveResult
+  solve_krylov(const SolverParameters &parameters,
+               const Product          &A,
+               const Product          &preconditioner,
+               VectorType             &x,
+               const VectorType       &b,
+               const unsigned int      n_basis_vectors)
+  {
+    struct Operator
+    {
+      void
+      vmult(VectorType &dst, const VectorType &src) const
+      {
+        product(dst, src);
+      }
+
+      const Product &product;
+    };
+    x = 0.;
+    return run_krylov(parameters, b, [&](SolverControl &control) {
+      using Fgmres = SolverFGMRES<VectorType>;
+      const Operator matrix{A}, inverse{preconditioner};
+      if (n_basis_vectors == 0)
+        SolverCG<VectorType>(control).solve(matrix, x, b, inverse);
+      else
+        Fgmres(control, Fgmres::AdditionalData(n_basis_vectors))
+          .solve(matrix, x, b, inverse);
+    });
   }
 
 

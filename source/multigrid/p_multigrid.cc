@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/lac/precondition.h>
-#include <deal.II/lac/solver_cg.h>
-
 #include <greville/base/parameters.h>
+#include <greville/linear_algebra/krylov.h>
 #include <greville/multigrid/p_multigrid.h>
 
+#include <cmath>
 #include <map>
 
 namespace greville
@@ -52,34 +51,12 @@ namespace greville
                             "degree raised by 1 or 3, and a range "
                             "of 2 or 4 times the given one."
                           : ""));
-    add_parameter(prm,
-                  "Pre-smoothing steps",
-                  pre_smoothing,
-                  Patterns::Integer(0, 100))(
-      "nu1, smoothing steps before the coarse correction. Unit: steps.");
-    add_parameter(prm,
-                  "Post-smoothing steps",
-                  post_smoothing,
-                  Patterns::Integer(0, 100))(
-      "nu2, smoothing steps after the coarse correction. Unit: steps.");
-    add_parameter(prm,
-                  "Coarse tolerance",
-                  coarse_tolerance,
-                  Patterns::Double(0., 1.))(
-      "Relative residual of the conjugate gradients at p = 1. Where p = 1 is "
-      "the only level, the solver's tolerance applies. 1: the coarse "
-      "preconditioner is applied once. Unit: none.");
-    add_parameter(prm,
-                  "Coarse maximum iterations",
-                  coarse_max_iterations,
-                  Patterns::Integer(1))(
-      "The conjugate gradients at p = 1 end after so many iterations at the "
-      "latest. Unit: iterations.");
-    add_parameter(prm,
-                  "Coarse preconditioner",
-                  coarse_preconditioner,
-                  Patterns::Selection(coarse_preconditioners))(
-      "Preconditioner of the conjugate gradients at p = 1.");
+    if (!coarse_preconditioners.empty())
+      add_parameter(prm,
+                    "Coarse preconditioner",
+                    coarse_preconditioner,
+                    Patterns::Selection(coarse_preconditioners))(
+        "Preconditioner of the conjugate gradients at p = 1.");
   }
 
 
@@ -213,23 +190,28 @@ namespace greville
   void
   PMultigrid<dim>::solve_coarse() const
   {
-    x[0]               = 0.;
-    const double start = b[0].l2_norm();
-    if (start == 0. || !std::isfinite(start))
-      return;
+    x[0] = 0.;
     if (coarse_tolerance >= 1. && coarse_preconditioner)
       {
-        coarse_preconditioner->vmult(x[0], b[0]);
+        const double start = b[0].l2_norm();
+        if (start != 0. && std::isfinite(start))
+          coarse_preconditioner->vmult(x[0], b[0]);
         return;
       }
     // Too few iterations make a worse correction, not an error.
-    IterationNumberControl control(parameters.coarse_max_iterations,
-                                   coarse_tolerance * start);
-    SolverCG<VectorType>   cg(control);
-    if (coarse_preconditioner)
-      cg.solve(*levels[0], x[0], b[0], *coarse_preconditioner);
-    else
-      cg.solve(*levels[0], x[0], b[0], PreconditionIdentity());
+    solve_krylov(
+      {coarse_tolerance, parameters.coarse_max_iterations},
+      [&](VectorType &dst, const VectorType &src) {
+        levels[0]->vmult(dst, src);
+      },
+      [&](VectorType &dst, const VectorType &src) {
+        if (coarse_preconditioner)
+          coarse_preconditioner->vmult(dst, src);
+        else
+          dst = src;
+      },
+      x[0],
+      b[0]);
   }
 
 

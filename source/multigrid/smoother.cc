@@ -29,9 +29,6 @@ namespace greville
         "iterations that they need more than the first solve add up to this "
         "number, or more unknowns than that have come and gone. 0: each step "
         "factorizes. Unit: iterations.");
-    add_parameter(prm, "Damping", damping, Patterns::Double(0.))(
-      "jacobi: the factor omega in units of 1 / lambda_max(D^-1 M), which is "
-      "estimated; below 2 for convergence. Unit: none.");
     add_parameter(prm,
                   "Chebyshev degree",
                   chebyshev_degree,

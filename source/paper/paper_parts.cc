@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/parameters.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
 #include <greville/paper/paper_parts.h>
 #include <greville/paper/petsc_ilut.h>
@@ -173,6 +174,29 @@ namespace greville
                       parameters.weighting,
                       "The weight of the L2 products in the transfer.",
                       Patterns::Selection(OrderTransfer<2>::weightings()));
+    add_parameter(prm,
+                  "Pre-smoothing steps",
+                  parameters.pre_smoothing,
+                  Patterns::Integer(0, 100))(
+      "nu1, smoothing steps before the coarse correction. Unit: steps.");
+    add_parameter(prm,
+                  "Post-smoothing steps",
+                  parameters.post_smoothing,
+                  Patterns::Integer(0, 100))(
+      "nu2, smoothing steps after the coarse correction. Unit: steps.");
+    add_parameter(prm,
+                  "Coarse tolerance",
+                  parameters.coarse_tolerance,
+                  Patterns::Double(0., 1.))(
+      "Relative residual of the conjugate gradients at p = 1. Where p = 1 is "
+      "the only level, the solver's tolerance applies. 1: the coarse "
+      "preconditioner is applied once. Unit: none.");
+    add_parameter(prm,
+                  "Coarse maximum iterations",
+                  parameters.coarse_max_iterations,
+                  Patterns::Integer(1))(
+      "The conjugate gradients at p = 1 end after so many iterations at the "
+      "latest. Unit: iterations.");
   }
 
 
@@ -181,6 +205,9 @@ namespace greville
   PaperSmootherParameters::declare(ParameterHandler &prm)
   {
     SmootherParameters::declare(prm);
+    add_parameter(prm, "Damping", damping, Patterns::Double(0.))(
+      "jacobi: the factor omega in units of 1 / lambda_max(D^-1 M), which is "
+      "estimated; below 2 for convergence. Unit: none.");
     prm.add_parameter("Drop tolerance",
                       drop_tolerance,
                       "ilut: entries below this fraction of the norm of their "

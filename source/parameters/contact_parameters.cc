@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
-#include <cmath>
-#include <limits>
 
 namespace greville
 {

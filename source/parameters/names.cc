@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/base/utilities.h>
-
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/mass/fmpm.h>
@@ -42,19 +40,10 @@ namespace greville
         std::count(known.begin(), known.end(), name) == 1)
       return;
     known.push_back("fmpm-2");
-    const auto solvers =
-      Utilities::split_string_list(mass_solver_methods(), '|');
-    const std::string begin =
-      "The parameter '" + parameter + "' is <" + name + ">";
-    AssertThrow(std::count(solvers.begin(), solvers.end(), name) == 0,
-                ExcMessage(begin +
-                           ", which is a solver. Write 'Scheme/Mass' = "
-                           "consistent, and name its solver by "
-                           "'Solver/Method', one of " +
-                           mass_solver_methods() + "."));
     AssertThrow(false,
-                ExcMessage(begin + "; it has to be one of " + mass_names() +
-                           "." + did_you_mean(name, known)));
+                ExcMessage("The parameter '" + parameter + "' is <" + name +
+                           ">; it has to be one of " + mass_names() + "." +
+                           did_you_mean(name, known)));
   }
 
 

@@ -100,45 +100,6 @@ namespace greville
 
 
     /**
-     * Throws where a file has what is written in another way today: tractions
-     * on marked points, and points that follow a velocity.
-     */
-    void
-    check_former(const std::vector<ParameterLine> &lines)
-    {
-      for (const ParameterLine &line : lines)
-        {
-          AssertThrow(
-            line.section.rfind("Traction ", 0) != 0 &&
-              !(line.section == "Simulation" && line.name == "Tractions"),
-            ExcMessage(
-              line.place +
-              ": tractions are 'Surface loads': 'Simulation/Surface loads' has "
-              "their names, and 'Surface load NAME' has 'Body', 'Where' in "
-              "place of 'Shape', and 'Traction'; the area is that of the "
-              "surface. The body needs 'Placement' = fitted."));
-          if (line.section.rfind("Body ", 0) != 0 ||
-              line.name != "Imposed velocity")
-            continue;
-          const std::string body = line.section.substr(5);
-          AssertThrow(false,
-                      ExcMessage(
-                        line.place + ": '" + line.section +
-                        "/Imposed velocity' is that of a rigid body: set "
-                        "'Simulation/Rigid bodies = " +
-                        body + "', 'Velocity = " + line.value +
-                        "' and the shape in a section 'Rigid body " + body +
-                        "', and a contact whose 'Bodies' has <" + body +
-                        "> as its second side ('Simulation/Contacts'). <" +
-                        body +
-                        "> is no longer one of 'Simulation/Bodies' then, and "
-                        "needs no material."));
-        }
-    }
-
-
-
-    /**
      * Throws where a file means the solver by parameters that do not name it.
      */
     void
@@ -235,7 +196,6 @@ namespace greville
   SimulationParameters::read(const std::string                &file,
                              const std::vector<ParameterLine> &lines)
   {
-    check_former(lines);
     const auto body_names    = names_of(lines, "Bodies"),
                law_names     = names_of(lines, "Materials"),
                load_names    = names_of(lines, "Surface loads"),
@@ -465,8 +425,7 @@ namespace greville
     declare_section(prm, "Checkpoints", checkpoints);
     declare_section(prm, "Load balance", load_balance);
     declare_section(prm, "Solver", solver);
-    declare_section(
-      prm, "p-multigrid", multigrid, smoother_names(), "none|jacobi");
+    declare_section(prm, "p-multigrid", multigrid, smoother_names(), "");
     declare_section(prm, "Smoother", smoother, true);
     declare_section(prm, "Implicit solver", implicit_solver);
     declare_section(prm,

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/lac/solver_cg.h>
-#include <deal.II/lac/solver_gmres.h>
-
 #include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
 #include <greville/linear_algebra/krylov.h>
@@ -15,50 +12,6 @@
 namespace greville
 {
   using namespace dealii;
-
-  /**
-   * The tangent of all parts.
-   */
-  template <int dim>
-  struct CoupledSteps<dim>::Operator
-  {
-    void
-    vmult(VectorType &dst, const VectorType &src) const
-    {
-      steps.read(steps.blocks, src);
-      for (unsigned int k = 0; k < steps.parts.size(); ++k)
-        steps.parts[k].steps->system.multiply(steps.products[k],
-                                              steps.blocks[k]);
-      if (steps.contacts)
-        steps.contacts->add_product(steps.products, steps.blocks);
-      steps.write(dst, steps.products);
-    }
-
-    const CoupledSteps &steps;
-  };
-
-
-
-  template <int dim>
-  struct CoupledSteps<dim>::BlockPreconditioner
-  {
-    void
-    vmult(VectorType &dst, const VectorType &src) const
-    {
-      steps.read(steps.blocks, src);
-      for (unsigned int k = 0; k < steps.parts.size(); ++k)
-        steps.parts[k].steps->system.precondition(steps.products[k],
-                                                  steps.blocks[k]);
-      if (steps.has_rigid_block())
-        steps.contacts->precondition_rigid(steps.products.back(),
-                                           steps.blocks.back());
-      steps.write(dst, steps.products);
-    }
-
-    const CoupledSteps &steps;
-  };
-
-
 
   template <int dim>
   CoupledSteps<dim>::CoupledSteps(const std::vector<Part> &parts,
@@ -369,28 +322,38 @@ namespace greville
                                const double      tolerance)
   {
     std::vector<TangentSystem<dim> *> systems;
-    // Restarts of FGMRES lose what couples the parts.
-    bool         with_cg   = contacts->is_symmetric();
-    unsigned int n_vectors = 100;
+    bool                              with_cg   = contacts->is_symmetric();
+    unsigned int                      n_vectors = 100;
     for (const Part &part : parts)
       {
         systems.push_back(&part.steps->system);
         with_cg   = with_cg && systems.back()->takes_cg();
         n_vectors = std::max(n_vectors, systems.back()->n_basis_vectors());
       }
-    const Operator            tangent{*this};
-    const BlockPreconditioner preconditioner{*this};
+    const auto multiply = [&](VectorType &dst, const VectorType &src) {
+      read(blocks, src);
+      for (unsigned int k = 0; k < parts.size(); ++k)
+        systems[k]->multiply(products[k], blocks[k]);
+      contacts->add_product(products, blocks);
+      write(dst, products);
+    };
+    const auto precondition = [&](VectorType &dst, const VectorType &src) {
+      read(blocks, src);
+      for (unsigned int k = 0; k < parts.size(); ++k)
+        systems[k]->precondition(products[k], blocks[k]);
+      if (has_rigid_block())
+        contacts->precondition_rigid(products.back(), blocks.back());
+      write(dst, products);
+    };
     return TangentSystem<dim>::solve_together(
       systems, tolerance, [&](const unsigned int n) {
-        x = 0.;
-        return run_krylov({tolerance, n}, b, [&](SolverControl &control) {
-          using Fgmres = SolverFGMRES<VectorType>;
-          if (with_cg)
-            SolverCG<VectorType>(control).solve(tangent, x, b, preconditioner);
-          else
-            Fgmres(control, Fgmres::AdditionalData(n_vectors))
-              .solve(tangent, x, b, preconditioner);
-        });
+        // Restarts of FGMRES lose what couples the parts.
+        return solve_krylov({tolerance, n},
+                            multiply,
+                            precondition,
+                            x,
+                            b,
+                            with_cg ? 0 : n_vectors);
       });
   }
 

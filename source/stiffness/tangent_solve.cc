@@ -2,9 +2,6 @@
 
 // How TangentSystem solves its systems.
 
-#include <deal.II/lac/solver_cg.h>
-#include <deal.II/lac/solver_gmres.h>
-
 #include <greville/linear_algebra/krylov.h>
 #include <greville/stiffness/tangent_system.h>
 
@@ -73,29 +70,14 @@ namespace greville
                             const VectorType &b,
                             const double      tolerance)
   {
-    struct Operator
-    {
-      void
-      vmult(VectorType &dst, const VectorType &src) const
-      {
-        system.multiply(dst, src);
-      }
-
-      TangentSystem &system;
-    };
     return solve_together({this}, tolerance, [&](const unsigned int n) {
-      x = 0.;
-      return run_krylov({tolerance, n}, b, [&](SolverControl &control) {
-        using Fgmres = SolverFGMRES<VectorType>;
-        const Fgmres::AdditionalData n_vectors(n_basis_vectors());
-        if (takes_cg())
-          SolverCG<VectorType>(control).solve(Operator{*this},
-                                              x,
-                                              b,
-                                              *multigrid);
-        else
-          Fgmres(control, n_vectors).solve(Operator{*this}, x, b, *multigrid);
-      });
+      return solve_krylov(
+        {tolerance, n},
+        [&](VectorType &dst, const VectorType &src) { multiply(dst, src); },
+        [&](VectorType &dst, const VectorType &src) { precondition(dst, src); },
+        x,
+        b,
+        n_basis_vectors());
     });
   }
 
@@ -163,28 +145,6 @@ namespace greville
   TangentSystem<dim>::solve_mass(VectorField<dim>       &velocity,
                                  const VectorField<dim> &momentum)
   {
-    struct Mass
-    {
-      void
-      vmult(VectorType &dst, const VectorType &src) const
-      {
-        level.multiply_mass(dst, src);
-      }
-
-      const TangentLevel<dim> &level;
-    };
-    struct Inverse
-    {
-      void
-      vmult(VectorType &dst, const VectorType &src) const
-      {
-        dst = src;
-        level.apply_inverse_mass(dst);
-      }
-
-      const TangentLevel<dim> &level;
-    };
-
     VectorType x, b;
     initialize(x);
     initialize(b);
@@ -196,13 +156,17 @@ namespace greville
     for (unsigned int c = 0; c < dim; ++c)
       held[c] *= -1.;
     restrict(b, momentum, &held);
-    SolveResult result =
-      run_krylov({1e-12, 200}, b, [&](SolverControl &control) {
-        SolverCG<VectorType>(control).solve(Mass{finest()},
-                                            x,
-                                            b,
-                                            Inverse{finest()});
-      });
+    SolveResult result = solve_krylov(
+      {1e-12, 200},
+      [&](VectorType &dst, const VectorType &src) {
+        finest().multiply_mass(dst, src);
+      },
+      [&](VectorType &dst, const VectorType &src) {
+        dst = src;
+        finest().apply_inverse_mass(dst);
+      },
+      x,
+      b);
     // Round-off may leave more where points spread thinly.
     constexpr double negligible = 1e-9;
     result.converged = result.converged || result.reduction < negligible;

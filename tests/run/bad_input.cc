@@ -98,6 +98,9 @@ test_main()
   test("a solver for a mass", good.with("Scheme", {"Mass = cg-jacobi"}));
   test("p-multigrid without its method",
        good.with("p-multigrid", {"Smoother = jacobi"}));
+  test("a parameter of cycles that only benchmarks have",
+       good.with("Solver", {"Method = cg-p-multigrid"})
+         .with("p-multigrid", {"Coarse tolerance = 0.1"}));
   for (const std::string mass : {"consistent", "fmpm-2"})
     test("APIC with the mass " + mass,
          good.with("Scheme", {"Transfer = APIC", "Mass = " + mass}));

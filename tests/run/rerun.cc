@@ -97,8 +97,7 @@ test_main()
                      .with("Smoother", {"Reuse = 5"})
                      .parse();
   check("parameters are printed as they are used",
-        one.used().find("set Smoother                  = ic0") !=
-            std::string::npos &&
+        one.used().find("set Smoother = ic0") != std::string::npos &&
           one.multigrid.smoother == "ic0");
   check("parameters do not change each other",
         one.multigrid.smoother == "ic0" && one.smoother.reuse == 10 &&

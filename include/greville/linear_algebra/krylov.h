@@ -25,6 +25,22 @@ namespace greville
              const VectorType                                   &b,
              const std::function<void(dealii::SolverControl &)> &run);
 
+  /// dst = A src, or what a preconditioner makes of src.
+  using Product = std::function<void(VectorType &dst, const VectorType &src)>;
+
+  /**
+   * Collective. Solve A x = b from x = 0 with a @p preconditioner, as
+   * run_krylov() does: by conjugate gradients, or where @p n_basis_vectors is
+   * not zero by FGMRES with so many of them between restarts.
+   */
+  SolveResult
+  solve_krylov(const SolverParameters &parameters,
+               const Product          &A,
+               const Product          &preconditioner,
+               VectorType             &x,
+               const VectorType       &b,
+               const unsigned int      n_basis_vectors = 0);
+
   /**
    * Why a method that has ended with this reduction has not converged.
    */

@@ -13,8 +13,8 @@ namespace greville
   {
     /**
      * The choice of @p smoothers and @p coarse_preconditioners is that of names
-     * separated by '|'. Declares neither the orders of the levels nor the type
-     * of the cycle nor the transfers, which come from the code.
+     * separated by '|'; without any of the latter there is no choice. All else
+     * comes from the code, or from declare_levels() of benchmarks.
      */
     void
     declare(dealii::ParameterHandler &prm,

@@ -48,7 +48,7 @@ namespace greville
 
   /**
    * Declare the orders of the levels, the type of the cycle and the transfers
-   * of a cycle.
+   * of a cycle, and its smoothing steps and coarse solver.
    */
   void
   declare_levels(dealii::ParameterHandler &prm,

@@ -67,9 +67,6 @@ namespace greville
     solve(VectorType &dx, const VectorType &r, const double tolerance) override;
 
   private:
-    struct Operator;
-    struct BlockPreconditioner;
-
     /// Copy all blocks out of a vector, and into it.
     void
     read(std::vector<VectorType> &blocks, const VectorType &x) const;
@@ -98,13 +95,13 @@ namespace greville
     [[noreturn]] void
     reject(const VectorType &x, const std::string &reason);
 
-    const std::vector<Part>         parts;
-    TrialContacts<dim> *const       contacts;
-    const double                    dt;
-    unsigned int                    n_residuals = 0;
-    VectorType                      layout;
-    VectorType                      linearized; // where the stiffness is known
-    mutable std::vector<VectorType> blocks, products;
+    const std::vector<Part>   parts;
+    TrialContacts<dim> *const contacts;
+    const double              dt;
+    unsigned int              n_residuals = 0;
+    VectorType                layout;
+    VectorType                linearized; // where the stiffness is known
+    std::vector<VectorType>   blocks, products;
   };
 } // namespace greville
 

@@ -223,10 +223,12 @@ namespace greville
       return parameters.takes_cg(symmetric) && !projection;
     }
 
-    /// Basis vectors of FGMRES between two restarts.
+    /// Basis vectors of FGMRES between two restarts; 0: conjugate gradients.
     unsigned int
     n_basis_vectors() const
     {
+      if (takes_cg())
+        return 0;
       // With a projection, restarts cost more than their vectors.
       return projection ? parameters.max_iterations : 30;
     }
