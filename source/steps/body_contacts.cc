@@ -21,9 +21,9 @@ namespace greville
     constexpr double reach_in_cells = farthest_gap_in_cells,
                      longest_motion = 0.25, deepest_overlap = 0.05;
 
-    // Of the larger cell size, too: bodies that touch have gaps of round-off. It
-    // has to be small beside the overlaps of stiff bodies: a gap that counts as
-    // closed and has no force makes Newton's method stall.
+    // Of the larger cell size, too: bodies that touch have gaps of round-off.
+    // It has to be small beside the overlaps of stiff bodies: a gap that counts
+    // as closed and has no force makes Newton's method stall.
     constexpr double touching_in_cells = 1e-8;
 
     // The stiffness against slip, over that against overlap.
