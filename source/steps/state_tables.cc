@@ -443,6 +443,11 @@ namespace greville
           if (found == table.columns.end() && columns[i] == "projected_J")
             found = std::find(table.columns.begin(), table.columns.end(), "J");
           const bool is_found = found != table.columns.end();
+          AssertThrow(is_found || columns[i].find("domain") == none,
+                      ExcMessage("the " + owner +
+                                 " has points without domains there: "
+                                 "'Scheme/Functions' = domains has to be that "
+                                 "of both runs"));
           AssertThrow(is_found ||
                         (i >= n_needed && columns[i].find("initial_F") == none),
                       ExcMessage("the " + owner + " has no number '" +
