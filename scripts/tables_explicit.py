@@ -188,6 +188,28 @@ def cost_of_rows(_):
         print_row(f"`{name}`", mass, f"{statistics.median(costs):.3f}")
 
 
+@table("cost_of_domains")
+def cost_of_domains(_):
+    """what B-splines averaged over domains cost
+
+    The CPU time of steps with 'Scheme/Functions' = domains over that of as many steps of the same length with points, both
+    less the time of a run of one step, which is that of the set-up. Medians of five pairs, one process.
+    """
+    print_head("", "mass", "step with domains / with points")
+    for name, settings, steps in (("colliding_disks", {"Grid/Cells": "60, 60", "Time/Step": 1e-3}, 600),
+                                  ("bouncing_ball_3d", {"Time/Step": 1e-4}, 60)):
+        for mass in ("lumped", "consistent"):
+            def cpu(functions, n_steps):
+                own = {**settings, "Scheme/Mass": mass, "Scheme/Functions": functions, "Time/Maximum steps": n_steps,
+                       "Output/Statistics every": 1e9, "Output/Fields every": 0, "Output/Grid fields": "false"}
+                return run_to_end(shipped(name), folder_of("run"), own).cpu
+            costs = []
+            for _ in range(5):
+                times = [cpu(functions, steps) - cpu(functions, 1) for functions in ("points", "domains")]
+                costs.append(times[1] / times[0])
+            print_row(f"`{name}`", mass, f"{statistics.median(costs):.2f}")
+
+
 def without_contacts(text):
     """The text of a parameter file without its contacts and rigid bodies."""
     text = re.sub(r"subsection (Contact|Rigid body) .*?\nend\n", "", text, flags=re.DOTALL)
