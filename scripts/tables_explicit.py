@@ -196,7 +196,7 @@ def cost_of_domains(_):
     less the time of a run of one step, which is that of the set-up. Medians of five pairs, one process.
     """
     print_head("", "mass", "step with domains / with points")
-    for name, settings, steps in (("colliding_disks", {"Grid/Cells": "60, 60", "Time/Step": 1e-3}, 600),
+    for name, settings, steps in (("colliding_disks", {"Grid/Cells": "60, 60", "Time/Step": 5e-4, "Sweep/Masses": ""}, 400),
                                   ("bouncing_ball_3d", {"Time/Step": 1e-4}, 60)):
         for mass in ("lumped", "consistent"):
             def cpu(functions, n_steps):
