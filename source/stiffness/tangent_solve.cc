@@ -16,7 +16,7 @@ namespace greville
   TangentSystem<dim>::multiply(VectorType &dst, const VectorType &src)
   {
     finest().vmult(dst, src);
-    if (!has_more_than_matrix())
+    if (!projection && !windows)
       return;
     VectorField<dim> direction, force;
     for (VectorField<dim> *field : {&direction, &force})

@@ -27,11 +27,8 @@ namespace greville
    * changes of volume not much more than shear, and serves the preconditioner;
    * multiply() adds what J hat does, from point to point. So the volumes that
    * the projection sees are much stiffer than in K, and all others are alike:
-   * iterations hardly depend on the bulk modulus.
-   *
-   * Likewise for gradients averaged over the domains of points, which see the
-   * windows of cells: the preconditioner has gradients at points, and
-   * multiply() adds the difference.
+   * iterations hardly depend on the bulk modulus. Likewise where gradients are
+   * averaged over domains: K has those at points, and multiply() adds the rest.
    *
    * Fields have a coefficient for each function of the space. Those of
    * functions that are held are given, and those of extended functions follow
@@ -51,8 +48,8 @@ namespace greville
     /**
      * Collective. Orders and parameters are kept by reference, and so are the
      * @p projection and the @p windows, which may be null. Cells are
-     * well-filled from the fraction
-     * @p filling on, see CellFilling. @p lump takes the row sums of the mass.
+     * well-filled from the fraction @p filling on, see CellFilling. @p lump
+     * takes the row sums of the mass.
      */
     TangentSystem(const OrderHierarchy<dim> &orders,
                   const HeldFunctions       &held,
@@ -184,13 +181,6 @@ namespace greville
     void
     multiply(VectorType &dst, const VectorType &src);
 
-    /// Whether A is more than the matrix of finest().
-    bool
-    has_more_than_matrix() const
-    {
-      return projection || windows;
-    }
-
     /**
      * Collective. Solve A x = b until the residual is @p tolerance times that
      * of zero. Throws ErrorOnAll like set_operator().
@@ -248,17 +238,13 @@ namespace greville
     bool
     needs_levels(const double mass_factor) const;
 
-    /**
-     * Whether the set-up of the last operator is good for one with this mass
-     * factor.
-     */
+    /// Whether the set-up of the last operator is good for one with this mass
+    /// factor.
     bool
     is_reusable(const double mass_factor, const bool with_levels) const;
 
-    /**
-     * Collective. The preconditioner; the smoother alone where there is none
-     * with coarse levels.
-     */
+    /// Collective. The preconditioner; the smoother alone where there is none
+    /// with coarse levels.
     void
     set_up(const bool with_levels);
 
