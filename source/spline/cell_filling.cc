@@ -24,6 +24,7 @@ namespace greville
     // Other than any class: the first update() is a change also where no cell
     // has points.
     classes.assign(positions.size(), 255);
+    given.assign(space.owned_cells().size(), 255);
     filled.clear();
   }
 
@@ -39,21 +40,19 @@ namespace greville
     AssertDimension(filling.size(), n_owned);
     all_are_hosts                          = threshold == 0.;
     unsigned int               has_changed = 0;
-    std::vector<unsigned char> new_classes(n_owned);
+    std::vector<unsigned char> now(n_owned);
     for (unsigned int c = 0; c < n_owned; ++c)
       {
-        const unsigned char now = filling[c] < 0.           ? beyond
-                                  : filling[c] == 0.        ? empty
-                                  : filling[c] >= threshold ? well_filled
-                                                            : cut;
-        has_changed |= now != classes[c] &&
-                       (now != well_filled || classes[c] != host) &&
-                       (now != empty || classes[c] != beyond || !has_rims);
-        new_classes[c] = now;
+        now[c] = filling[c] < 0.           ? beyond
+                 : filling[c] == 0.        ? empty
+                 : filling[c] >= threshold ? well_filled
+                                           : cut;
+        has_changed |= now[c] != given[c];
       }
     if (Utilities::MPI::max(has_changed, spline_space->communicator()) == 0)
       return false;
-    std::copy(new_classes.begin(), new_classes.end(), classes.begin());
+    std::copy(now.begin(), now.end(), classes.begin());
+    given = std::move(now);
     find_hosts(with_outer_hosts);
     return true;
   }
@@ -160,7 +159,9 @@ namespace greville
 
     std::vector<unsigned int> inside, outside;
     for (const unsigned int c : filled)
-      (all_are_hosts || is_inside_body(c) ? inside : outside).push_back(c);
+      ((all_are_hosts && holds_points(c)) || is_inside_body(c) ? inside
+                                                               : outside)
+        .push_back(c);
     for (const unsigned int c : inside)
       classes[c] = host;
     exchange(classes);

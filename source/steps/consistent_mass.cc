@@ -79,12 +79,17 @@ namespace greville
   ConsistentMass<dim>::update(
     const VectorType                               &lumped,
     const std::vector<const MaterialPoints<dim> *> &all_bodies,
+    const std::vector<const MaterialPoints<dim> *> &surfaces,
     const PointTransfer<dim>                       &point_transfer)
   {
     this->lumped_mass.copy_locally_owned_data_from(lumped);
     bodies   = &all_bodies;
     transfer = &point_transfer;
     transfer->filling(*bodies, filled_part);
+    for (const MaterialPoints<dim> *points : surfaces)
+      for (const unsigned int cell : points->cells())
+        if (filled_part[cell] == 0.)
+          filled_part[cell] = -1.;
     const bool unknowns_changed =
       filling.update(filled_part, parameters.scheme.filling_threshold());
     if (unknowns_changed)

@@ -351,8 +351,14 @@ namespace greville
         // That of total Lagrangian steps never changes.
         if (!is_current && !mass_is_known)
           {
-            const PartTimer timer(log, "mass");
-            field.mass->update(field.lumped_mass, field.points, point_transfer);
+            const PartTimer                          timer(log, "mass");
+            std::vector<const MaterialPoints<dim> *> of_surfaces;
+            for (const unsigned int k : field.surfaces)
+              of_surfaces.push_back(&state.surfaces[k].points);
+            field.mass->update(field.lumped_mass,
+                               field.points,
+                               of_surfaces,
+                               point_transfer);
           }
         if (with_force)
           {

@@ -34,7 +34,8 @@ namespace greville
   LumpedMass<dim>::update(
     const VectorType                               &lumped,
     const std::vector<const MaterialPoints<dim> *> &bodies,
-    const PointTransfer<dim>                       &transfer)
+    const std::vector<const MaterialPoints<dim> *> &,
+    const PointTransfer<dim> &transfer)
   {
     this->lumped_mass.copy_locally_owned_data_from(lumped);
     change_held();

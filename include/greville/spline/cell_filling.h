@@ -170,6 +170,9 @@ namespace greville
     // By local cell of the neighbours, or owned cells.
     CellNeighbors<dim>         neighbors;
     std::vector<unsigned char> classes;
+    // What update() was given, of owned cells: no hosts, and beyond the body
+    // only what was marked.
+    std::vector<unsigned char> given;
     std::vector<unsigned int>  filled;
 
     std::vector<std::pair<unsigned int, std::uint64_t>> hosts_of_cells;

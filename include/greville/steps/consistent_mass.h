@@ -12,7 +12,9 @@ namespace greville
   /**
    * The consistent mass matrix M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the points
    * on extended B-splines, see Extension and ExtendedMass. All components of
-   * the fields are solved together by an ExtendedMassSolver.
+   * the fields are solved together by an ExtendedMassSolver. Cells that points
+   * of surfaces enter before those of their bodies are beyond the body:
+   * functions are extended to them, so that no part of a load is lost.
    */
   template <int dim>
   class ConsistentMass : public GridMass<dim>
@@ -46,6 +48,7 @@ namespace greville
     void
     update(const VectorType                               &lumped,
            const std::vector<const MaterialPoints<dim> *> &bodies,
+           const std::vector<const MaterialPoints<dim> *> &surfaces,
            const PointTransfer<dim>                       &transfer) override;
 
     void
@@ -92,14 +95,14 @@ namespace greville
     }
 
     /**
-     * Domains see extended functions, too, that no point sees.
+     * Domains and surfaces see extended functions, too, that no point of a body
+     * sees.
      */
     bool
     is_seen(const unsigned int function) const override
     {
       return GridMass<dim>::is_seen(function) ||
-             (windows &&
-              spline_extension[function] == Extension<dim>::extended);
+             spline_extension[function] == Extension<dim>::extended;
     }
 
     /**

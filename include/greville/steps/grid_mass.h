@@ -61,12 +61,14 @@ namespace greville
 
     /**
      * Collective. New masses: @p lumped as PointTransfer::points_to_grid()
-     * gives it, for these @p bodies. The list and the transfer are kept by
-     * reference.
+     * gives it, for these @p bodies, and points of their @p surfaces, which
+     * have no mass but bear loads. The list of bodies and the transfer are kept
+     * by reference.
      */
     virtual void
     update(const VectorType                               &lumped,
            const std::vector<const MaterialPoints<dim> *> &bodies,
+           const std::vector<const MaterialPoints<dim> *> &surfaces,
            const PointTransfer<dim>                       &transfer) = 0;
 
     /**
@@ -118,7 +120,7 @@ namespace greville
     }
 
     /**
-     * Whether points see an owned function.
+     * Whether points of bodies or surfaces see an owned function.
      */
     virtual bool
     is_seen(const unsigned int function) const

@@ -43,6 +43,7 @@ namespace greville
     void
     update(const VectorType                               &lumped,
            const std::vector<const MaterialPoints<dim> *> &bodies,
+           const std::vector<const MaterialPoints<dim> *> &surfaces,
            const PointTransfer<dim>                       &transfer) override;
 
     /**
