@@ -95,30 +95,6 @@ namespace greville
         result[i] = s[i];
       return result;
     }
-
-
-
-    /**
-     * Means of fields with the coefficients @p u of a window over the domains
-     * of a group of points, and of the gradient of those from first_of_H on.
-     */
-    template <int dim, int n, int n_fields, int first_of_H, bool with_gradient>
-    __attribute__((noinline)) void
-    find_means(const MaterialPoints<dim>    &points,
-               const double                 *group,
-               const WindowGeometry<dim, n> &geometry,
-               const double                 *u,
-               Simd (&fields)[n_fields],
-               Simd (&gradient)[dim][dim])
-    {
-      Simd x[dim], s[dim];
-      load_basis_positions(points, group, x);
-      load_domains(points, group, s);
-      WindowShape<dim, n> shape;
-      shape.evaluate(geometry, x, s);
-      shape.template evaluate_fields<n_fields, first_of_H, with_gradient>(
-        u, fields, gradient);
-    }
   } // namespace internal
 } // namespace greville
 

@@ -134,11 +134,12 @@ namespace greville
      * Copy a vector with its ghost entries into a buffer of @p n_fields numbers
      * per function.
      */
+    template <typename Buffer>
     inline void
-    put_into_buffer(const VectorType    &vector,
-                    const unsigned int   n_fields,
-                    const unsigned int   field,
-                    std::vector<double> &buffer)
+    put_into_buffer(const VectorType  &vector,
+                    const unsigned int n_fields,
+                    const unsigned int field,
+                    Buffer            &buffer)
     {
       vector.update_ghost_values();
       const std::size_t n = buffer.size() / n_fields;
@@ -152,11 +153,12 @@ namespace greville
     /**
      * Collective. The way back: add up what all processes have for a function.
      */
+    template <typename Buffer>
     inline void
-    take_from_buffer(const std::vector<double> &buffer,
-                     const unsigned int         n_fields,
-                     const unsigned int         field,
-                     VectorType                &vector)
+    take_from_buffer(const Buffer      &buffer,
+                     const unsigned int n_fields,
+                     const unsigned int field,
+                     VectorType        &vector)
     {
       const std::size_t n = buffer.size() / n_fields;
       vector.zero_out_ghost_values();
@@ -178,6 +180,23 @@ namespace greville
       for (int k = 0; k < count; ++k)
         values[k] = load(group + (first + k) * simd_width);
     }
+
+    /**
+     * Ask for the group behind group number @p g, which is the next one where
+     * groups are in the order of the cells: kernels read some of its numbers
+     * only, in a pattern that processors do not foresee.
+     */
+    template <int dim>
+    inline __attribute__((always_inline)) void
+    prefetch_next(const MaterialPoints<dim> &points, const unsigned int g)
+    {
+      const std::size_t n    = points.layout().size * simd_width;
+      const double     *next = points.group(g) + n;
+      for (std::size_t k = 0; k < n; k += 8)
+        __builtin_prefetch(next + k);
+    }
+
+
 
     /**
      * Where the basis functions of a group are taken.

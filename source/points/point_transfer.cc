@@ -42,6 +42,45 @@ namespace greville
 
   template <int dim>
   void
+  PointTransfer<dim>::resize_numbers(const unsigned int stride)
+  {
+    const SplineSpace<dim> &space = *tables.space;
+    numbers_stride                = stride;
+    numbers.resize_fast((windows ? windows->n_places()
+                                 : space.owned_functions().size() +
+                                     space.ghost_functions().size()) *
+                        stride);
+  }
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::read_number(const VectorType  &vector,
+                                  const unsigned int k)
+  {
+    if (windows)
+      windows->read(vector, numbers.data() + k, numbers_stride);
+    else
+      put_into_buffer(vector, numbers_stride, k, numbers);
+  }
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::write_number(const unsigned int k, VectorType &vector)
+  {
+    if (!windows)
+      return take_from_buffer(numbers, numbers_stride, k, vector);
+    vector = 0.;
+    windows->add_to(vector, numbers.data() + k, numbers_stride);
+  }
+
+
+
+  template <int dim>
+  void
   PointTransfer<dim>::filling(
     const std::vector<const MaterialPoints<dim> *> &bodies,
     std::vector<double>                            &result) const

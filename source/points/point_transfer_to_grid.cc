@@ -2,8 +2,7 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
-#include "domains.h"
-#include <optional>
+#include "gather_scatter.h"
 
 namespace greville
 {
@@ -40,80 +39,16 @@ namespace greville
 
 
     /**
-     * Sums over the points of a cell that reaches its neighbours, n_fields
-     * numbers for each function of its window, to which the stress adds from
-     * first_force on.
-     */
-    template <int dim, int n, int n_fields, int first_force>
-    class WindowSums
-    {
-    public:
-      WindowSums(const SpacePolynomials<dim> &tables,
-                 const CellWindows<dim>      *windows,
-                 double                      *buffer)
-        : tables(tables)
-        , windows(windows)
-        , buffer(buffer)
-      {}
-
-      /**
-       * Whether the cell reaches its neighbours.
-       */
-      bool
-      begin(const unsigned int cell)
-      {
-        if (!windows || !windows->reaches(cell))
-          return false;
-        geometry.emplace(tables, *windows, cell);
-        std::fill_n(sums, n_sums, Simd(0.));
-        return true;
-      }
-
-      __attribute__((noinline)) void
-      add(const MaterialPoints<dim> &points,
-          const double              *group,
-          const Simd (&x)[dim],
-          const Simd (&values)[n_fields],
-          const Simd (&stress)[dim][dim])
-      {
-        Simd s[dim];
-        load_domains(points, group, s);
-        WindowShape<dim, n> shape;
-        shape.evaluate(*geometry, x, s);
-        shape.template add<n_fields, first_force>(values, stress, sums);
-      }
-
-      void
-      end() const
-      {
-        for (int k = 0; k < n_sums; ++k)
-          buffer[std::size_t(geometry->functions[k / n_fields]) * n_fields +
-                 k % n_fields] += reduce(sums[k]);
-      }
-
-    private:
-      static constexpr int n_sums = WindowShape<dim, n>::n_functions * n_fields;
-
-      const SpacePolynomials<dim>          &tables;
-      const CellWindows<dim>               *windows;
-      double                               *buffer;
-      std::optional<WindowGeometry<dim, n>> geometry;
-      Simd                                  sums[n_sums];
-    };
-
-
-
-    /**
      * The fields of a function are mass and momentum (if with_momentum) and
-     * force (if with_force).
+     * force (if with_force). Where there are windows, the force begins a vector
+     * of its own.
      */
     template <int dim, int n, bool with_momentum, bool with_force, bool affine>
     void
     add_points(const MaterialPoints<dim>   &points,
                const SpacePolynomials<dim> &tables,
                const CellWindows<dim>      *windows,
-               double                      *buffer,
-               double                      *window_buffer)
+               double                      *buffer)
     {
       using Layout                     = PointLayout<dim>;
       const PointField  *field_of_load = points.layout().find("load");
@@ -124,31 +59,26 @@ namespace greville
       constexpr int      n_z         = dim == 3 ? n : 1;
       const bool         total       = points.layout().is_total_lagrangian();
       const unsigned int initial_F   = points.layout().initial_F;
-      // What windows get: all, or the force of stresses alone.
-      const CellWindows<dim> *seen        = windows_of(points, windows);
-      const bool              with_values = seen && seen->averages_values();
-      WindowSums<dim, n, n_fields, first_force> of_window(
-        tables, with_values ? seen : nullptr, window_buffer);
-      WindowSums<dim, n, dim, 0> forces(
-        tables, with_values || !with_force ? nullptr : seen, window_buffer);
+      using OfWindow = Sums<int(with_momentum) + int(with_force),
+                            with_force ? int(with_momentum) : -1>;
+      SeenFunctions<dim, n> functions(points, tables, windows);
 
       for (const unsigned int cell : points.cells())
         {
           const CellGeometry<dim, n>        geometry(tables, cell);
-          const bool                        has_window = of_window.begin(cell);
-          const bool                        has_forces = forces.begin(cell);
           CellSums<power(n, dim), n_fields> cell_sums;
+          unsigned int count = points.n_in_first_group(cell);
+          if (windows)
+            functions.begin(geometry, cell);
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
-               g = points.next_group(g))
+               g = points.next_group(g), count = simd_width)
             {
+              prefetch_next(points, g);
               const double *group = points.group(g);
               Simd          x[dim], v[dim];
               load_basis_positions(points, group, x);
-              const Simd          m = load(group + Layout::mass * simd_width);
-              ShapeValues<dim, n> shape;
-              shape.template evaluate<with_force>(geometry, x);
-
+              const Simd m = load(group + Layout::mass * simd_width);
               if constexpr (with_momentum)
                 load_numbers<dim>(group, Layout::velocity, v);
 
@@ -181,27 +111,34 @@ namespace greville
                         : Simd(0.);
                 }
 
-              if (has_window)
+              if (windows)
                 {
-                  Simd values[n_fields];
+                  constexpr int force = with_momentum ? simd_width : 0;
+                  constexpr int slope = OfWindow::n_numbers;
+                  Simd          sums[OfWindow::n_all(dim) * simd_width];
+                  std::fill_n(sums,
+                              OfWindow::n_all(dim) * simd_width,
+                              Simd(0.));
                   if constexpr (with_momentum)
                     {
-                      values[0] = m;
+                      sums[0] = m;
                       for (int i = 0; i < dim; ++i)
-                        values[1 + i] = m * v[i];
+                        sums[1 + i] = m * v[i];
                     }
                   if constexpr (with_force)
-                    std::copy_n(load_force, dim, values + first_force);
-                  of_window.add(points, group, x, values, stress);
+                    for (int i = 0; i < dim; ++i)
+                      {
+                        sums[force + i] = load_force[i];
+                        for (int j = 0; j < dim; ++j)
+                          sums[slope + j * simd_width + i] = stress[i][j];
+                      }
+                  functions.template scatter<OfWindow>(
+                    group, count, x, sums, buffer);
                   continue;
                 }
-              if (has_forces)
-                {
-                  const Simd none[dim] = {};
-                  forces.add(points, group, x, none, stress);
-                  std::fill_n(stress[0], dim * dim, Simd(0.));
-                }
 
+              ShapeValues<dim, n> shape;
+              shape.template evaluate<with_force>(geometry, x);
               Simd C[dim][dim], distance[dim][n];
               if constexpr (affine)
                 for (int i = 0; i < dim; ++i)
@@ -276,11 +213,8 @@ namespace greville
                       }
                   }
             }
-          cell_sums.add_to(geometry.functions, buffer);
-          if (has_window)
-            of_window.end();
-          if (has_forces)
-            forces.end();
+          if (!windows)
+            cell_sums.add_to(geometry.functions, buffer);
         }
     }
   } // namespace
@@ -299,26 +233,22 @@ namespace greville
            ExcMessage("Mass and momentum go together."));
     if (!mass && !force)
       return;
-    const SplineSpace<dim> &space = *tables.space;
-    const unsigned int      n_functions =
-      space.owned_functions().size() + space.ghost_functions().size();
-    const unsigned int first_force = mass ? 1 + dim : 0;
-    const unsigned int n_fields    = first_force + (force ? dim : 0);
-    buffer.assign(std::size_t(n_functions) * n_fields, 0.);
-    const bool         averages_values = windows && windows->averages_values();
-    const unsigned int n_window_fields = averages_values ? n_fields
-                                         : force         ? dim
-                                                         : 0;
-    if (windows)
-      window_buffer.assign(windows->n_places() * n_window_fields, 0.);
+    const unsigned int n_vector = windows ? simd_width : 0;
+    const unsigned int first_force =
+      !mass ? 0 : std::max<unsigned int>(1 + dim, n_vector);
+    resize_numbers(first_force +
+                   (!force ? 0 : std::max<unsigned int>(dim, n_vector)));
+    std::fill(numbers.begin(), numbers.end(), 0.);
 
     for (const MaterialPoints<dim> *points : bodies)
-      with_order(space.degree(), [&](const auto size) {
+      with_order(tables.space->degree(), [&](const auto size) {
         constexpr int n      = decltype(size)::value;
         const bool    affine = points->layout().find("affine");
         const auto    run    = [&](auto with_mass, auto with_force, auto apic) {
-          add_points<dim, n, with_mass, with_force, apic>(
-            *points, tables, windows, buffer.data(), window_buffer.data());
+          add_points<dim, n, with_mass, with_force, apic>(*points,
+                                                          tables,
+                                                          windows,
+                                                          numbers.data());
         };
         constexpr std::true_type  yes;
         constexpr std::false_type no;
@@ -332,26 +262,13 @@ namespace greville
 
     if (mass)
       {
-        take_from_buffer(buffer, n_fields, 0, *mass);
+        write_number(0, *mass);
         for (unsigned int d = 0; d < dim; ++d)
-          take_from_buffer(buffer, n_fields, 1 + d, (*momentum)[d]);
+          write_number(1 + d, (*momentum)[d]);
       }
     if (force)
       for (unsigned int d = 0; d < dim; ++d)
-        take_from_buffer(buffer, n_fields, first_force + d, (*force)[d]);
-    if (!windows || n_window_fields == 0)
-      return;
-    std::vector<VectorType *> sums;
-    if (averages_values && mass)
-      sums.push_back(mass);
-    std::vector<VectorField<dim> *> fields;
-    if (averages_values && mass)
-      fields.push_back(momentum);
-    if (force)
-      fields.push_back(force);
-    for (VectorType *column : columns_of<VectorType>(fields))
-      sums.push_back(column);
-    windows->add_to(sums, window_buffer);
+        write_number(first_force + d, (*force)[d]);
   }
 
 

@@ -3,9 +3,8 @@
 #include <greville/points/row_sums.h>
 #include <greville/points/volume_projection.h>
 
-#include "domains.h"
+#include "gather_scatter.h"
 #include <cmath>
-#include <optional>
 #include <sstream>
 
 namespace greville
@@ -190,7 +189,6 @@ namespace greville
                   const PointUpdate<dim>      &update,
                   const double                *projected,
                   const double                *buffer,
-                  const double                *window_buffer,
                   PointReport                 &report)
     {
       using Layout = PointLayout<dim>;
@@ -211,28 +209,23 @@ namespace greville
       const bool         total       = points.layout().is_total_lagrangian();
       const unsigned int initial_F   = points.layout().initial_F;
       const unsigned int projected_J = points.layout().projected_J;
-      const bool         with_values = windows && windows->averages_values();
+      // Where the fields of windows lie.
+      constexpr int stride = field_stride<dim>;
+      using OfWindow =
+        Sums<n_field_vectors<dim>(n_fields / dim),
+             derivatives ? first_gradient / dim * stride / 4 : -1>;
+      SeenFunctions<dim, n> functions(points, tables, windows);
 
       for (const unsigned int cell : points.cells())
         {
           const CellGeometry<dim, n> geometry(tables, cell);
           double                     coefficients[n_functions * n_fields];
-          for (int a = 0; a < n_functions; ++a)
+          if (windows)
+            functions.begin(geometry, cell);
+          for (int a = 0; a < (windows ? 0 : n_functions); ++a)
             for (int k = 0; k < n_fields; ++k)
               coefficients[a * n_fields + k] =
                 buffer[std::size_t(geometry.functions[a]) * n_fields + k];
-
-          std::optional<WindowGeometry<dim, n>> window;
-          double in_window[WindowShape<dim, n>::n_functions * n_fields];
-          if (windows && (with_values || derivatives) && windows->reaches(cell))
-            {
-              window.emplace(tables, *windows, cell);
-              read_window(*window,
-                          window_buffer,
-                          in_window,
-                          with_values ? n_fields : dim);
-            }
-          const bool is_narrow = !window || !with_values;
 
           bool         left  = false;
           unsigned int count = points.n_in_first_group(cell);
@@ -240,6 +233,7 @@ namespace greville
                g != MaterialPoints<dim>::none;
                g = points.next_group(g), count = simd_width)
             {
+              prefetch_next(points, g);
               double *group = points.group(g);
               if constexpr (Kind::kick)
                 if (update.row)
@@ -247,7 +241,8 @@ namespace greville
               Simd x[dim];
               load_basis_positions(points, group, x);
               ShapeValues<dim, n> shape;
-              shape.template evaluate<derivatives>(geometry, x);
+              if (!windows)
+                shape.template evaluate<derivatives>(geometry, x);
 
               Simd fields[n_fields], gradient[dim][dim], B[dim][dim];
               Simd inverse[dim][dim]; // of F
@@ -261,7 +256,7 @@ namespace greville
                   }
 
               const double *c = coefficients;
-              for (int a_z = 0; a_z < (is_narrow ? n_z : 0); ++a_z)
+              for (int a_z = 0; a_z < (windows ? 0 : n_z); ++a_z)
                 for (int a_y = 0; a_y < n; ++a_y)
                   {
                     Simd rows[n_fields], slopes[dim], first_moments[dim];
@@ -317,16 +312,20 @@ namespace greville
                         }
                   }
 
-              if (!is_narrow)
-                find_means<dim, n, n_fields, first_gradient, derivatives>(
-                  points, group, *window, in_window, fields, gradient);
-              else if constexpr (derivatives)
-                if (window)
-                  {
-                    Simd values[dim];
-                    find_means<dim, n, dim, 0, true>(
-                      points, group, *window, in_window, values, gradient);
-                  }
+              if (windows)
+                {
+                  Simd sums[OfWindow::n_all(dim) * simd_width];
+                  functions.template gather<OfWindow>(
+                    group, count, x, buffer, sums);
+                  for (int k = 0; k < n_fields; ++k)
+                    fields[k] = sums[k / dim * stride + k % dim];
+                  if constexpr (derivatives)
+                    for (int i = 0; i < dim; ++i)
+                      for (int j = 0; j < dim; ++j)
+                        gradient[i][j] =
+                          sums[OfWindow::n_numbers + j * 4 +
+                               first_gradient / dim * stride % 4 + i];
+                }
 
               // Lanes without a point stay where they are.
               Simd lane_is_used;
@@ -520,21 +519,14 @@ namespace greville
     if (kick && !update.apic)
       fields.push_back(update.acceleration);
 
-    const SplineSpace<dim> &space = *tables.space;
-    const unsigned int      n_functions =
-      space.owned_functions().size() + space.ghost_functions().size();
-    const unsigned int n_fields = dim * fields.size();
-    buffer.resize(std::size_t(n_functions) * n_fields);
+    const unsigned int stride = windows ? field_stride<dim> : dim;
+    resize_numbers(windows ? n_field_vectors<dim>(fields.size()) * simd_width
+                           : fields.size() * dim);
+    if (windows)
+      std::fill(numbers.begin(), numbers.end(), 0.);
     for (unsigned int f = 0; f < fields.size(); ++f)
       for (unsigned int d = 0; d < dim; ++d)
-        put_into_buffer((*fields[f])[d], n_fields, f * dim + d, buffer);
-    if (const CellWindows<dim> *seen = windows_of(points, windows))
-      {
-        if (seen->averages_values())
-          seen->read(columns_of<const VectorType>(fields), window_buffer);
-        else if (deform)
-          seen->read(*update.deformation, window_buffer);
-      }
+        read_number((*fields[f])[d], f * stride + d);
 
     const double *projected =
       deform && update.projection
@@ -542,18 +534,11 @@ namespace greville
             .data()
         : nullptr;
     PointReport report;
-    with_order(space.degree(), [&](const auto size) {
+    with_order(tables.space->degree(), [&](const auto size) {
       constexpr int n   = decltype(size)::value;
       const auto    run = [&](const auto kind) {
         update_points<dim, n, std::decay_t<decltype(kind)>>(
-          points,
-          tables,
-          windows_of(points, windows),
-          update,
-          projected,
-          buffer.data(),
-          window_buffer.data(),
-          report);
+          points, tables, windows, update, projected, numbers.data(), report);
       };
       if (kick && update.move && deform && same)
         update.apic ? run(Pass<true, true, true, true, true>())

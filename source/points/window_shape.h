@@ -99,6 +99,7 @@ namespace greville
         // In cells: below, averages are those of a point.
         constexpr double smallest = 1e-8;
         averages_values           = cell.averages_values;
+#pragma GCC unroll 3
         for (int d = 0; d < dim; ++d)
           {
             const Number t = (x[d] - cell.center[d]) * cell.inverse_h[d];
@@ -116,32 +117,30 @@ namespace greville
                 const Number begin  = max(lower, Number(k - 1.5));
                 const Number end    = min(upper, Number(k - 0.5));
                 const Number length = max(Number(end - begin), Number(0.));
+                if (k == 0)
+                  before[d] = length;
+                if (k == 2)
+                  behind[d] = length;
                 if (k != 1 && !is_positive(length))
                   continue;
                 if (k == 0)
                   first[d] = 0;
                 if (k == 2)
                   last[d] = n_1d;
-                add_means(cell.polynomials[d][k],
-                          0.5 * (begin + end) - double(k - 1),
-                          0.5 * length,
-                          length * scale,
-                          cell.inverse_h[d],
-                          N[d] + k,
-                          dN[d] + k);
+                add_means<true>(cell.polynomials[d][k],
+                                begin - double(k - 1),
+                                end - double(k - 1),
+                                length * scale,
+                                cell.inverse_h[d],
+                                N[d] + k,
+                                dN[d] + k);
               }
             if (!cell.averages_values)
               {
-                Number none[n];
                 for (int a = 0; a < n_1d; ++a)
                   N[d][a] = 0.;
-                add_means(cell.polynomials[d][1],
-                          t,
-                          Number(0.),
-                          Number(1.),
-                          0.,
-                          N[d] + 1,
-                          none);
+                add_means<false>(
+                  cell.polynomials[d][1], t, t, 1., 0., N[d] + 1, dN[d]);
               }
           }
       }
@@ -288,52 +287,58 @@ namespace greville
       Number N[dim][n_1d];
       Number dN[dim][n_1d];
       int    first[dim], last[dim];
+      // Lengths of the box in the cells before and behind, in cells.
+      Number before[dim], behind[dim];
       bool   averages_values;
 
     private:
       /**
        * Add @p weight times the means of polynomials and their derivatives over
-       * [c - l, c + l].
+       * [begin, end].
        */
-      static void
+      template <bool with_slopes>
+      static inline __attribute__((always_inline)) void
       add_means(const double *polynomials,
-                const Number  c,
-                const Number  l,
+                const Number  begin,
+                const Number  end,
                 const Number  weight,
                 const double  inverse_h,
                 Number       *values,
                 Number       *slopes)
       {
-        // Means of t^k: those of even powers of t - c are l^k / (k + 1).
-        Number means[n];
-        for (int k = 0; k < n; ++k)
+        // Means of t^k are sums of begin^i end^(k - i) over k + 1.
+        Number means[n], sum = weight, of_begin = weight;
+        means[0] = weight;
+#pragma GCC unroll 8
+        for (int k = 1; k < n; ++k)
           {
-            // Horner's rule in c, with binomial coefficients.
-            Number power_of_l = 1., mean = 0.;
-            double binomial = 1.;
-            for (int j = 0; j <= k; ++j)
-              {
-                if (j % 2 == 0)
-                  {
-                    Number term = power_of_l * (binomial / (j + 1));
-                    for (int i = j; i < k; ++i)
-                      term *= c;
-                    mean += term;
-                  }
-                power_of_l *= l;
-                binomial = binomial * (k - j) / (j + 1);
-              }
-            means[k] = weight * mean;
+            of_begin *= begin;
+            sum      = sum * end + of_begin;
+            means[k] = sum * (1. / (k + 1));
           }
+#pragma GCC unroll 8
         for (int a = 0; a < n; ++a)
           {
-            Number value = 0., slope = 0.;
+            Number value = values[a];
+#pragma GCC unroll 8
             for (int k = 0; k < n; ++k)
               value += polynomials[a * n + k] * means[k];
-            for (int k = 1; k < n; ++k)
-              slope += double(k) * polynomials[a * n + k] * means[k - 1];
-            values[a] += value;
-            slopes[a] += inverse_h * slope;
+            values[a] = value;
+          }
+        if constexpr (with_slopes)
+          {
+#pragma GCC unroll 8
+            for (int k = 0; k < n; ++k)
+              means[k] *= (k + 1) * inverse_h;
+#pragma GCC unroll 8
+            for (int a = 0; a < n; ++a)
+              {
+                Number slope = slopes[a];
+#pragma GCC unroll 8
+                for (int k = 1; k < n; ++k)
+                  slope += polynomials[a * n + k] * means[k - 1];
+                slopes[a] = slope;
+              }
           }
       }
     };

@@ -108,20 +108,17 @@ namespace greville
 
   template <int dim>
   void
-  CellWindows<dim>::read(const std::vector<const VectorType *> &vectors,
-                         std::vector<double>                   &buffer) const
+  CellWindows<dim>::read(const VectorType  &vector,
+                         double            *numbers,
+                         const unsigned int stride) const
   {
-    const std::size_t n = n_places(), n_vectors = vectors.size();
-    buffer.resize(n * n_vectors);
-    for (std::size_t k = 0; k < n_vectors; ++k)
-      {
-        buffer_vector.copy_locally_owned_data_from(*vectors[k]);
-        buffer_vector.update_ghost_values();
-        for (std::size_t f = 0; f + 1 < n; ++f)
-          buffer[f * n_vectors + k] = buffer_vector.local_element(f);
-        buffer[(n - 1) * n_vectors + k] = 0.;
-        buffer_vector.zero_out_ghost_values();
-      }
+    const std::size_t none = n_places() - 1;
+    buffer_vector.copy_locally_owned_data_from(vector);
+    buffer_vector.update_ghost_values();
+    for (std::size_t f = 0; f < none; ++f)
+      numbers[f * stride] = buffer_vector.local_element(f);
+    numbers[none * stride] = 0.;
+    buffer_vector.zero_out_ghost_values();
   }
 
 
@@ -131,29 +128,26 @@ namespace greville
   CellWindows<dim>::read(const VectorField<dim> &field,
                          std::vector<double>    &buffer) const
   {
-    read(columns_of<const VectorType>(
-           std::vector<const VectorField<dim> *>{&field}),
-         buffer);
+    buffer.resize(n_places() * dim);
+    for (unsigned int d = 0; d < dim; ++d)
+      read(field[d], buffer.data() + d, dim);
   }
 
 
 
   template <int dim>
   void
-  CellWindows<dim>::add_to(const std::vector<VectorType *> &vectors,
-                           const std::vector<double>       &buffer) const
+  CellWindows<dim>::add_to(VectorType        &vector,
+                           const double      *numbers,
+                           const unsigned int stride) const
   {
-    const std::size_t n = n_places(), n_vectors = vectors.size();
-    AssertDimension(buffer.size(), n * n_vectors);
-    for (std::size_t k = 0; k < n_vectors; ++k)
-      {
-        for (std::size_t f = 0; f + 1 < n; ++f)
-          buffer_vector.local_element(f) = buffer[f * n_vectors + k];
-        buffer_vector.compress(VectorOperation::add);
-        for (unsigned int f = 0; f < buffer_vector.locally_owned_size(); ++f)
-          vectors[k]->local_element(f) += buffer_vector.local_element(f);
-        buffer_vector.zero_out_ghost_values();
-      }
+    const std::size_t none = n_places() - 1;
+    for (std::size_t f = 0; f < none; ++f)
+      buffer_vector.local_element(f) = numbers[f * stride];
+    buffer_vector.compress(VectorOperation::add);
+    for (unsigned int f = 0; f < buffer_vector.locally_owned_size(); ++f)
+      vector.local_element(f) += buffer_vector.local_element(f);
+    buffer_vector.zero_out_ghost_values();
   }
 
 
@@ -163,8 +157,9 @@ namespace greville
   CellWindows<dim>::add_to(VectorField<dim>          &field,
                            const std::vector<double> &buffer) const
   {
-    add_to(columns_of<VectorType>(std::vector<VectorField<dim> *>{&field}),
-           buffer);
+    AssertDimension(buffer.size(), n_places() * dim);
+    for (unsigned int d = 0; d < dim; ++d)
+      add_to(field[d], buffer.data() + d, dim);
   }
 
 

@@ -3,6 +3,8 @@
 #ifndef greville_points_point_transfer_h
 #define greville_points_point_transfer_h
 
+#include <deal.II/base/aligned_vector.h>
+
 #include <greville/base/vector_field.h>
 #include <greville/mass/density_weights.h>
 #include <greville/mass/stencil_matrix.h>
@@ -272,9 +274,27 @@ namespace greville
     std::vector<double>
     read_windows(const CellWindows<dim> *seen, const VectorField<dim> &field);
 
-    SpacePolynomials<dim>   tables;
-    const CellWindows<dim> *windows = nullptr;
-    std::vector<double>     buffer, window_buffer;
+    /**
+     * Make place for @p stride numbers of each function that points see.
+     */
+    void
+    resize_numbers(const unsigned int stride);
+
+    /**
+     * Collective. Copy a vector into number @p k of each function, or add up
+     * what all processes have there.
+     */
+    void
+    read_number(const VectorType &vector, const unsigned int k);
+
+    void
+    write_number(const unsigned int k, VectorType &vector);
+
+    SpacePolynomials<dim>         tables;
+    const CellWindows<dim>       *windows = nullptr;
+    std::vector<double>           buffer, window_buffer;
+    dealii::AlignedVector<double> numbers;
+    unsigned int                  numbers_stride = 0;
   };
 } // namespace greville
 

@@ -89,26 +89,29 @@ namespace greville
     }
 
     /**
-     * Collective. Copy the coefficients of each function in all @p vectors into
-     * the buffer, which is resized.
+     * Collective. Copy the coefficients of a vector into the buffer from @p
+     * numbers on, one for each place, @p stride apart.
      */
     void
-    read(const std::vector<const VectorType *> &vectors,
-         std::vector<double>                   &buffer) const;
+    read(const VectorType  &vector,
+         double            *numbers,
+         const unsigned int stride) const;
 
     /**
-     * The same for the components of a field.
+     * The same for the components of a field, into a buffer that has nothing
+     * else and is resized.
      */
     void
     read(const VectorField<dim> &field, std::vector<double> &buffer) const;
 
     /**
      * Collective. Add what the buffers of all processes have of each function
-     * to the vectors; the buffer has @p vectors.size() numbers of each.
+     * to the vector.
      */
     void
-    add_to(const std::vector<VectorType *> &vectors,
-           const std::vector<double>       &buffer) const;
+    add_to(VectorType        &vector,
+           const double      *numbers,
+           const unsigned int stride) const;
 
     void
     add_to(VectorField<dim> &field, const std::vector<double> &buffer) const;

@@ -1,0 +1,437 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_source_points_gather_scatter_h
+#define greville_source_points_gather_scatter_h
+
+#include <deal.II/base/aligned_vector.h>
+
+#include "domains.h"
+#include <optional>
+
+/**
+ * Sums over the functions that a point with a domain sees, and sums of such
+ * points into these functions. To be included in sources.
+ *
+ * Each function has some vectors of four numbers in a buffer. SIMD goes over
+ * these numbers and not over points, as each point has functions of its own:
+ * a box that reaches over a face sees n + 1 of them in that direction, and
+ * another one n, out of the n + 2 of the window.
+ */
+namespace greville
+{
+  namespace internal
+  {
+    /**
+     * Numbers between two fields of a function: a vector takes two fields in
+     * 2D.
+     */
+    template <int dim>
+    constexpr int field_stride = dim == 2 ? 2 : 4;
+
+    template <int dim>
+    constexpr int
+    n_field_vectors(const int n_fields)
+    {
+      return (n_fields * field_stride<dim> + 3) / 4;
+    }
+
+
+
+    /**
+     * Which sums there are, with the vectors u_a of all functions a: n_vectors
+     * of values N_a u_a, and for vector number with_slopes, if it is not
+     * negative, those with d_d N_a for each direction d.
+     */
+    template <int n_vectors_, int with_slopes_>
+    struct Sums
+    {
+      static constexpr int n_vectors   = n_vectors_;
+      static constexpr int with_slopes = with_slopes_;
+      static constexpr int n_numbers   = n_vectors * simd_width;
+
+      static constexpr int
+      n_all(const int dim)
+      {
+        return n_vectors + (with_slopes >= 0 ? dim : 0);
+      }
+    };
+
+
+
+    /**
+     * The univariate functions of a cell or of its window at a group of points:
+     * those of lane l from begin[d][l] to end[d][l] do not vanish.
+     */
+    template <int dim, int n_1d>
+    struct LaneShapes
+    {
+      /**
+       * The functions of the cell, which are in the middle of its window.
+       */
+      void
+      read(const ShapeValues<dim, n_1d - 2> &shape)
+      {
+        constexpr int n = n_1d - 2, first = 1;
+        for (int d = 0; d < dim; ++d)
+          for (int a = 0; a < n; ++a)
+            {
+              store(shape.N[d][a], N[d][first + a]);
+              store(shape.dN[d][a], dN[d][first + a]);
+            }
+        std::fill_n(begin[0], dim * simd_width, first);
+        std::fill_n(end[0], dim * simd_width, first + n);
+      }
+
+      void
+      read(const WindowShape<dim, n_1d - 2> &shape)
+      {
+        for (int d = 0; d < dim; ++d)
+          {
+            for (int a = 0; a < n_1d; ++a)
+              {
+                store(shape.N[d][a], N[d][a]);
+                store(shape.dN[d][a], dN[d][a]);
+              }
+            for (unsigned int l = 0; l < simd_width; ++l)
+              {
+                begin[d][l] = shape.before[d][l] > 0. ? 0 : 1;
+                end[d][l]   = shape.behind[d][l] > 0. ? n_1d : n_1d - 1;
+              }
+          }
+      }
+
+      alignas(32) double N[dim][n_1d][simd_width];
+      alignas(32) double dN[dim][n_1d][simd_width];
+      int begin[dim][simd_width], end[dim][simd_width];
+    };
+
+
+
+    /**
+     * Factors of the functions of a row along x: N of y and z, and behind the
+     * first entry its derivatives by y and z.
+     */
+    template <int dim>
+    struct RowFactors
+    {
+      double N;
+      double dN[dim];
+    };
+
+
+
+    /**
+     * Call action(number of the first function of a row along x, factors) for
+     * all rows that a lane sees.
+     */
+    template <int dim, int n_1d, typename Kind, typename Action>
+    inline __attribute__((always_inline)) void
+    for_each_row(const LaneShapes<dim, n_1d> &shapes,
+                 const unsigned int           l,
+                 const Kind &,
+                 const Action &action)
+    {
+      const int first_z = dim == 3 ? shapes.begin[dim - 1][l] : 0;
+      const int last_z  = dim == 3 ? shapes.end[dim - 1][l] : 1;
+      for (int a_z = first_z; a_z < last_z; ++a_z)
+        for (int a_y = shapes.begin[1][l]; a_y < shapes.end[1][l]; ++a_y)
+          {
+            RowFactors<dim> row;
+            const double    N_z = dim == 3 ? shapes.N[dim - 1][a_z][l] : 1.;
+            const double    N_y = shapes.N[1][a_y][l];
+            row.N               = N_y * N_z;
+            if constexpr (Kind::with_slopes >= 0)
+              {
+                row.dN[1] = shapes.dN[1][a_y][l] * N_z;
+                if constexpr (dim == 3)
+                  row.dN[2] = N_y * shapes.dN[2][a_z][l];
+              }
+            action((a_z * n_1d + a_y) * n_1d, row);
+          }
+    }
+
+
+
+    /**
+     * The functions along x that a lane sees.
+     */
+    template <typename Kind, int n_x>
+    struct RowAlongX
+    {
+      template <int dim, int n_1d>
+      RowAlongX(const LaneShapes<dim, n_1d> &shapes, const unsigned int l)
+        : begin(shapes.begin[0][l])
+      {
+        for (int k = 0; k < n_x; ++k)
+          {
+            N[k] = shapes.N[0][begin + k][l];
+            if constexpr (Kind::with_slopes >= 0)
+              dN[k] = shapes.dN[0][begin + k][l];
+          }
+      }
+
+      int  begin;
+      Simd N[n_x], dN[n_x];
+    };
+
+
+
+    /**
+     * Call action(number of functions in a row, as a constant).
+     */
+    template <int dim, int n_1d, typename Action>
+    inline __attribute__((always_inline)) void
+    with_row_length(const LaneShapes<dim, n_1d> &shapes,
+                    const unsigned int           l,
+                    const Action                &action)
+    {
+      const int n_x = shapes.end[0][l] - shapes.begin[0][l];
+      if (n_x == n_1d)
+        action(std::integral_constant<int, n_1d>());
+      else if (n_x == n_1d - 1)
+        action(std::integral_constant<int, n_1d - 1>());
+      else if constexpr (n_1d > 3)
+        action(std::integral_constant<int, n_1d - 2>());
+    }
+
+
+
+    /**
+     * The sums over the functions with the numbers @p u that one lane sees.
+     */
+    template <typename Kind, int n_x, int dim, int n_1d>
+    inline __attribute__((always_inline)) void
+    gather_lane(const LaneShapes<dim, n_1d> &shapes,
+                const unsigned int           l,
+                const unsigned int          *functions,
+                const double                *u,
+                Simd                        *sums)
+    {
+      constexpr int              V = Kind::n_vectors, S = Kind::with_slopes;
+      const RowAlongX<Kind, n_x> x(shapes, l);
+      for_each_row(
+        shapes, l, Kind(), [&](const int row, const RowFactors<dim> &factors) {
+          Simd values[V], slope = 0.;
+          for (Simd &value : values)
+            value = 0.;
+#pragma GCC unroll 8
+          for (int k = 0; k < n_x; ++k)
+            {
+              const double *at =
+                u + std::size_t(functions[row + x.begin + k]) * Kind::n_numbers;
+              for (int v = 0; v < V; ++v)
+                {
+                  const Simd number = load(at + v * simd_width);
+                  values[v] += x.N[k] * number;
+                  if (v == S)
+                    slope += x.dN[k] * number;
+                }
+            }
+          for (int v = 0; v < V; ++v)
+            sums[v] += factors.N * values[v];
+          Simd *more = sums + V;
+          if constexpr (S >= 0)
+            {
+              more[0] += factors.N * slope;
+              for (int d = 1; d < dim; ++d)
+                more[d] += factors.dN[d] * values[S];
+            }
+        });
+    }
+
+
+
+    /**
+     * The transpose: add to the numbers @p u of the functions that a lane sees.
+     */
+    template <typename Kind, int n_x, int dim, int n_1d>
+    inline __attribute__((always_inline)) void
+    scatter_lane(const LaneShapes<dim, n_1d> &shapes,
+                 const unsigned int           l,
+                 const unsigned int          *functions,
+                 const Simd                  *sums,
+                 double                      *u)
+    {
+      constexpr int              V = Kind::n_vectors, S = Kind::with_slopes;
+      const RowAlongX<Kind, n_x> x(shapes, l);
+      for_each_row(
+        shapes, l, Kind(), [&](const int row, const RowFactors<dim> &factors) {
+          Simd values[V], slope = 0.;
+          for (int v = 0; v < V; ++v)
+            values[v] = factors.N * sums[v];
+          const Simd *more = sums + V;
+          if constexpr (S >= 0)
+            {
+              slope = factors.N * more[0];
+              for (int d = 1; d < dim; ++d)
+                values[S] += factors.dN[d] * more[d];
+            }
+#pragma GCC unroll 8
+          for (int k = 0; k < n_x; ++k)
+            {
+              double *at =
+                u + std::size_t(functions[row + x.begin + k]) * Kind::n_numbers;
+              for (int v = 0; v < V; ++v)
+                {
+                  Simd number = load(at + v * simd_width) + x.N[k] * values[v];
+                  if (v == S)
+                    number += x.dN[k] * slope;
+                  store(number, at + v * simd_width);
+                }
+            }
+        });
+    }
+
+
+
+    /**
+     * The sums of the first @p count points of a group: number k of vector v of
+     * Sums in sums[4 v + k], and zero for other lanes.
+     */
+    template <typename Kind, int dim, int n_1d>
+    __attribute__((noinline)) void
+    gather(const LaneShapes<dim, n_1d> &shapes,
+           const unsigned int           count,
+           const unsigned int          *functions,
+           const double                *u,
+           Simd                        *sums)
+    {
+      constexpr int      n_all = Kind::n_all(dim);
+      alignas(32) double numbers[simd_width][n_all * simd_width];
+      for (unsigned int l = 0; l < simd_width; ++l)
+        {
+          Simd of_lane[n_all];
+          for (Simd &sum : of_lane)
+            sum = 0.;
+          if (l < count)
+            with_row_length(shapes, l, [&](const auto n_x) {
+              gather_lane<Kind, decltype(n_x)::value>(
+                shapes, l, functions, u, of_lane);
+            });
+          for (int v = 0; v < n_all; ++v)
+            store(of_lane[v], numbers[l] + v * simd_width);
+        }
+      for (unsigned int k = 0; k < n_all * simd_width; ++k)
+        sums[k] = Simd([&](const auto l) { return numbers[l][k]; });
+    }
+
+
+
+    /**
+     * Add the first @p count points of a group, with numbers as in gather().
+     */
+    template <typename Kind, int dim, int n_1d>
+    __attribute__((noinline)) void
+    scatter(const LaneShapes<dim, n_1d> &shapes,
+            const unsigned int           count,
+            const unsigned int          *functions,
+            const Simd                  *sums,
+            double                      *u)
+    {
+      constexpr int      n_all = Kind::n_all(dim);
+      alignas(32) double numbers[n_all * simd_width][simd_width];
+      for (unsigned int k = 0; k < n_all * simd_width; ++k)
+        store(sums[k], numbers[k]);
+      for (unsigned int l = 0; l < count; ++l)
+        {
+          Simd of_lane[n_all];
+          for (int v = 0; v < n_all; ++v)
+            of_lane[v] = Simd(
+              [&](const auto k) { return numbers[v * simd_width + k][l]; });
+          with_row_length(shapes, l, [&](const auto n_x) {
+            scatter_lane<Kind, decltype(n_x)::value>(
+              shapes, l, functions, of_lane, u);
+          });
+        }
+    }
+
+
+    /**
+     * The functions of windows that the points of a body see, cell by cell:
+     * means over domains where the cell reaches its neighbours, and values at
+     * the points elsewhere.
+     */
+    template <int dim, int n>
+    class SeenFunctions
+    {
+    public:
+      SeenFunctions(const MaterialPoints<dim>   &points,
+                    const SpacePolynomials<dim> &tables,
+                    const CellWindows<dim>      *windows)
+        : points(points)
+        , tables(tables)
+        , windows(windows)
+        , has_domains(windows_of(points, windows))
+      {}
+
+      void
+      begin(const CellGeometry<dim, n> &cell_geometry, const unsigned int cell)
+      {
+        geometry = &cell_geometry;
+        if (has_domains && windows->reaches(cell))
+          window.emplace(tables, *windows, cell);
+        else
+          window.reset();
+        functions = windows->functions(cell);
+      }
+
+      /**
+       * internal::gather() for a group with @p count points at @p x.
+       */
+      template <typename Kind>
+      void
+      gather(const double      *group,
+             const unsigned int count,
+             const Simd (&x)[dim],
+             const double *u,
+             Simd         *sums)
+      {
+        evaluate(group, x);
+        internal::gather<Kind>(shapes, count, functions, u, sums);
+      }
+
+      template <typename Kind>
+      void
+      scatter(const double      *group,
+              const unsigned int count,
+              const Simd (&x)[dim],
+              const Simd *sums,
+              double     *u)
+      {
+        evaluate(group, x);
+        internal::scatter<Kind>(shapes, count, functions, sums, u);
+      }
+
+    private:
+      __attribute__((noinline)) void
+      evaluate(const double *group, const Simd (&x)[dim])
+      {
+        if (window)
+          {
+            Simd s[dim];
+            load_domains(points, group, s);
+            WindowShape<dim, n> shape;
+            shape.evaluate(*window, x, s);
+            shapes.read(shape);
+          }
+        else
+          {
+            ShapeValues<dim, n> shape;
+            shape.template evaluate<true>(*geometry, x);
+            shapes.read(shape);
+          }
+      }
+
+      const MaterialPoints<dim>            &points;
+      const SpacePolynomials<dim>          &tables;
+      const CellWindows<dim>               *windows;
+      const bool                            has_domains;
+      const CellGeometry<dim, n>           *geometry = nullptr;
+      std::optional<WindowGeometry<dim, n>> window;
+      const unsigned int                   *functions = nullptr;
+      LaneShapes<dim, n + 2>                shapes;
+    };
+  } // namespace internal
+} // namespace greville
+
+#endif
