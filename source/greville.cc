@@ -4,7 +4,9 @@
 
 #include <greville/base/templates.h>
 #include <greville/geometry/shape.h>
+#include <greville/materials/element_test.h>
 #include <greville/materials/material.h>
+#include <greville/run/element_run.h>
 #include <greville/run/run.h>
 #include <greville/steps/grid_mass.h>
 
@@ -32,7 +34,21 @@ namespace
     AssertThrow(given.count("check") > 0 || given.count("draw") == 0,
                 dealii::ExcMessage("--draw is for the initial state that "
                                    "--check makes: give both."));
-    if (given.count("check") > 0)
+    const bool is_test = given.count("element-test") > 0;
+    AssertThrow(!is_test || (given.count("check") == 0 && !options.resumes &&
+                             options.from.empty()),
+                dealii::ExcMessage("--element-test runs no simulation: it goes "
+                                   "without --check, --resume and --from."));
+    AssertThrow(is_test || given.count("material") == 0,
+                dealii::ExcMessage("--material is for --element-test TEST: "
+                                   "give both."));
+    if (is_test)
+      run_element_test_of_file(file,
+                               value("element-test"),
+                               value("material"),
+                               MPI_COMM_WORLD,
+                               options);
+    else if (given.count("check") > 0)
       check_simulations(file, MPI_COMM_WORLD, options, value("draw"));
     else
       run_simulations(file, MPI_COMM_WORLD, options);
@@ -74,7 +90,11 @@ main(int argc, char **argv)
      "FOLDER",
      "with --check: write the initial points to a new folder"},
     {"resume", "", "go on from the last checkpoint of its folder"},
-    {"from", "FOLDER", "begin with the last checkpoint of another run"}};
+    {"from", "FOLDER", "begin with the last checkpoint of another run"},
+    {"element-test",
+     "TEST",
+     "run no simulation, but a laboratory test of a material"},
+    {"material", "NAME", "with --element-test: which of several"}};
   program.run            = run;
   program.all_parameters = [](const std::string              &file,
                               const std::vector<std::string> &settings) {
@@ -97,6 +117,7 @@ main(int argc, char **argv)
                        {"walls", "Walls/Left", {}},
                        {"surface-loads", "Surface load NAME/Kind", {}},
                        {"fields", "Output/Fields", {}},
+                       {"element-tests", "", element_test_names},
                        {"history", "", history_names},
                        {"columns", "", []() {
                       return boost::algorithm::join(Statistics<2>::names(),

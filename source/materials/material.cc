@@ -6,9 +6,11 @@
 #include <greville/materials/drucker_prager.h>
 #include <greville/materials/linear_elastic.h>
 #include <greville/materials/material.h>
+#include <greville/materials/modified_cam_clay.h>
 #include <greville/materials/mohr_coulomb.h>
 #include <greville/materials/neo_hookean.h>
 #include <greville/materials/newtonian_fluid.h>
+#include <greville/materials/nor_sand.h>
 #include <greville/materials/von_mises.h>
 
 namespace greville
@@ -34,6 +36,8 @@ namespace greville
         {VonMises::name, new_material<VonMises>},
         {DruckerPrager::name, new_material<DruckerPrager>},
         {MohrCoulomb::name, new_material<MohrCoulomb>},
+        {ModifiedCamClay::name, new_material<ModifiedCamClay>},
+        {NorSand::name, new_material<NorSand>},
         {NewtonianFluid::name, new_material<NewtonianFluid>},
         {Bingham::name, new_material<Bingham>}};
       return list;

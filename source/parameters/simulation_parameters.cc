@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/materials/element_test.h>
 #include <greville/parameters/simulation_parameters.h>
 
 #include <algorithm>
@@ -434,6 +435,7 @@ namespace greville
                     "auto|" + smoother_names(),
                     PMultigridParameters::all_coarse_preconditioners());
     declare_section(prm, "Implicit smoother", implicit_solver.smoother);
+    ElementTestParameters::declare_section(prm);
     for (auto &body : bodies)
       {
         const std::string section = "Body " + body.first;

@@ -2,7 +2,6 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
-#include <greville/base/run_folder.h>
 #include <greville/base/signals.h>
 #include <greville/run/check_materials.h>
 #include <greville/run/sweep.h>
@@ -43,6 +42,19 @@ namespace greville
            : parameters.output.directory.empty()
              ? "output/" + parameters.general.name
              : parameters.output.directory;
+  }
+
+
+
+  EarlierResults
+  what_of_earlier(const SimulationParameters &parameters,
+                  const RunOptions           &options)
+  {
+    const std::string &word = parameters.output.earlier_results;
+    return options.resumes        ? EarlierResults::keep
+           : word == "move aside" ? EarlierResults::move_aside
+           : word == "refuse"     ? EarlierResults::refuse
+                                  : EarlierResults::remove;
   }
 
 
@@ -157,19 +169,6 @@ namespace greville
 
   namespace
   {
-    EarlierResults
-    what_of_earlier(const SimulationParameters &parameters,
-                    const RunOptions           &options)
-    {
-      const std::string &word = parameters.output.earlier_results;
-      return options.resumes        ? EarlierResults::keep
-             : word == "move aside" ? EarlierResults::move_aside
-             : word == "refuse"     ? EarlierResults::refuse
-                                    : EarlierResults::remove;
-    }
-
-
-
     /**
      * What the run in a folder goes on with, and what others read of it.
      */

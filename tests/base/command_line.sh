@@ -104,6 +104,23 @@ accept "'Material soil' is soft" -- "$greville" slope.prm --check --set "Materia
 accept "'Material soil' is weak" -- "$greville" slope.prm --check --set "Material soil/Cohesion=8"
 "$greville" slope.prm --check | grep -q Note: && fail "a note on usual numbers"
 
+# Element tests of a material, without a run.
+accept 'Element test triaxial-drained of soil' 'largest q' 'results: tested/element_test.csv' -- \
+  "$greville" slope.prm --element-test triaxial-drained --material soil --set Output/Directory=tested \
+  --set "Element test/Steps=7" --set "Element test/Strain=0.1, 0.05"
+[ "$(wc -l <tested/element_test.csv)" -eq 16 ] || fail "rows of tested/element_test.csv"
+head -1 tested/element_test.csv >out
+grep -q '^strain_axial,strain_volumetric,strain_shear,p,q,void_ratio,pore_pressure,.*plastic_strain' out ||
+  fail "columns of tested/element_test.csv"
+accept -- "$greville" slope.prm --element-test simple-shear --set Output/Directory=tested
+[ -f tested/earlier_1/element_test.csv ] || fail "the earlier element test has not been moved"
+accept triaxial-undrained -- "$greville" --list element-tests
+refuse 'there is no material <sol> in <slope.prm>, which has: soil. Did you mean <soil>?' \
+  "$greville" slope.prm --element-test oedometer --material sol
+refuse "it has to be one of isotropic|oedometer" "$greville" slope.prm --element-test odometer
+refuse '--material is for --element-test' "$greville" slope.prm --material soil
+refuse 'it goes without --check' "$greville" slope.prm --element-test oedometer --check
+
 "$benchmark" --print-parameters >benchmark.prm || fail "--print-parameters of $benchmark"
 accept -- "$benchmark" benchmark.prm --set Benchmark/Cells=4 --set Benchmark/Orders=2 \
   --set "Benchmark/Output directory=solved"

@@ -11,8 +11,8 @@
 
 namespace
 {
-  // What a material says and does: moduli, and stress, energy, heat and wave
-  // modulus along a motion that yields, softens, is torn and flows.
+  // What a material says and does: moduli, and stress, energy, heat, wave
+  // modulus and history along a motion that yields, softens, is torn and flows.
   std::vector<double>
   behaviour(const Material &material)
   {
@@ -37,6 +37,7 @@ namespace
                       {point.wave_modulus,
                        material.strain_energy(point),
                        material.dissipation(point)});
+        result.insert(result.end(), point.state.begin(), point.state.end());
       }
     return result;
   }
@@ -161,6 +162,25 @@ test_main()
                 "Softening = exponential",
                 "Softening strain = 0.2",
                 "Strength reduction = 2"});
+  const std::vector<std::string> soil = {"Shear modulus = 1e6",
+                                         "Swelling slope = 0.02",
+                                         "Attraction = 200",
+                                         "Critical stress ratio = 1.3",
+                                         "Overconsolidation ratio = 3"};
+  const auto with_soil                = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), soil.begin(), soil.end());
+    return more;
+  };
+  test_effects("modified-cam-clay",
+               {},
+               with_soil({"Compression slope = 0.2", "Void ratio = 1"}));
+  test_effects("nor-sand",
+               {},
+               with_soil({"Critical void ratio = 0.8",
+                          "Critical slope = 0.05",
+                          "State parameter = -0.1",
+                          "Dilatancy factor = 2",
+                          "Hardening = 50"}));
   const std::vector<std::string> tait = {"Sound speed = 20",
                                          "Exponent = 1",
                                          "Bulk viscosity = 1",
@@ -212,6 +232,7 @@ test_main()
   bad("drucker-prager", {"Dilatancy angle = 31"});
   bad("drucker-prager", {"Friction angle = 0"});
   bad("drucker-prager", {"Cohesion = 1e3", "Tension cut-off = 1e4"});
+  bad("modified-cam-clay", {"Swelling slope = 0.1"});
   bad("mohr-coulomb", {"Residual cohesion = 2e3"});
   bad("mohr-coulomb", {"Residual friction angle = 31"});
   bad("mohr-coulomb", {"Residual friction angle = 20", "Dilatancy angle = 25"});

@@ -155,9 +155,10 @@ namespace greville
 
 
   /**
-   * A law with elastic constants: a Material or a MaterialLaw with them.
+   * A law with elastic constants, or with another elastic law that has the same
+   * functions: a Material or a MaterialLaw with them.
    */
-  template <typename Base>
+  template <typename Base, typename Elastic = ElasticConstants>
   class ElasticMaterial : public Base
   {
   public:
@@ -181,7 +182,7 @@ namespace greville
     }
 
   protected:
-    ElasticConstants elastic;
+    Elastic elastic;
   };
 } // namespace greville
 

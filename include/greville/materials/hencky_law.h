@@ -53,9 +53,11 @@ namespace greville
    * cancellation, and x = b_a / b_b - 1 the last line is
    *   d tau_ab = s_ab ln(1 + x) / (2 x) (l_ab + (1 + x) l_ba),
    * which holds to round-off for values that are close or equal.
+   *
+   * @p Elastic has the functions of ElasticConstants that this class calls.
    */
-  template <typename Law>
-  class HenckyLaw : public ElasticMaterial<Material>
+  template <typename Law, typename Elastic = ElasticConstants>
+  class HenckyLaw : public ElasticMaterial<Material, Elastic>
   {
   public:
     void
@@ -96,6 +98,8 @@ namespace greville
     }
 
   protected:
+    using ElasticMaterial<Material, Elastic>::elastic;
+
     const Law &
     law() const
     {

@@ -3,6 +3,7 @@
 #ifndef greville_run_sweep_h
 #define greville_run_sweep_h
 
+#include <greville/base/run_folder.h>
 #include <greville/run/run.h>
 
 #include <limits>
@@ -42,6 +43,13 @@ namespace greville
   folder_of_run(const SimulationParameters &parameters,
                 const std::string          &file,
                 const RunOptions           &options);
+
+  /**
+   * What becomes of results of an earlier run in that folder.
+   */
+  EarlierResults
+  what_of_earlier(const SimulationParameters &parameters,
+                  const RunOptions           &options);
 
   /**
    * Collective. Throw where a run is to begin with the results in its own

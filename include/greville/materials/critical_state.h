@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_materials_critical_state_h
+#define greville_materials_critical_state_h
+
+#include <greville/materials/hencky_law.h>
+#include <greville/materials/pressure_elasticity.h>
+
+namespace greville
+{
+  /**
+   * A step without plastic flow.
+   */
+  struct CriticalStateStep
+  {
+    /// ln(P / a), see PressureElasticity, and q = sqrt(3 J2), Pa.
+    double log_pressure, q;
+    /// V / V before the step.
+    double volume;
+  };
+
+
+
+  /**
+   * ln(P / a) and q at the end of a step, and their derivatives by eps_v and q
+   * of the trial state.
+   */
+  struct CriticalStateReturn
+  {
+    double log_pressure, q;
+    double pressure_by_volume = 0., pressure_by_q = 0., q_by_volume = 0.,
+           q_by_q = 1.;
+  };
+
+
+
+  /**
+   * What laws of critical state soil mechanics share that depend on the
+   * pressure and on q = sqrt(3 J2), not on Lode's angle: F = F_e F_p with
+   * PressureElasticity and the exponential map (see HenckyPlasticity), where
+   * the return keeps the direction of the deviator,
+   *   eps = eps_v / 3 1 + q / q(trial) e(trial).
+   *
+   * State: the elastic left Cauchy-Green tensor less the identity; the
+   * equivalent plastic strain; the plastic work per volume of the stress-free
+   * state, J / m^3; the size of the yield surface, Pa; the void ratio; and
+   * what the law has besides. Zeros are the stress-free state, with what the
+   * parameters say of the rest.
+   *
+   * A @p Law has
+   *   static constexpr const char *name, *size_name;
+   *   static std::vector<std::string> more_names();
+   *   void set_initial(std::array<double, max_state> &state,
+   *                    double log_pressure, double q) const,
+   * the size, the void ratio and the rest of a point with this stress;
+   *   bool return_map(const CriticalStateStep &trial,
+   *                   std::array<double, max_state> &state,
+   *                   CriticalStateReturn &result, bool differentiate) const,
+   * which updates them, and leaves the stress of an elastic step alone and
+   * returns false; and
+   *   double critical_ratio() const, M = q / P.
+   */
+  template <typename Law>
+  class CriticalStateLaw : public HenckyLaw<Law, PressureElasticity>
+  {
+  public:
+    using State = std::array<double, MaterialPoint::max_state>;
+
+    std::vector<std::string>
+    state_names() const override
+    {
+      auto names = Law::more_names();
+      names.insert(names.begin(), {Law::size_name, "void_ratio"});
+      names.insert(names.begin(), {"plastic_strain", "dissipation"});
+      for (const char *b : {"b_yz", "b_xz", "b_xy", "b_zz", "b_yy", "b_xx"})
+        names.insert(names.begin(), b);
+      return names;
+    }
+
+    /**
+     * Throws dealii::ExcMessage for a mean stress beyond the attraction, and
+     * for q > M P, which is beyond the critical state.
+     */
+    void
+    initialize(MaterialPoint                       &point,
+               const dealii::SymmetricTensor<2, 3> &stress) const override
+    {
+      dealii::SymmetricTensor<2, 3> e;
+      const Principal eps       = elastic.invert(point, e, stress, Law::name);
+      const double log_pressure = -(eps[0] + eps[1] + eps[2]) / elastic.kappa,
+                   pressure     = elastic.attraction * std::exp(log_pressure);
+      // Of the stress: strains of stiff soil are rounded.
+      const double q = point.J * std::sqrt(1.5) * deviator(stress).norm();
+      check_stress(q <= (1. + 1e-12) * law().critical_ratio() * pressure,
+                   Law::name,
+                   stress,
+                   "q / (p + attraction) is " + text_of(q / pressure) +
+                     " and has to be at most the critical stress ratio, " +
+                     text_of(law().critical_ratio()));
+      point.state.fill(0.);
+      for (unsigned int i = 0; i < 6; ++i)
+        point.state[i] = e.access_raw_entry(i);
+      law().set_initial(point.state, log_pressure, q);
+    }
+
+    dealii::SymmetricTensor<2, 3>
+    trial(const MaterialPoint &point) const
+    {
+      dealii::SymmetricTensor<2, 3> e;
+      for (unsigned int i = 0; i < 6; ++i)
+        e.access_raw_entry(i) = point.state[i];
+      return push_forward(point.increment, e);
+    }
+
+    std::array<Lanes, 6>
+    current(const MaterialLanes &points) const
+    {
+      std::array<Lanes, 6> e;
+      std::copy_n(points.state.begin(), 6, e.begin());
+      return e;
+    }
+
+    Lanes
+    heat(const MaterialLanes &points) const
+    {
+      return points.state[work];
+    }
+
+    double
+    dissipation(const MaterialPoint &point) const override
+    {
+      return point.state[work];
+    }
+
+    std::array<Lanes, 3>
+    respond(MaterialPoint                      *points,
+            const unsigned int                  count,
+            const SpectralDecomposition<Lanes> &spectrum,
+            const std::array<Lanes, 6>         &e,
+            const std::array<Lanes, 3>         &eps) const
+    {
+      std::array<Lanes, 3> tau = eps, elastic_strain = eps;
+      bool                 has_changed[n_lanes] = {}, any_changed = false;
+      for (Lanes &t : tau)
+        t = 0.;
+      for (unsigned int lane = 0; lane < count; ++lane)
+        {
+          auto           &state = points[lane].state;
+          const Principal strain{{eps[0][lane], eps[1][lane], eps[2][lane]}};
+          const Principal dev           = deviator_of(strain);
+          const CriticalStateStep trial = make_trial(points[lane], strain);
+          begin(state);
+          CriticalStateReturn end{trial.log_pressure, trial.q};
+          has_changed[lane]   = law().return_map(trial, state, end, false);
+          any_changed         = any_changed || has_changed[lane];
+          const double factor = trial.q > 0. ? end.q / trial.q : 1.;
+          const double mean   = mean_stress(end.log_pressure),
+                       third  = -elastic.kappa * end.log_pressure / 3.;
+          double heat         = 0.;
+          for (unsigned int a = 0; a < 3; ++a)
+            {
+              tau[a][lane] = mean + 2. * elastic.shear * factor * dev[a];
+              if (has_changed[lane])
+                {
+                  const double left       = third + factor * dev[a];
+                  elastic_strain[a][lane] = left;
+                  heat += tau[a][lane] * (strain[a] - left);
+                }
+            }
+          if (has_changed[lane])
+            {
+              state[work] += heat;
+              state[plastic_strain] += (trial.q - end.q) / (3. * elastic.shear);
+            }
+        }
+      std::array<Lanes, 6> returned = e;
+      if (any_changed)
+        returned = spectrum.assemble(stretches_less_one(elastic_strain));
+      for (unsigned int lane = 0; lane < count; ++lane)
+        for (unsigned int i = 0; i < 6; ++i)
+          points[lane].state[i] =
+            has_changed[lane] ? returned[i][lane] : e[i][lane];
+      return tau;
+    }
+
+    PrincipalTangent
+    linearize(const MaterialPoint        *points,
+              const unsigned int          count,
+              const std::array<Lanes, 3> &eps) const
+    {
+      PrincipalTangent tangent;
+      for (unsigned int a = 0; a < 3; ++a)
+        {
+          tangent.stress[a] = 0.;
+          tangent.moduli[a].fill(0.);
+          tangent.secants[a] = 0.;
+        }
+      for (unsigned int lane = 0; lane < count; ++lane)
+        {
+          const Principal strain{{eps[0][lane], eps[1][lane], eps[2][lane]}};
+          const Principal dev           = deviator_of(strain);
+          const CriticalStateStep trial = make_trial(points[lane], strain);
+          State                   state = points[lane].state;
+          begin(state);
+          CriticalStateReturn end{trial.log_pressure, trial.q};
+          end.pressure_by_volume = -1. / elastic.kappa;
+          law().return_map(trial, state, end, true);
+          // n_a = d eps_s / d eps_a for the strain eps_s = q / (3 G).
+          const double eps_s = trial.q / (3. * elastic.shear);
+          const double G     = elastic.shear,
+                       secant =
+                         2. * G * (trial.q > 0. ? end.q / trial.q : end.q_by_q),
+                       pressure =
+                         elastic.attraction * std::exp(end.log_pressure);
+          Principal n{{0., 0., 0.}};
+          for (unsigned int a = 0; a < 3 && eps_s > 0.; ++a)
+            n[a] = 2. / 3. * dev[a] / eps_s;
+          for (unsigned int a = 0; a < 3; ++a)
+            {
+              tangent.stress[a][lane] =
+                mean_stress(end.log_pressure) + secant * dev[a];
+              tangent.secants[a][lane] = secant;
+              for (unsigned int b = 0; b < 3; ++b)
+                tangent.moduli[a][b][lane] =
+                  -pressure * (end.pressure_by_volume +
+                               end.pressure_by_q * 3. * G * n[b]) +
+                  secant * ((a == b ? 1. : 0.) - 1. / 3.) +
+                  n[a] * (end.q_by_volume + 3. * G * end.q_by_q * n[b] -
+                          1.5 * secant * n[b]);
+            }
+        }
+      return tangent;
+    }
+
+  protected:
+    using HenckyLaw<Law, PressureElasticity>::elastic;
+    using HenckyLaw<Law, PressureElasticity>::law;
+
+    static constexpr unsigned int plastic_strain = 6, work = 7, size = 8,
+                                  void_ratio = 9, more = 10;
+
+    /// Void ratios are given at this pressure, Pa.
+    static constexpr double reference_pressure = 1000.;
+
+    /**
+     * ln(P / reference_pressure) from ln(P / a).
+     */
+    double
+    log_of_reference(const double log_pressure) const
+    {
+      return log_pressure + std::log(elastic.attraction / reference_pressure);
+    }
+
+  private:
+    static Principal
+    deviator_of(const Principal &eps)
+    {
+      const double mean = (eps[0] + eps[1] + eps[2]) / 3.;
+      return {{eps[0] - mean, eps[1] - mean, eps[2] - mean}};
+    }
+
+    static double
+    shear_strain(const Principal &dev)
+    {
+      return std::sqrt(2. / 3. *
+                       (dev[0] * dev[0] + dev[1] * dev[1] + dev[2] * dev[2]));
+    }
+
+    CriticalStateStep
+    make_trial(const MaterialPoint &point, const Principal &eps) const
+    {
+      return {-(eps[0] + eps[1] + eps[2]) / elastic.kappa,
+              3. * elastic.shear * shear_strain(deviator_of(eps)),
+              determinant(point.increment)};
+    }
+
+    double
+    mean_stress(const double log_pressure) const
+    {
+      return -elastic.attraction * std::expm1(log_pressure);
+    }
+
+    /**
+     * A state of zeros is that of a stress-free point.
+     */
+    void
+    begin(State &state) const
+    {
+      if (state[size] == 0.)
+        law().set_initial(state, 0., 0.);
+    }
+  };
+} // namespace greville
+
+#endif

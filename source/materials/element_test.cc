@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/parameters.h>
+#include <greville/materials/element_test.h>
+#include <greville/materials/hencky.h>
+#include <greville/materials/parameter_checks.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr unsigned int x = 0, z = 2;
+
+
+
+    /**
+     * The deformation from the start of a test: logarithmic strains (positive
+     * in extension) and the shear S_xz.
+     */
+    struct Stretch
+    {
+      double lateral = 0., axial = 0., shear = 0.;
+
+      double
+      volume() const
+      {
+        return 2. * lateral + axial;
+      }
+
+      Tensor<2, 3>
+      tensor() const
+      {
+        Tensor<2, 3> S;
+        S[0][0] = S[1][1] = std::exp(lateral);
+        S[z][z]           = std::exp(axial);
+        S[x][z]           = shear;
+        return S;
+      }
+    };
+
+
+
+    class ElementTest
+    {
+    public:
+      ElementTest(const Material              &material,
+                  const std::string           &section,
+                  const std::string           &test,
+                  const ElementTestParameters &parameters)
+        : material(material)
+        , section(section)
+        , test(test)
+        , is_isotropic(test == "isotropic")
+        , is_drained(test == "triaxial-drained")
+        , is_undrained(test == "triaxial-undrained")
+        , is_shear(test == "simple-shear")
+        , parameters(parameters)
+        , names(material.state_names())
+      {
+        const auto &start = parameters.initial_stress;
+        check_parameter(start.size() == 1 || start.size() == 2,
+                        ElementTestParameters::section,
+                        "Initial stress",
+                        start.size(),
+                        "one number or two");
+        SymmetricTensor<2, 3> stress;
+        stress[0][0] = stress[1][1] = -start.back();
+        stress[z][z]                = -start.front();
+        point.strength_reduction    = material.strength_reduction(0.);
+        material.initialize(point, stress);
+        F_start      = point.F;
+        stress_start = stress;
+      }
+
+      ElementTestTable
+      run()
+      {
+        ElementTestTable table;
+        table.names = {"strain_axial",
+                       "strain_volumetric",
+                       "strain_shear",
+                       "p",
+                       "q",
+                       "void_ratio",
+                       "pore_pressure",
+                       "stress_axial",
+                       "stress_shear"};
+        for (const std::string &name : names)
+          if (name != "void_ratio")
+            table.names.push_back(name);
+        table.rows.push_back(row());
+        double last = 0.;
+        for (const double end : parameters.strains)
+          {
+            for (unsigned int n = 1; n <= parameters.steps; ++n)
+              {
+                const double share = double(n) / parameters.steps;
+                go_to(share < 1. ? last + share * (end - last) : end,
+                      std::abs(end - last) / parameters.steps);
+                table.rows.push_back(row());
+              }
+            last = end;
+          }
+        return table;
+      }
+
+    private:
+      /**
+       * The deformation for the controlled strain and what is unknown.
+       */
+      Stretch
+      stretch_of(const double strain, const double unknown) const
+      {
+        return is_isotropic   ? Stretch{-strain / 3., -strain / 3., 0.}
+               : is_drained   ? Stretch{unknown, -strain, 0.}
+               : is_undrained ? Stretch{strain / 2., -strain, 0.}
+               : is_shear     ? Stretch{0., unknown, strain}
+                              : Stretch{0., -strain, 0.};
+      }
+
+      /**
+       * The point at the begin of a step that ends with @p next, as
+       * Material::update() takes it.
+       */
+      MaterialPoint
+      begin_step(const Stretch &next, const double dt) const
+      {
+        MaterialPoint      result = point;
+        const Tensor<2, 3> S      = next.tensor();
+        result.increment          = S * invert(stretch.tensor());
+        result.F                  = S * F_start;
+        result.J                  = determinant(result.F);
+        result.dt                 = dt;
+        result.strength_reduction = material.strength_reduction(time + dt);
+        return result;
+      }
+
+      MaterialPoint
+      update(MaterialPoint result) const
+      {
+        material.update(ArrayView<MaterialPoint>(&result, 1));
+        return result;
+      }
+
+      /**
+       * The stress that is to stay less that of the start.
+       */
+      double
+      residual(const MaterialPoint &at) const
+      {
+        const unsigned int c = is_shear ? z : x;
+        return at.stress[c][c] - stress_start[c][c];
+      }
+
+      /**
+       * The derivative of residual() by the unknown.
+       */
+      double
+      slope(const MaterialPoint &begun) const
+      {
+        MaterialTangent D;
+        material.tangents(ArrayView<const MaterialPoint>(&begun, 1),
+                          ArrayView<MaterialTangent>(&D, 1),
+                          3);
+        return is_shear ? D[z][z][z][z] : D[x][x][0][0] + D[x][x][1][1];
+      }
+
+      void
+      go_to(const double strain, const double change)
+      {
+        const double  dt      = change / parameters.strain_rate;
+        double        unknown = is_shear ? stretch.axial : stretch.lateral;
+        MaterialPoint begun   = begin_step(stretch_of(strain, unknown), dt);
+        MaterialPoint ended   = update(begun);
+        bool          is_done = !is_shear && !is_drained;
+        for (unsigned int i = 0; i < most_iterations && !is_done; ++i)
+          {
+            const double r = residual(ended);
+            // Of stresses, and what rounding of strains makes of them.
+            const double tolerance =
+              1e-12 * (ended.stress.norm() + stress_start.norm()) +
+              1e-15 * std::abs(ended.wave_modulus);
+            is_done = std::abs(r) <= tolerance;
+            if (is_done)
+              break;
+            const double full = -r / slope(begun);
+            // Shorter where it does not come nearer.
+            double factor    = 1.;
+            bool   is_nearer = false;
+            for (unsigned int k = 0; k < 40 && !is_nearer; ++k, factor *= 0.5)
+              {
+                const double        next = unknown + factor * full;
+                const MaterialPoint trial_begun =
+                  begin_step(stretch_of(strain, next), dt);
+                const MaterialPoint trial = update(trial_begun);
+                is_nearer = std::abs(residual(trial)) < std::abs(r);
+                if (is_nearer)
+                  {
+                    unknown = next;
+                    begun   = trial_begun;
+                    ended   = trial;
+                  }
+              }
+            if (!is_nearer)
+              {
+                // Round-off, or no solution.
+                is_done = std::abs(r) <= 1e3 * tolerance;
+                break;
+              }
+          }
+        AssertThrow(std::isfinite(ended.stress.norm()),
+                    ExcMessage(where(strain) +
+                               " gives a stress that is not finite."));
+        AssertThrow(is_done,
+                    ExcMessage(where(strain) + " has not converged: the " +
+                               (is_shear ? "axial" : "lateral") +
+                               " stress is " +
+                               text_of(-residual(ended) - held_stress()) +
+                               " Pa and has to be " + text_of(-held_stress()) +
+                               " Pa, positive in compression. Larger 'Element "
+                               "test/Steps' make smaller steps."));
+        point   = ended;
+        stretch = stretch_of(strain, unknown);
+        time += dt;
+      }
+
+      double
+      held_stress() const
+      {
+        return is_shear ? stress_start[z][z] : stress_start[x][x];
+      }
+
+      std::string
+      where(const double strain) const
+      {
+        return "The element test '" + test + "' of '" + section +
+               "': the step to the strain " + text_of(strain);
+      }
+
+      std::vector<double>
+      row() const
+      {
+        const SymmetricTensor<2, 3> &sigma = point.stress;
+        const double axial = -sigma[z][z], lateral = -sigma[x][x];
+        const auto   own =
+          std::find(names.begin(), names.end(), "void_ratio") - names.begin();
+        std::vector<double> result = {
+          -stretch.axial,
+          -stretch.volume(),
+          is_shear ? stretch.shear
+                   : -2. / 3. * (stretch.axial - stretch.lateral),
+          -trace(sigma) / 3.,
+          is_shear ? std::sqrt(1.5) * deviator(sigma).norm() : axial - lateral,
+          std::size_t(own) < names.size()
+            ? point.state[own]
+            : (1. + parameters.void_ratio) * std::exp(stretch.volume()) - 1.,
+          is_undrained ? -stress_start[x][x] - lateral : 0.,
+          axial,
+          sigma[x][z]};
+        for (std::size_t k = 0; k < names.size(); ++k)
+          if (std::ptrdiff_t(k) != own)
+            result.push_back(point.state[k]);
+        // No -0.
+        for (double &value : result)
+          value += 0.;
+        return result;
+      }
+
+      static constexpr unsigned int most_iterations = 50;
+
+      const Material   &material;
+      const std::string section, test;
+      const bool        is_isotropic, is_drained, is_undrained, is_shear;
+      const ElementTestParameters   &parameters;
+      const std::vector<std::string> names;
+
+      MaterialPoint         point;
+      Stretch               stretch;
+      Tensor<2, 3>          F_start;
+      SymmetricTensor<2, 3> stress_start;
+      double                time = 0.;
+    };
+  } // namespace
+
+
+
+  void
+  ElementTestParameters::declare_section(ParameterHandler &prm)
+  {
+    const ElementTestParameters defaults;
+    const auto                  declare = [&](const std::string           &name,
+                             const std::string           &value,
+                             const Patterns::PatternBase &pattern,
+                             const std::string           &text) {
+      prm.declare_entry(name, value, pattern, text);
+    };
+    prm.enter_subsection(section);
+    declare("Initial stress",
+            text_of(defaults.initial_stress[0]),
+            Patterns::List(Patterns::Double(), 1, 2),
+            "Axial and lateral stress at the start of an element test, "
+            "positive in compression; one number: both. Unit: Pa.");
+    declare("Strain",
+            text_of(defaults.strains[0]),
+            Patterns::List(Patterns::Double(), 1),
+            "Where the controlled strain turns, and ends, positive in "
+            "compression: the logarithmic axial or (isotropic) volumetric "
+            "strain, or the shear. Unit: none.");
+    declare("Steps",
+            text_of(defaults.steps),
+            Patterns::Integer(1),
+            "Steps from one of these strains to the next. Unit: none.");
+    declare("Strain rate",
+            text_of(defaults.strain_rate),
+            positive(),
+            "Of the controlled strain, for laws that depend on it, and on "
+            "time. Unit: 1 / s.");
+    declare("Void ratio",
+            text_of(defaults.void_ratio),
+            Patterns::Double(0.),
+            "At the start, of laws without a void ratio of their own. Unit: "
+            "none.");
+    prm.leave_subsection();
+  }
+
+
+
+  ElementTestParameters
+  ElementTestParameters::from(const std::string &text)
+  {
+    ParameterHandler prm;
+    declare_section(prm);
+    std::vector<ParameterLine> lines;
+    for (const ParameterLine &line : parameter_lines_of(text, "parameters"))
+      if (line.section == section && !line.name.empty())
+        lines.push_back(line);
+    parse_parameter_lines(prm, lines);
+    const auto numbers = [&](const std::string &name) {
+      return Utilities::string_to_double(
+        Utilities::split_string_list(prm.get(name), ','));
+    };
+    ElementTestParameters result;
+    prm.enter_subsection(section);
+    result.initial_stress = numbers("Initial stress");
+    result.strains        = numbers("Strain");
+    result.steps          = prm.get_integer("Steps");
+    result.strain_rate    = prm.get_double("Strain rate");
+    result.void_ratio     = prm.get_double("Void ratio");
+    prm.leave_subsection();
+    return result;
+  }
+
+
+
+  std::vector<double>
+  ElementTestTable::column(const std::string &name) const
+  {
+    const auto k = std::find(names.begin(), names.end(), name) - names.begin();
+    AssertIndexRange(k, std::ptrdiff_t(names.size()));
+    std::vector<double> result;
+    for (const auto &row : rows)
+      result.push_back(row[k]);
+    return result;
+  }
+
+
+
+  std::string
+  element_test_names()
+  {
+    return "isotropic|oedometer|triaxial-drained|triaxial-undrained|"
+           "simple-shear";
+  }
+
+
+
+  ElementTestTable
+  run_element_test(const Material              &material,
+                   const std::string           &section,
+                   const std::string           &test,
+                   const ElementTestParameters &parameters)
+  {
+    check_word(test, "--element-test", element_test_names());
+    return ElementTest(material, section, test, parameters).run();
+  }
+} // namespace greville

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/csv.h>
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/base/run_folder.h>
+#include <greville/materials/element_test.h>
+#include <greville/run/element_run.h>
+#include <greville/run/sweep.h>
+
+#include <boost/algorithm/string/join.hpp>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    void
+    show(std::ostream           &out,
+         const std::string      &title,
+         const ElementTestTable &table)
+    {
+      const std::vector<double> q    = table.column("q");
+      std::size_t               peak = 0;
+      for (std::size_t k = 0; k < q.size(); ++k)
+        if (std::abs(q[k]) > std::abs(q[peak]))
+          peak = k;
+      constexpr unsigned int n_columns = 7;
+      out << title << "\n              ";
+      for (unsigned int c = 0; c < n_columns; ++c)
+        out << "  " << table.names[c];
+      for (const auto &[name, row] : {std::make_pair("start", std::size_t(0)),
+                                      std::make_pair("largest q", peak),
+                                      std::make_pair("end", q.size() - 1)})
+        {
+          out << "\n  " << std::left << std::setw(12) << name << std::right;
+          for (unsigned int c = 0; c < n_columns; ++c)
+            out << "  " << std::setw(table.names[c].size())
+                << rounded(table.rows[row][c], 5);
+        }
+      out << '\n';
+    }
+  } // namespace
+
+
+
+  void
+  run_element_test_of_file(const std::string &file,
+                           const std::string &test,
+                           const std::string &name,
+                           const MPI_Comm     comm,
+                           const RunOptions  &options)
+  {
+    check_word(test, "--element-test", element_test_names());
+    const SimulationParameters parameters(file, options.settings);
+    std::vector<std::string>   names;
+    for (const auto &material : parameters.materials)
+      names.push_back(material.first);
+    AssertThrow(!name.empty() || names.size() == 1,
+                ExcMessage("--element-test needs --material NAME, because the "
+                           "file has several: " +
+                           boost::algorithm::join(names, ", ") + "."));
+    const std::string chosen = name.empty() ? names[0] : name;
+    const auto        found  = parameters.materials.find(chosen);
+    AssertThrow(found != parameters.materials.end(),
+                ExcMessage("--material: there is no material <" + chosen +
+                           "> in <" + file + ">, which has: " +
+                           boost::algorithm::join(names, ", ") + "." +
+                           did_you_mean(chosen, names)));
+    const ElementTestTable table =
+      run_element_test(*found->second,
+                       "Material " + chosen,
+                       test,
+                       ElementTestParameters::from(parameters.used()));
+
+    const std::string directory = folder_of_run(parameters, file, options);
+    RunFolder         folder(directory,
+                     parameters.output.directory.empty() ? "Simulation/Name"
+                                                                 : "Output/Directory",
+                     what_of_earlier(parameters, options),
+                     comm);
+    folder.make_room();
+    CsvWriter writer;
+    writer.open(directory + "/element_test.csv", table.names, 15, comm);
+    for (const auto &row : table.rows)
+      writer.write(row);
+    writer.sync();
+    if (Utilities::MPI::this_mpi_process(comm) == 0)
+      {
+        show(std::cout, "Element test " + test + " of " + chosen, table);
+        std::cout << "  results: " << directory
+                  << "/element_test.csv (draw it: scripts/picture " << directory
+                  << ")" << std::endl;
+      }
+  }
+} // namespace greville
