@@ -95,6 +95,58 @@ namespace greville
         result[i] = s[i];
       return result;
     }
+
+
+
+    /**
+     * The shape of a window for a point.
+     */
+    template <int dim, int n>
+    inline WindowShape<dim, n, double>
+    evaluated(const WindowGeometry<dim, n> &cell,
+              const dealii::Point<dim>     &x,
+              const dealii::Tensor<1, dim> &domain)
+    {
+      WindowShape<dim, n, double> shape;
+      shape.evaluate(cell, x.begin_raw(), domain.begin_raw());
+      return shape;
+    }
+
+
+
+    /**
+     * The coefficients of the functions of a window, [function][field].
+     */
+    template <int dim, int n>
+    inline void
+    read_window(const WindowGeometry<dim, n> &cell,
+                const double                 *buffer,
+                double                       *u,
+                const int                     n_fields = dim)
+    {
+      for (int a = 0; a < WindowShape<dim, n>::n_functions; ++a)
+        for (int k = 0; k < n_fields; ++k)
+          u[a * n_fields + k] =
+            buffer[std::size_t(cell.functions[a]) * n_fields + k];
+    }
+
+
+
+    /**
+     * The gradient of a field with the coefficients @p u of a window, averaged
+     * over the domain of a point.
+     */
+    template <int dim, int n>
+    inline dealii::Tensor<2, dim>
+    mean_gradient(const WindowGeometry<dim, n> &cell,
+                  const dealii::Point<dim>     &x,
+                  const dealii::Tensor<1, dim> &domain,
+                  const double                 *u)
+    {
+      double H[dim][dim];
+      evaluated(cell, x, domain).gradient(u, H);
+      return dealii::Tensor<2, dim>(H);
+    }
   } // namespace internal
 } // namespace greville
 

@@ -2,7 +2,7 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
-#include "gather_scatter.h"
+#include "seen_functions.h"
 
 namespace greville
 {

@@ -3,7 +3,7 @@
 #include <greville/points/row_sums.h>
 #include <greville/points/volume_projection.h>
 
-#include "gather_scatter.h"
+#include "seen_functions.h"
 #include <cmath>
 #include <sstream>
 
