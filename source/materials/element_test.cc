@@ -126,7 +126,7 @@ namespace greville
       }
 
       /**
-       * The point at the begin of a step that ends with @p next, as
+       * The point at the beginning of a step that ends with @p next, as
        * Material::update() takes it.
        */
       MaterialPoint

@@ -244,7 +244,9 @@ namespace greville
       with_order(tables.space->degree(), [&](const auto size) {
         constexpr int n      = decltype(size)::value;
         const bool    affine = points->layout().find("affine");
-        const auto    run    = [&](auto with_mass, auto with_force, auto apic) {
+        Assert(!affine || !windows,
+               ExcMessage("APIC does not go with domains."));
+        const auto run = [&](auto with_mass, auto with_force, auto apic) {
           add_points<dim, n, with_mass, with_force, apic>(*points,
                                                           tables,
                                                           windows,

@@ -509,6 +509,8 @@ namespace greville
            ExcMessage("Points that move, and kicks of PIC and APIC, need a "
                       "velocity of the grid."));
     Assert(!update.apic || points.layout().find("affine"), ExcInternalError());
+    Assert(!update.apic || !windows,
+           ExcMessage("APIC does not go with domains."));
 
     std::vector<const VectorField<dim> *> fields;
     // A kick of FLIP does not look at it, but at its place in the buffer.

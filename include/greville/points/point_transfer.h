@@ -281,8 +281,7 @@ namespace greville
     resize_numbers(const unsigned int stride);
 
     /**
-     * Collective. Copy a vector into number @p k of each function, or add up
-     * what all processes have there.
+     * Collective. Copy a vector to number @p k of each function, or sum these.
      */
     void
     read_number(const VectorType &vector, const unsigned int k);
