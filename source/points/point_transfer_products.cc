@@ -366,10 +366,10 @@ namespace greville
             Simd                      *sums) {
           Simd       values[dim], none[dim][dim];
           const Simd mass = load(group + PointLayout<dim>::mass * simd_width);
-          shape.template evaluate_fields<dim, 0, false>(u, values, none);
+          shape.template evaluate_field<false>(u, values, none);
           for (Simd &value : values)
             value *= mass;
-          shape.template add<dim, dim>(values, none, sums);
+          shape.add_values(values, sums);
         });
     }
   } // namespace

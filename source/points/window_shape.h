@@ -183,18 +183,17 @@ namespace greville
       }
 
       /**
-       * Fields with coefficients u[function * n_fields + k], and the gradient
-       * H_ij = d_j u_i of the dim of them from @p first on, if @p
-       * with_gradient.
+       * The field with coefficients u[function * dim + i], and its gradient
+       * H_ij = d_j u_i, if @p with_gradient.
        */
-      template <int n_fields, int first_of_H, bool with_gradient = true>
+      template <bool with_gradient>
       void
-      evaluate_fields(const double *u,
-                      Number (&fields)[n_fields],
-                      Number (&H)[dim][dim]) const
+      evaluate_field(const double *u,
+                     Number (&field)[dim],
+                     Number (&H)[dim][dim]) const
       {
-        for (Number &field : fields)
-          field = 0.;
+        for (Number &component : field)
+          component = 0.;
         if constexpr (with_gradient)
           for (auto &row : H)
             for (Number &entry : row)
@@ -203,29 +202,27 @@ namespace greville
                          const Number *factors,
                          const int     begin,
                          const int     end) {
-          Number values[n_fields], slopes[dim];
-          for (Number &value : values)
-            value = 0.;
-          for (Number &slope : slopes)
-            slope = 0.;
+          Number values[dim], slopes[dim];
+          for (int i = 0; i < dim; ++i)
+            values[i] = slopes[i] = 0.;
           for (int a = begin; a < end; ++a)
-            {
-              const double *at = u + (row + a) * n_fields;
-              for (int k = 0; k < n_fields; ++k)
-                values[k] += N[0][a] * at[k];
-              if constexpr (with_gradient)
-                for (int i = 0; i < dim; ++i)
-                  slopes[i] += dN[0][a] * at[first_of_H + i];
-            }
-          for (int k = 0; k < n_fields; ++k)
-            fields[k] += factors[0] * values[k];
-          if constexpr (with_gradient)
             for (int i = 0; i < dim; ++i)
               {
-                H[i][0] += factors[0] * slopes[i];
-                for (int j = 1; j < dim; ++j)
-                  H[i][j] += factors[j] * values[first_of_H + i];
+                const double at = u[(row + a) * dim + i];
+                values[i] += N[0][a] * at;
+                if constexpr (with_gradient)
+                  slopes[i] += dN[0][a] * at;
               }
+          for (int i = 0; i < dim; ++i)
+            {
+              field[i] += factors[0] * values[i];
+              if constexpr (with_gradient)
+                {
+                  H[i][0] += factors[0] * slopes[i];
+                  for (int j = 1; j < dim; ++j)
+                    H[i][j] += factors[j] * values[i];
+                }
+            }
         });
       }
 
@@ -236,40 +233,22 @@ namespace greville
       gradient(const double *u, Number (&H)[dim][dim]) const
       {
         Number values[dim];
-        evaluate_fields<dim, 0>(u, values, H);
+        evaluate_field<true>(u, values, H);
       }
 
       /**
-       * sums[function * n_fields + k] += values[k] N, and where there are
-       * fields from @p first_of_T on, T_ij d_j N for field first_of_T + i.
+       * sums[function * dim + i] += values[i] N.
        */
-      template <int n_fields, int first_of_T>
       void
-      add(const Number (&values)[n_fields],
-          const Number (&T)[dim][dim],
-          Number *sums) const
+      add_values(const Number (&values)[dim], Number *sums) const
       {
         for_each_row([&](const int     row,
                          const Number *factors,
                          const int     begin,
                          const int     end) {
-          Number across[n_fields], along[dim];
-          for (int k = 0; k < n_fields; ++k)
-            across[k] = factors[0] * values[k];
-          for (int i = 0; first_of_T < n_fields && i < dim; ++i)
-            {
-              along[i] = factors[0] * T[i][0];
-              for (int j = 1; j < dim; ++j)
-                across[(first_of_T + i) % n_fields] += factors[j] * T[i][j];
-            }
           for (int a = begin; a < end; ++a)
-            {
-              Number *at = sums + (row + a) * n_fields;
-              for (int k = 0; k < n_fields; ++k)
-                at[k] += N[0][a] * across[k];
-              for (int i = 0; first_of_T < n_fields && i < dim; ++i)
-                at[(first_of_T + i) % n_fields] += dN[0][a] * along[i];
-            }
+            for (int i = 0; i < dim; ++i)
+              sums[(row + a) * dim + i] += N[0][a] * (factors[0] * values[i]);
         });
       }
 
@@ -279,9 +258,23 @@ namespace greville
       void
       add_divergence(const Number (&T)[dim][dim], Number *sums) const
       {
-        Number none[dim];
-        std::fill_n(none, dim, Number(0.));
-        add<dim, 0>(none, T, sums);
+        for_each_row([&](const int     row,
+                         const Number *factors,
+                         const int     begin,
+                         const int     end) {
+          Number across[dim], along[dim];
+          for (int i = 0; i < dim; ++i)
+            {
+              along[i]  = factors[0] * T[i][0];
+              across[i] = factors[1] * T[i][1];
+              for (int j = 2; j < dim; ++j)
+                across[i] += factors[j] * T[i][j];
+            }
+          for (int a = begin; a < end; ++a)
+            for (int i = 0; i < dim; ++i)
+              sums[(row + a) * dim + i] +=
+                N[0][a] * across[i] + dN[0][a] * along[i];
+        });
       }
 
       Number N[dim][n_1d];

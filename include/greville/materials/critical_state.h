@@ -3,7 +3,7 @@
 #ifndef greville_materials_critical_state_h
 #define greville_materials_critical_state_h
 
-#include <greville/materials/hencky_law.h>
+#include <greville/materials/elastoplastic_law.h>
 #include <greville/materials/pressure_elasticity.h>
 
 namespace greville
@@ -36,16 +36,16 @@ namespace greville
 
   /**
    * What laws of critical state soil mechanics share that depend on the
-   * pressure and on q = sqrt(3 J2), not on Lode's angle: F = F_e F_p with
-   * PressureElasticity and the exponential map (see HenckyPlasticity), where
-   * the return keeps the direction of the deviator,
+   * pressure and on q = sqrt(3 J2), not on Lode's angle: an ElastoplasticLaw
+   * with PressureElasticity, whose return keeps the direction of the deviator,
    *   eps = eps_v / 3 1 + q / q(trial) e(trial).
    *
-   * State: the elastic left Cauchy-Green tensor less the identity; the
-   * equivalent plastic strain; the plastic work per volume of the stress-free
-   * state, J / m^3; the size of the yield surface, Pa; the void ratio; and
-   * what the law has besides. Zeros are the stress-free state, with what the
-   * parameters say of the rest.
+   * State: that of ElastoplasticLaw; the size of the yield surface, Pa; the
+   * void ratio; and what the law has besides. Zeros are the stress-free state,
+   * with what the parameters say of the rest.
+   *
+   * Parameters: those of PressureElasticity, "Critical stress ratio" M = q / P
+   * of the critical state, and "Overconsolidation ratio" R.
    *
    * A @p Law has
    *   static constexpr const char *name, *size_name;
@@ -57,24 +57,41 @@ namespace greville
    *                   std::array<double, max_state> &state,
    *                   CriticalStateReturn &result, bool differentiate) const,
    * which updates them, and leaves the stress of an elastic step alone and
-   * returns false; and
-   *   double critical_ratio() const, M = q / P.
+   * returns false.
    */
   template <typename Law>
-  class CriticalStateLaw : public HenckyLaw<Law, PressureElasticity>
+  class CriticalStateLaw : public ElastoplasticLaw<Law, PressureElasticity>
   {
   public:
     using State = std::array<double, MaterialPoint::max_state>;
+
+    void
+    declare(dealii::ParameterHandler &prm) override
+    {
+      ElastoplasticLaw<Law, PressureElasticity>::declare(prm);
+      add_parameter(prm, "Critical stress ratio", ratio, positive())(
+        "M = q / p of the critical state: 6 sin(phi) / (3 - sin(phi)) for the "
+        "friction angle phi in triaxial compression. Unit: none.");
+      add_parameter(prm,
+                    "Overconsolidation ratio",
+                    overconsolidation,
+                    dealii::Patterns::Double(1.))(
+        "Of the initial state: the size of the yield surface over that of the "
+        "one through the stress. Unit: none.");
+    }
+
+    bool
+    spreads() const override
+    {
+      return true;
+    }
 
     std::vector<std::string>
     state_names() const override
     {
       auto names = Law::more_names();
       names.insert(names.begin(), {Law::size_name, "void_ratio"});
-      names.insert(names.begin(), {"plastic_strain", "dissipation"});
-      for (const char *b : {"b_yz", "b_xz", "b_xy", "b_zz", "b_yy", "b_xx"})
-        names.insert(names.begin(), b);
-      return names;
+      return this->names_with(names);
     }
 
     /**
@@ -91,45 +108,14 @@ namespace greville
                    pressure     = elastic.attraction * std::exp(log_pressure);
       // Of the stress: strains of stiff soil are rounded.
       const double q = point.J * std::sqrt(1.5) * deviator(stress).norm();
-      check_stress(q <= (1. + 1e-12) * law().critical_ratio() * pressure,
+      check_stress(q <= (1. + 1e-12) * ratio * pressure,
                    Law::name,
                    stress,
                    "q / (p + attraction) is " + text_of(q / pressure) +
                      " and has to be at most the critical stress ratio, " +
-                     text_of(law().critical_ratio()));
-      point.state.fill(0.);
-      for (unsigned int i = 0; i < 6; ++i)
-        point.state[i] = e.access_raw_entry(i);
+                     text_of(ratio));
+      this->set_elastic(point, e);
       law().set_initial(point.state, log_pressure, q);
-    }
-
-    dealii::SymmetricTensor<2, 3>
-    trial(const MaterialPoint &point) const
-    {
-      dealii::SymmetricTensor<2, 3> e;
-      for (unsigned int i = 0; i < 6; ++i)
-        e.access_raw_entry(i) = point.state[i];
-      return push_forward(point.increment, e);
-    }
-
-    std::array<Lanes, 6>
-    current(const MaterialLanes &points) const
-    {
-      std::array<Lanes, 6> e;
-      std::copy_n(points.state.begin(), 6, e.begin());
-      return e;
-    }
-
-    Lanes
-    heat(const MaterialLanes &points) const
-    {
-      return points.state[work];
-    }
-
-    double
-    dissipation(const MaterialPoint &point) const override
-    {
-      return point.state[work];
     }
 
     std::array<Lanes, 3>
@@ -233,11 +219,16 @@ namespace greville
     }
 
   protected:
-    using HenckyLaw<Law, PressureElasticity>::elastic;
-    using HenckyLaw<Law, PressureElasticity>::law;
+    using Base = ElastoplasticLaw<Law, PressureElasticity>;
+    using Base::elastic;
+    using Base::law;
+    using Base::plastic_strain;
+    using Base::work;
+    static constexpr unsigned int size = Base::more, void_ratio = size + 1,
+                                  more = size + 2;
 
-    static constexpr unsigned int plastic_strain = 6, work = 7, size = 8,
-                                  void_ratio = 9, more = 10;
+    double ratio             = 1.2;
+    double overconsolidation = 1.;
 
     /// Void ratios are given at this pressure, Pa.
     static constexpr double reference_pressure = 1000.;

@@ -3,16 +3,15 @@
 #ifndef greville_materials_hencky_plasticity_h
 #define greville_materials_hencky_plasticity_h
 
-#include <greville/materials/hencky_law.h>
+#include <greville/materials/elastoplastic_law.h>
 #include <greville/materials/return_map.h>
 
 namespace greville
 {
   /**
-   * Isotropic elastoplasticity with F = F_e F_p, Hencky's elastic law and the
-   * exponential map (de Souza Neto, Peric, Owen, Computational Methods for
-   * Plasticity, section 14.4): the return in principal axes is the one of
-   * small strains.
+   * Isotropic elastoplasticity with Hencky's elastic law (see
+   * ElastoplasticLaw): the return in principal axes is the one of small
+   * strains.
    *   b_e = f b_e f^T (trial), eps = ln(b_e) / 2,
    *   tau = lambda tr(eps) 1 + 2 G eps,
    *   eps = eps(trial) - sum_i dgamma_i dg_i / dtau,
@@ -20,11 +19,9 @@ namespace greville
    * Yield functions take the Kirchhoff stress tau, Pa (per stress-free area
    * and volume), so that the strength in Cauchy stress is divided by J.
    *
-   * State: the elastic left Cauchy-Green tensor less the identity, b_e - 1
-   * (all zeros are the stress-free state); the accumulated equivalent plastic
-   * strain, d alpha = sqrt(2 / 3 dev(d eps_p) : dev(d eps_p)); the plastic work
-   * tau : d eps_p per volume of the stress-free state, J / m^3, all of which is
-   * taken for heat; and for laws with a largest mean stress the opening v.
+   * State: that of ElastoplasticLaw, with the accumulated equivalent plastic
+   * strain, d alpha = sqrt(2 / 3 dev(d eps_p) : dev(d eps_p)), and the plastic
+   * work tau : d eps_p; and for laws with a largest mean stress the opening v.
    *
    * The opening is the plastic strain of volume (logarithmic, v >= 0) that the
    * largest mean stress has caused, without that of dilatancy: grains that part
@@ -54,23 +51,14 @@ namespace greville
    *   double largest_mean_stress(double alpha) const, Pa.
    */
   template <typename Law>
-  class HenckyPlasticity : public HenckyLaw<Law>
+  class HenckyPlasticity : public ElastoplasticLaw<Law>
   {
   public:
     std::vector<std::string>
     state_names() const override
     {
-      std::vector<std::string> names = {"b_xx",
-                                        "b_yy",
-                                        "b_zz",
-                                        "b_xy",
-                                        "b_xz",
-                                        "b_yz",
-                                        "plastic_strain",
-                                        "dissipation"};
-      if (Law::opens)
-        names.push_back("opening");
-      return names;
+      return this->names_with(Law::opens ? std::vector<std::string>{"opening"}
+                                         : std::vector<std::string>());
     }
 
     /**
@@ -90,31 +78,7 @@ namespace greville
                    std::string("the yield function ") + Law::yield_condition +
                      " of J times this stress is " + text_of(f) +
                      " Pa and has to be at most 0");
-      point.state.fill(0.);
-      set_elastic(point, e);
-    }
-
-    dealii::SymmetricTensor<2, 3>
-    trial(const MaterialPoint &point) const
-    {
-      dealii::SymmetricTensor<2, 3> e;
-      for (unsigned int i = 0; i < 6; ++i)
-        e.access_raw_entry(i) = point.state[i];
-      return push_forward(point.increment, e);
-    }
-
-    std::array<Lanes, 6>
-    current(const MaterialLanes &points) const
-    {
-      std::array<Lanes, 6> e;
-      std::copy_n(points.state.begin(), 6, e.begin());
-      return e;
-    }
-
-    Lanes
-    heat(const MaterialLanes &points) const
-    {
-      return points.state[work];
+      this->set_elastic(point, e);
     }
 
     std::array<Lanes, 3>
@@ -241,12 +205,6 @@ namespace greville
       return tangent;
     }
 
-    double
-    dissipation(const MaterialPoint &point) const override
-    {
-      return point.state[work];
-    }
-
   protected:
     /**
      * The equivalent plastic strain of a return from one Kirchhoff stress to
@@ -262,11 +220,13 @@ namespace greville
              (std::sqrt(2.) / 6.) / elastic.shear;
     }
 
-    using HenckyLaw<Law>::elastic;
-    using HenckyLaw<Law>::law;
+    using ElastoplasticLaw<Law>::elastic;
+    using ElastoplasticLaw<Law>::law;
 
   private:
-    static constexpr unsigned int plastic_strain = 6, work = 7, opening = 8;
+    using ElastoplasticLaw<Law>::plastic_strain;
+    using ElastoplasticLaw<Law>::work;
+    static constexpr unsigned int opening = ElastoplasticLaw<Law>::more;
 
     /**
      * The part of the opening that closes at an elastic strain of volume.
@@ -278,13 +238,6 @@ namespace greville
       return law().largest_mean_stress(point.state[plastic_strain]) > 0.
                ? std::min(open, std::max(-volume_strain, 0.))
                : open;
-    }
-
-    static void
-    set_elastic(MaterialPoint &point, const dealii::SymmetricTensor<2, 3> &e)
-    {
-      for (unsigned int i = 0; i < 6; ++i)
-        point.state[i] = e.access_raw_entry(i);
     }
   };
 

@@ -38,15 +38,19 @@ namespace greville
    * State: see CriticalStateLaw; the size of the yield surface is C, the
    * "preconsolidation".
    *
-   * Parameters: those of PressureElasticity, "Critical stress ratio" M,
-   * "Compression slope" lambda, "Overconsolidation ratio" R, and "Void ratio"
-   * e_1. reinit() throws dealii::ExcMessage unless lambda > kappa.
+   * Parameters: those of CriticalStateLaw, "Compression slope" lambda, and
+   * "Void ratio" e_1. reinit() throws dealii::ExcMessage unless lambda > kappa.
    */
   class ModifiedCamClay : public CriticalStateLaw<ModifiedCamClay>
   {
   public:
     static constexpr const char *name      = "modified-cam-clay";
     static constexpr const char *size_name = "preconsolidation";
+
+    ModifiedCamClay()
+    {
+      ratio = 1.;
+    }
 
     static std::vector<std::string>
     more_names()
@@ -58,19 +62,10 @@ namespace greville
     declare(dealii::ParameterHandler &prm) override
     {
       CriticalStateLaw<ModifiedCamClay>::declare(prm);
-      add_parameter(prm, "Critical stress ratio", ratio, positive())(
-        "M = q / p of the critical state: 6 sin(phi) / (3 - sin(phi)) for the "
-        "friction angle phi in triaxial compression. Unit: none.");
       add_parameter(prm, "Compression slope", lambda, positive())(
         "Decrease of the logarithm of the volume with that of the pressure in "
         "normal compression: lambda / (1 + e), more than the swelling slope. "
         "Unit: none.");
-      add_parameter(prm,
-                    "Overconsolidation ratio",
-                    overconsolidation,
-                    dealii::Patterns::Double(1.))(
-        "Of the initial state: the size of the yield surface over that of the "
-        "one through the stress. Unit: none.");
       add_parameter(prm, "Void ratio", void_ratio_at_reference, positive())(
         "After normal compression to 1 kPa. Unit: none.");
     }
@@ -86,18 +81,6 @@ namespace greville
                       "greater than the swelling slope, which is " +
                         text_of(elastic.kappa));
       plastic_slope = lambda - elastic.kappa;
-    }
-
-    bool
-    spreads() const override
-    {
-      return true;
-    }
-
-    double
-    critical_ratio() const
-    {
-      return ratio;
     }
 
     void
@@ -237,9 +220,7 @@ namespace greville
         1.;
     }
 
-    double ratio                   = 1.;
     double lambda                  = 0.1;
-    double overconsolidation       = 1.;
     double void_ratio_at_reference = 1.5;
     double plastic_slope           = 0.;
   };

@@ -40,10 +40,9 @@ namespace greville
    * State: see CriticalStateLaw; the size of the yield surface is P_i, the
    * "image_pressure", and besides the "state_parameter" psi.
    *
-   * Parameters: those of PressureElasticity, "Critical stress ratio" M,
-   * "Critical void ratio" Gamma, "Critical slope" lambda, "State parameter"
-   * psi, "Dilatancy factor" chi, "Hardening" H, and "Overconsolidation ratio"
-   * R.
+   * Parameters: those of CriticalStateLaw, "Critical void ratio" Gamma,
+   * "Critical slope" lambda, "State parameter" psi, "Dilatancy factor" chi, and
+   * "Hardening" H.
    */
   class NorSand : public CriticalStateLaw<NorSand>
   {
@@ -61,9 +60,6 @@ namespace greville
     declare(dealii::ParameterHandler &prm) override
     {
       CriticalStateLaw<NorSand>::declare(prm);
-      add_parameter(prm, "Critical stress ratio", ratio, positive())(
-        "M = q / p of the critical state: 6 sin(phi) / (3 - sin(phi)) for the "
-        "friction angle phi in triaxial compression. Unit: none.");
       add_parameter(prm, "Critical void ratio", gamma, positive())(
         "Of the critical state at 1 kPa. Unit: none.");
       add_parameter(prm, "Critical slope", lambda, positive())(
@@ -77,24 +73,6 @@ namespace greville
       add_parameter(prm, "Hardening", hardening, positive())(
         "Growth of the image pressure per shear strain, over what it lacks. "
         "Unit: none.");
-      add_parameter(prm,
-                    "Overconsolidation ratio",
-                    overconsolidation,
-                    dealii::Patterns::Double(1.))(
-        "Of the initial state: the size of the yield surface over that of the "
-        "one through the stress. Unit: none.");
-    }
-
-    bool
-    spreads() const override
-    {
-      return true;
-    }
-
-    double
-    critical_ratio() const
-    {
-      return ratio;
     }
 
     void
@@ -285,13 +263,11 @@ namespace greville
       return gamma - lambda * log_of_reference(log_pressure);
     }
 
-    double ratio             = 1.2;
-    double gamma             = 0.9;
-    double lambda            = 0.03;
-    double psi               = 0.;
-    double chi               = 3.5;
-    double hardening         = 100.;
-    double overconsolidation = 1.;
+    double gamma     = 0.9;
+    double lambda    = 0.03;
+    double psi       = 0.;
+    double chi       = 3.5;
+    double hardening = 100.;
   };
 } // namespace greville
 

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_materials_elastoplastic_law_h
+#define greville_materials_elastoplastic_law_h
+
+#include <greville/materials/hencky_law.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * A HenckyLaw whose points keep the elastic part of their deformation, with F
+   * = F_e F_p and the exponential map (de Souza Neto, Peric, Owen,
+   * Computational Methods for Plasticity, section 14.4): the trial state of a
+   * step with the increment f is b_e = f b_e f^T.
+   *
+   * State: the elastic left Cauchy-Green tensor less the identity, b_e - 1 (all
+   * zeros are the stress-free state); the equivalent plastic strain; the
+   * plastic work per volume of the stress-free state, J / m^3, all of which is
+   * taken for heat; and what the @p Law has besides.
+   */
+  template <typename Law, typename Elastic = ElasticConstants>
+  class ElastoplasticLaw : public HenckyLaw<Law, Elastic>
+  {
+  public:
+    dealii::SymmetricTensor<2, 3>
+    trial(const MaterialPoint &point) const
+    {
+      dealii::SymmetricTensor<2, 3> e;
+      for (unsigned int i = 0; i < 6; ++i)
+        e.access_raw_entry(i) = point.state[i];
+      return push_forward(point.increment, e);
+    }
+
+    std::array<Lanes, 6>
+    current(const MaterialLanes &points) const
+    {
+      std::array<Lanes, 6> e;
+      std::copy_n(points.state.begin(), 6, e.begin());
+      return e;
+    }
+
+    Lanes
+    heat(const MaterialLanes &points) const
+    {
+      return points.state[work];
+    }
+
+    double
+    dissipation(const MaterialPoint &point) const override
+    {
+      return point.state[work];
+    }
+
+  protected:
+    static constexpr unsigned int plastic_strain = 6, work = 7, more = 8;
+
+    /**
+     * The names of the state, with those of the law at the end.
+     */
+    static std::vector<std::string>
+    names_with(const std::vector<std::string> &of_law)
+    {
+      std::vector<std::string> names = {"b_xx",
+                                        "b_yy",
+                                        "b_zz",
+                                        "b_xy",
+                                        "b_xz",
+                                        "b_yz",
+                                        "plastic_strain",
+                                        "dissipation"};
+      names.insert(names.end(), of_law.begin(), of_law.end());
+      return names;
+    }
+
+    /**
+     * The state of a point without plastic strain.
+     */
+    static void
+    set_elastic(MaterialPoint &point, const dealii::SymmetricTensor<2, 3> &e)
+    {
+      point.state.fill(0.);
+      for (unsigned int i = 0; i < 6; ++i)
+        point.state[i] = e.access_raw_entry(i);
+    }
+  };
+} // namespace greville
+
+#endif
