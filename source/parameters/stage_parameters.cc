@@ -28,6 +28,11 @@ namespace greville
     add_parameter(prm, "Safety", safety, Double(0., 1.))(
       "An automatic step is at most this fraction of the critical step. Unit: "
       "none.");
+    add_parameter(prm, "Smallest step", smallest_step, Double(0., 1.))(
+      "A run fails where an automatic step is below this fraction of the first "
+      "one of its stage: where cells are crushed in total Lagrangian steps, "
+      "for "
+      "instance. Unit: none.");
     add_parameter(prm,
                   "Too large step",
                   too_large_step,

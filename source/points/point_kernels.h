@@ -7,6 +7,8 @@
 #include <greville/base/with_width.h>
 #include <greville/points/point_transfer.h>
 
+#include <cstring>
+
 /**
  * What the kernels of points share. To be included in sources, not in headers.
  */
@@ -182,18 +184,62 @@ namespace greville
     }
 
     /**
-     * Ask for the group behind group number @p g, which is the next one where
-     * groups are in the order of the cells: kernels read some of its numbers
-     * only, in a pattern that processors do not foresee.
+     * Ask for the first @p n_numbers of the group behind group number @p g,
+     * which is the next one where groups are in the order of the cells: kernels
+     * read some of its numbers only, in a pattern that processors do not
+     * foresee.
      */
     template <int dim>
     inline __attribute__((always_inline)) void
-    prefetch_next(const MaterialPoints<dim> &points, const unsigned int g)
+    prefetch_next(const MaterialPoints<dim> &points,
+                  const unsigned int         g,
+                  const unsigned int         n_numbers)
     {
-      const std::size_t n    = points.layout().size * simd_width;
-      const double     *next = points.group(g) + n;
-      for (std::size_t k = 0; k < n; k += 8)
+      const double *next = points.group(g) + points.layout().size * simd_width;
+      for (std::size_t k = 0; k < n_numbers * simd_width; k += 8)
         __builtin_prefetch(next + k);
+    }
+
+
+
+    /**
+     * Ask for the numbers, @p n_numbers of each, of the functions of a cell.
+     */
+    template <int n_functions>
+    inline __attribute__((always_inline)) void
+    prefetch_functions(const unsigned int *functions,
+                       const double       *numbers,
+                       const unsigned int  n_numbers)
+    {
+      for (int a = 0; a < n_functions; ++a)
+        {
+          const double *at = numbers + std::size_t(functions[a]) * n_numbers;
+          __builtin_prefetch(at);
+          __builtin_prefetch(at + n_numbers - 1);
+        }
+    }
+
+
+
+    /**
+     * The sums over the lanes of four vectors, in one.
+     */
+    inline Simd
+    reduce_four(const Simd *values)
+    {
+      static_assert(simd_width == 4, "Four vectors of four lanes.");
+      typedef double V __attribute__((vector_size(32)));
+      V              v[4];
+      std::memcpy(v, values, sizeof(v));
+      const V first = __builtin_shufflevector(v[0], v[1], 0, 4, 2, 6) +
+                      __builtin_shufflevector(v[0], v[1], 1, 5, 3, 7),
+              second = __builtin_shufflevector(v[2], v[3], 0, 4, 2, 6) +
+                       __builtin_shufflevector(v[2], v[3], 1, 5, 3, 7),
+              sums = __builtin_shufflevector(first, second, 0, 1, 4, 5) +
+                     __builtin_shufflevector(first, second, 2, 3, 6, 7);
+      Simd result;
+      std::memcpy(&result, &sums, sizeof(result));
+      return result;
     }
 
 

@@ -27,13 +27,18 @@ namespace greville
       void
       add_to(const unsigned int *functions, double *buffer) const
       {
+        double totals[n_vectors];
+        for (int k = 0; k < n_vectors; k += simd_width)
+          store(reduce_four(sums + k), totals + k);
         for (int a = 0; a < n_functions; ++a)
           for (int k = 0; k < n_fields; ++k)
             buffer[std::size_t(functions[a]) * n_fields + k] +=
-              reduce(sums[a * n_fields + k]);
+              totals[a * n_fields + k];
       }
 
-      Simd sums[n_functions * n_fields];
+      static constexpr int n_vectors =
+        (n_functions * n_fields + simd_width - 1) / simd_width * simd_width;
+      Simd sums[n_vectors];
     };
 
 
@@ -63,18 +68,30 @@ namespace greville
                             with_force ? int(with_momentum) : -1>;
       SeenFunctions<dim, n> functions(points, tables, windows);
 
-      for (const unsigned int cell : points.cells())
+      // Numbers that lie in front of those that no pass needs.
+      const unsigned int n_read =
+        total ? points.layout().size
+              : (with_force ? Layout::stress + Layout::n_stress : Layout::J);
+
+      const std::vector<unsigned int> &cells = points.cells();
+      for (std::size_t c = 0; c < cells.size(); ++c)
         {
+          const unsigned int                cell = cells[c];
           const CellGeometry<dim, n>        geometry(tables, cell);
           CellSums<power(n, dim), n_fields> cell_sums;
           unsigned int count = points.n_in_first_group(cell);
+          if (!windows && c + 1 < cells.size())
+            prefetch_functions<power(n, dim)>(
+              tables.space->cell_functions(cells[c + 1]).data(),
+              buffer,
+              n_fields);
           if (windows)
             functions.begin(geometry, cell);
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points.next_group(g), count = simd_width)
             {
-              prefetch_next(points, g);
+              prefetch_next(points, g, n_read);
               const double *group = points.group(g);
               Simd          x[dim], v[dim];
               load_basis_positions(points, group, x);

@@ -3,6 +3,7 @@
 #include <greville/points/row_sums.h>
 #include <greville/points/volume_projection.h>
 
+#include "group_lanes.h"
 #include "seen_functions.h"
 #include <cmath>
 #include <sstream>
@@ -46,7 +47,26 @@ namespace greville
                     const PointUpdate<dim> &update)
     {
       const PointLayout<dim> &layout = points.layout();
-      MaterialPoint           states[simd_width];
+      if (update.material->has_lanes())
+        {
+          MaterialLanes lanes;
+          load_material_lanes<dim>(layout, points.group(g), count, lanes);
+          for (unsigned int i = 0; i < 9; ++i)
+            lanes.increment[i] = i % 4 == 0 ? 1. : 0.;
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int j = 0; j < dim; ++j)
+              lanes.increment[3 * i + j] = increment[i][j];
+          lanes.dt                 = update.step;
+          lanes.strength_reduction = update.strength_reduction;
+          update.material->update_lanes(lanes);
+          store_material_lanes<dim>(lanes, layout, points.group(g));
+          Simd sum = 0.;
+          for (const Lanes &stress : lanes.stress)
+            sum += stress;
+          return all_of(lanes.J > 0.) && all_of(isfinite(sum));
+        }
+
+      MaterialPoint states[simd_width];
       for (unsigned int lane = 0; lane < count; ++lane)
         {
           MaterialPoint &state = states[lane];
@@ -209,6 +229,12 @@ namespace greville
       const bool         total       = points.layout().is_total_lagrangian();
       const unsigned int initial_F   = points.layout().initial_F;
       const unsigned int projected_J = points.layout().projected_J;
+      // Nothing behind the mass is read where nothing deforms, and nothing
+      // behind F without fields.
+      const unsigned int n_read =
+        total || points.layout().size > Layout::n_fixed
+          ? points.layout().size
+          : (Kind::deform ? Layout::reference : Layout::volume0);
       // Where the fields of windows lie.
       constexpr int stride = field_stride<dim>;
       using OfWindow =
@@ -216,10 +242,17 @@ namespace greville
              derivatives ? first_gradient / dim * stride / 4 : -1>;
       SeenFunctions<dim, n> functions(points, tables, windows);
 
-      for (const unsigned int cell : points.cells())
+      const std::vector<unsigned int> &cells = points.cells();
+      for (std::size_t c = 0; c < cells.size(); ++c)
         {
+          const unsigned int         cell = cells[c];
           const CellGeometry<dim, n> geometry(tables, cell);
           double                     coefficients[n_functions * n_fields];
+          if (!windows && c + 1 < cells.size())
+            prefetch_functions<n_functions>(
+              tables.space->cell_functions(cells[c + 1]).data(),
+              buffer,
+              n_fields);
           if (windows)
             functions.begin(geometry, cell);
           for (int a = 0; a < (windows ? 0 : n_functions); ++a)
@@ -233,7 +266,7 @@ namespace greville
                g != MaterialPoints<dim>::none;
                g = points.next_group(g), count = simd_width)
             {
-              prefetch_next(points, g);
+              prefetch_next(points, g, n_read);
               double *group = points.group(g);
               if constexpr (Kind::kick)
                 if (update.row)

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/materials/material_lanes.h>
 #include <greville/points/point_transfer.h>
 #include <greville/points/row_sums.h>
 
+#include "group_lanes.h"
 #include <algorithm>
 #include <cmath>
 
 namespace greville
 {
   using namespace dealii;
+  using namespace internal;
 
   void
   OuterPoints::drop()
@@ -29,26 +30,6 @@ namespace greville
 
   namespace
   {
-    static_assert(n_lanes == MaterialPoints<2>::width, "Groups fill lanes.");
-
-    inline Lanes
-    lanes_at(const double *address)
-    {
-      return Lanes(address, std::experimental::element_aligned);
-    }
-
-
-
-    template <int n>
-    inline void
-    lanes_at(const double *group, const unsigned int first, Lanes (&values)[n])
-    {
-      for (int k = 0; k < n; ++k)
-        values[k] = lanes_at(group + (first + k) * n_lanes);
-    }
-
-
-
     inline void
     add_to(std::array<double, n_lanes> &sum, const Lanes &value)
     {
@@ -65,53 +46,6 @@ namespace greville
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
         result[lane] = lane < count ? 1. : 0.;
       return result;
-    }
-
-
-
-    /**
-     * A group as its material sees it, see load_material_point().
-     */
-    template <int dim>
-    void
-    load_material_lanes(const PointLayout<dim> &layout,
-                        const double           *group,
-                        const unsigned int      count,
-                        MaterialLanes          &points)
-    {
-      using Layout      = PointLayout<dim>;
-      const auto number = [&](const unsigned int k) {
-        return lanes_at(group + k * n_lanes);
-      };
-      points.count   = count;
-      points.n_state = layout.n_state;
-      points.F.fill(0.);
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          points.F[3 * i + j] = number(Layout::F + Layout::F_index(i, j));
-      points.F[8] = number(Layout::F + Layout::F_index(2, 2));
-      points.J    = number(Layout::J);
-      if (layout.projected_J != 0)
-        {
-          const Lanes J     = number(layout.projected_J);
-          const Lanes ratio = J / points.J;
-          Lanes       factor;
-          for (unsigned int lane = 0; lane < n_lanes; ++lane)
-            factor[lane] = lane < count ? (dim == 2 ? std::sqrt(ratio[lane])
-                                                    : std::cbrt(ratio[lane]))
-                                        : 1.;
-          for (unsigned int i = 0; i < dim; ++i)
-            for (unsigned int j = 0; j < dim; ++j)
-              points.F[3 * i + j] *= factor;
-          points.J = J;
-          for (unsigned int lane = count; lane < n_lanes; ++lane)
-            points.J[lane] = 1.;
-        }
-      points.stress.fill(0.);
-      for (unsigned int k = 0; k < Layout::n_stress; ++k)
-        points.stress[k] = number(Layout::stress + k);
-      for (unsigned int k = 0; k < layout.n_state; ++k)
-        points.state[k] = number(Layout::state + k);
     }
   } // namespace
 
@@ -149,6 +83,9 @@ namespace greville
       {
         MaterialLanes lanes;
         load_material_lanes<dim>(points.layout(), group, count, lanes);
+        lanes.stress.fill(0.);
+        for (unsigned int k = 0; k < Layout::n_stress; ++k)
+          lanes.stress[k] = lanes_at(group + (Layout::stress + k) * n_lanes);
         const EnergyLanes energies = material->energies(lanes);
         Lanes w = V0 * energies.strain, heat = V0 * energies.dissipation;
         where(used < 1., w)    = 0.;

@@ -27,6 +27,17 @@ namespace greville
     const double elapsed = seconds_since(begin);
     const double part    = (common().time - start) / (end - start);
     const double begun   = (first_time - start) / (end - start);
+    const double dt      = common().step;
+    if (common().n_steps == first_step + 1 && parameters.time.step.empty() &&
+        is_explicit_scheme(parameters.scheme.stress_update) && dt > 0.)
+      {
+        out << "automatic steps: the first one is " << std::setprecision(3)
+            << dt << " s, about " << std::ceil((end - common().time) / dt)
+            << " more would follow";
+        if (parameters.scheme.is_total_lagrangian())
+          out << "; they become shorter where cells are crushed";
+        out << std::endl;
+      }
     // A terminal is refreshed five times a second, a file gets ten lines.
     if (!is_last && (is_terminal ? seconds_since(last_shown) < 0.2
                                  : part < last_shown_time + 0.1))

@@ -78,6 +78,7 @@ namespace greville
       all("next_estimate", state.estimates.next);
       all("steps_between_estimates", state.estimates.n_between);
       all("wave_at_estimate", state.estimates.wave);
+      all("first_step", state.estimates.first_step);
       for (unsigned int k = 0; k < state.fields.size(); ++k)
         {
           auto             &field = state.fields[k];

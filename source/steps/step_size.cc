@@ -236,7 +236,7 @@ namespace greville
 
   template <int dim>
   double
-  StepSize<dim>::automatic_step(const State<dim> &state) const
+  StepSize<dim>::automatic_step(State<dim> &state) const
   {
     const Signals &signals = state.signals;
     double         step =
@@ -249,6 +249,22 @@ namespace greville
     AssertThrow(std::isfinite(step) && step > 0.,
                 ExcMessage("The automatic time step is " + text_of(step) +
                            " s. " + what_sets_the_step(state)));
+    double &first = state.estimates.first_step;
+    if (first == 0.)
+      first = step;
+    AssertThrow(
+      step >= parameters.smallest_step * first,
+      ExcMessage(
+        "The automatic time step has fallen to " + text_of(step) +
+        " s at t = " + text_of(state.time) +
+        " s, below 'Time/Smallest step' (" + text_of(parameters.smallest_step) +
+        ") of the first one, " + text_of(first) + " s. " +
+        (state.bodies[0].points.layout().is_total_lagrangian()
+           ? "In total Lagrangian steps the cell that is crushed most bounds "
+             "the step; 'Scheme/Formulation' = updated Lagrangian has no such "
+             "bound. "
+           : "") +
+        what_sets_the_step(state)));
     return step;
   }
 

@@ -119,22 +119,24 @@ namespace greville
     }
 
     std::array<Lanes, 3>
-    respond(MaterialPoint                      *points,
-            const unsigned int                  count,
+    respond(MaterialLanes                      &points,
             const SpectralDecomposition<Lanes> &spectrum,
             const std::array<Lanes, 6>         &e,
             const std::array<Lanes, 3>         &eps) const
     {
       std::array<Lanes, 3> tau = eps, elastic_strain = eps;
       bool                 has_changed[n_lanes] = {}, any_changed = false;
+      const Lanes          volume = determinant(points.increment);
       for (Lanes &t : tau)
         t = 0.;
-      for (unsigned int lane = 0; lane < count; ++lane)
+      for (unsigned int lane = 0; lane < points.count; ++lane)
         {
-          auto           &state = points[lane].state;
+          State state{};
+          for (unsigned int k = 0; k < points.n_state; ++k)
+            state[k] = points.state[k][lane];
           const Principal strain{{eps[0][lane], eps[1][lane], eps[2][lane]}};
           const Principal dev           = deviator_of(strain);
-          const CriticalStateStep trial = make_trial(points[lane], strain);
+          const CriticalStateStep trial = make_trial(volume[lane], strain);
           begin(state);
           CriticalStateReturn end{trial.log_pressure, trial.q};
           has_changed[lane]   = law().return_map(trial, state, end, false);
@@ -158,14 +160,16 @@ namespace greville
               state[work] += heat;
               state[plastic_strain] += (trial.q - end.q) / (3. * elastic.shear);
             }
+          for (unsigned int k = plastic_strain; k < points.n_state; ++k)
+            points.state[k][lane] = state[k];
         }
       std::array<Lanes, 6> returned = e;
       if (any_changed)
         returned = spectrum.assemble(stretches_less_one(elastic_strain));
-      for (unsigned int lane = 0; lane < count; ++lane)
-        for (unsigned int i = 0; i < 6; ++i)
-          points[lane].state[i] =
-            has_changed[lane] ? returned[i][lane] : e[i][lane];
+      const Lanes::mask_type changed(has_changed,
+                                     std::experimental::element_aligned);
+      for (unsigned int i = 0; i < 6; ++i)
+        points.state[i] = choose(changed, returned[i], e[i]);
       return tau;
     }
 
@@ -184,9 +188,10 @@ namespace greville
       for (unsigned int lane = 0; lane < count; ++lane)
         {
           const Principal strain{{eps[0][lane], eps[1][lane], eps[2][lane]}};
-          const Principal dev           = deviator_of(strain);
-          const CriticalStateStep trial = make_trial(points[lane], strain);
-          State                   state = points[lane].state;
+          const Principal dev = deviator_of(strain);
+          const CriticalStateStep trial =
+            make_trial(determinant(points[lane].increment), strain);
+          State state = points[lane].state;
           begin(state);
           CriticalStateReturn end{trial.log_pressure, trial.q};
           end.pressure_by_volume = -1. / elastic.kappa;
@@ -258,11 +263,11 @@ namespace greville
     }
 
     CriticalStateStep
-    make_trial(const MaterialPoint &point, const Principal &eps) const
+    make_trial(const double volume_ratio, const Principal &eps) const
     {
       return {-(eps[0] + eps[1] + eps[2]) / elastic.kappa,
               3. * elastic.shear * shear_strain(deviator_of(eps)),
-              determinant(point.increment)};
+              volume_ratio};
     }
 
     double

@@ -26,13 +26,10 @@ namespace greville
   class ElastoplasticLaw : public HenckyLaw<Law, Elastic>
   {
   public:
-    dealii::SymmetricTensor<2, 3>
-    trial(const MaterialPoint &point) const
+    std::array<Lanes, 6>
+    trial(const MaterialLanes &points) const
     {
-      dealii::SymmetricTensor<2, 3> e;
-      for (unsigned int i = 0; i < 6; ++i)
-        e.access_raw_entry(i) = point.state[i];
-      return push_forward(point.increment, e);
+      return push_forward(points.increment, current(points));
     }
 
     std::array<Lanes, 6>

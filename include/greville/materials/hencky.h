@@ -49,53 +49,6 @@ namespace greville
 
 
   /**
-   * f b f^T - 1 from @p e = b - 1: the elastic left Cauchy-Green tensor at the
-   * end of a step without plastic flow (less 1).
-   */
-  inline dealii::SymmetricTensor<2, 3>
-  push_forward(const dealii::Tensor<2, 3>          &f,
-               const dealii::SymmetricTensor<2, 3> &e)
-  {
-    // f (1 + e) f^T - 1 = f e f^T + (f f^T - 1).
-    dealii::SymmetricTensor<2, 3> result = left_cauchy_green_less_one(f);
-    const double xx = e.access_raw_entry(0), yy = e.access_raw_entry(1),
-                 zz = e.access_raw_entry(2), xy = e.access_raw_entry(3),
-                 xz = e.access_raw_entry(4), yz = e.access_raw_entry(5);
-    if (f[0][2] == 0. && f[1][2] == 0. && f[2][0] == 0. && f[2][1] == 0. &&
-        xz == 0. && yz == 0.)
-      {
-        const double x0 = f[0][0] * xx + f[0][1] * xy,
-                     x1 = f[0][0] * xy + f[0][1] * yy,
-                     y0 = f[1][0] * xx + f[1][1] * xy,
-                     y1 = f[1][0] * xy + f[1][1] * yy;
-        result.access_raw_entry(0) += x0 * f[0][0] + x1 * f[0][1];
-        result.access_raw_entry(1) += y0 * f[1][0] + y1 * f[1][1];
-        result.access_raw_entry(2) += f[2][2] * f[2][2] * zz;
-        result.access_raw_entry(3) += x0 * f[1][0] + x1 * f[1][1];
-        return result;
-      }
-    double m[3][3];
-    for (unsigned int i = 0; i < 3; ++i)
-      {
-        m[i][0] = f[i][0] * xx + f[i][1] * xy + f[i][2] * xz;
-        m[i][1] = f[i][0] * xy + f[i][1] * yy + f[i][2] * yz;
-        m[i][2] = f[i][0] * xz + f[i][1] * yz + f[i][2] * zz;
-      }
-    const auto entry = [&](const unsigned int i, const unsigned int j) {
-      return m[i][0] * f[j][0] + m[i][1] * f[j][1] + m[i][2] * f[j][2];
-    };
-    result.access_raw_entry(0) += entry(0, 0);
-    result.access_raw_entry(1) += entry(1, 1);
-    result.access_raw_entry(2) += entry(2, 2);
-    result.access_raw_entry(3) += entry(0, 1);
-    result.access_raw_entry(4) += entry(0, 2);
-    result.access_raw_entry(5) += entry(1, 2);
-    return result;
-  }
-
-
-
-  /**
    * Principal logarithmic strains ln(1 + e_a) / 2 from those of b - 1, of one
    * point or of several.
    */

@@ -27,17 +27,17 @@ namespace greville
    * which takes as many points at once as Lanes hold.
    *
    * A @p Law has
-   *   dealii::SymmetricTensor<2, 3> trial(const MaterialPoint &point) const,
+   *   std::array<Lanes, 6> trial(const MaterialLanes &points) const,
    * the elastic left Cauchy-Green tensor less the identity, b - 1, at the end
    * of a step without plastic flow;
    *   std::array<Lanes, 6> current(const MaterialLanes &points) const,
    *   Lanes heat(const MaterialLanes &points) const,
    * that of points whose state is up to date, and their dissipation; and
    *   std::array<Lanes, 3>
-   *   respond(MaterialPoint *points, unsigned int count,
+   *   respond(MaterialLanes &points,
    *           const SpectralDecomposition<Lanes> &spectrum,
    *           const std::array<Lanes, 6> &e, std::array<Lanes, 3> eps) const,
-   * which updates the state of @p count points from the trial tensor e, its
+   * which updates the state of points from the trial tensor e, its
    * spectrum and its strains eps and returns the principal Kirchhoff stresses;
    *   PrincipalTangent
    *   linearize(const MaterialPoint *points, unsigned int count,
@@ -57,15 +57,21 @@ namespace greville
    * @p Elastic has the functions of ElasticConstants that this class calls.
    */
   template <typename Law, typename Elastic = ElasticConstants>
-  class HenckyLaw : public ElasticMaterial<Material, Elastic>
+  class HenckyLaw : public ElasticMaterial<LanesMaterial, Elastic>
   {
   public:
     void
-    update(const dealii::ArrayView<MaterialPoint> &points) const final
+    update_lanes(MaterialLanes &points) const final
     {
-      for (std::size_t first = 0; first < points.size(); first += n_lanes)
-        update_lanes(points.begin() + first,
-                     std::min<std::size_t>(n_lanes, points.size() - first));
+      const std::array<Lanes, 6>         e         = law().trial(points);
+      const Lanes                        inverse_J = inverse_of(points.J);
+      const SpectralDecomposition<Lanes> spectrum(e);
+      std::array<Lanes, 3>               tau = law().respond(
+        points, spectrum, e, logarithmic_strains(spectrum.values));
+      points.wave_modulus = elastic.wave_modulus(tau, inverse_J);
+      for (Lanes &t : tau)
+        t *= inverse_J;
+      points.stress = spectrum.assemble(tau);
     }
 
     void
@@ -98,7 +104,7 @@ namespace greville
     }
 
   protected:
-    using ElasticMaterial<Material, Elastic>::elastic;
+    using ElasticMaterial<LanesMaterial, Elastic>::elastic;
 
     const Law &
     law() const
@@ -108,57 +114,14 @@ namespace greville
 
   private:
     /**
-     * The trial tensors of @p count points, and J with NaN in place of
-     * what is not positive: b = F F^T does not see its sign.
+     * NaN where J is not positive: b = F F^T does not see its sign.
      */
-    void
-    gather(const MaterialPoint  *points,
-           const unsigned int    count,
-           std::array<Lanes, 6> &e,
-           Lanes                &inverse_J) const
+    static Lanes
+    inverse_of(const Lanes &J)
     {
-      // Lanes without a point are stress-free.
-      double entries[6][n_lanes] = {}, volumes[n_lanes];
-      std::fill_n(volumes, n_lanes, 1.);
-      for (unsigned int lane = 0; lane < count; ++lane)
-        {
-          const dealii::SymmetricTensor<2, 3> e = law().trial(points[lane]);
-          for (unsigned int i = 0; i < 6; ++i)
-            entries[i][lane] = e.access_raw_entry(i);
-          volumes[lane] = points[lane].J;
-        }
-      using std::experimental::element_aligned;
-      for (unsigned int i = 0; i < 6; ++i)
-        e[i].copy_from(entries[i], element_aligned);
-      Lanes J;
-      J.copy_from(volumes, element_aligned);
-      inverse_J =
-        choose(J > 0., 1. / J, Lanes(std::numeric_limits<double>::quiet_NaN()));
-    }
-
-    void
-    update_lanes(MaterialPoint *points, const unsigned int count) const
-    {
-      std::array<Lanes, 6> e;
-      Lanes                inverse_J;
-      gather(points, count, e, inverse_J);
-
-      const SpectralDecomposition<Lanes> spectrum(e);
-      std::array<Lanes, 3>               tau = law().respond(
-        points, count, spectrum, e, logarithmic_strains(spectrum.values));
-      const Lanes modulus = elastic.wave_modulus(tau, inverse_J);
-      for (Lanes &t : tau)
-        t *= inverse_J;
-      const std::array<Lanes, 6> stress = spectrum.assemble(tau);
-      double                     entries[6][n_lanes];
-      for (unsigned int i = 0; i < 6; ++i)
-        stress[i].copy_to(entries[i], std::experimental::element_aligned);
-      for (unsigned int lane = 0; lane < count; ++lane)
-        {
-          for (unsigned int i = 0; i < 6; ++i)
-            points[lane].stress.access_raw_entry(i) = entries[i][lane];
-          points[lane].wave_modulus = modulus[lane];
-        }
+      return choose(J > 0.,
+                    Lanes(1. / J),
+                    Lanes(std::numeric_limits<double>::quiet_NaN()));
     }
 
     void
@@ -167,10 +130,9 @@ namespace greville
                   MaterialTangent     *result,
                   const unsigned int   dim) const
     {
-      std::array<Lanes, 6> e;
-      Lanes                inverse_J;
-      gather(points, count, e, inverse_J);
-      const SpectralDecomposition<Lanes> spectrum(e);
+      const MaterialLanes                lanes(points, count);
+      const Lanes                        inverse_J = inverse_of(lanes.J);
+      const SpectralDecomposition<Lanes> spectrum(law().trial(lanes));
       const auto                         n = spectrum.directions();
       PrincipalTangent                   tangent =
         law().linearize(points, count, logarithmic_strains(spectrum.values));

@@ -82,65 +82,60 @@ namespace greville
     }
 
     std::array<Lanes, 3>
-    respond(MaterialPoint                      *points,
-            const unsigned int                  count,
+    respond(MaterialLanes                      &points,
             const SpectralDecomposition<Lanes> &spectrum,
             const std::array<Lanes, 6>         &e,
             std::array<Lanes, 3>                eps) const
     {
-      bool has_changed[n_lanes] = {}, any_changed = false;
+      auto &state                = points.state;
+      bool  has_changed[n_lanes] = {}, any_changed = false;
       if constexpr (Law::opens)
-        for (unsigned int lane = 0; lane < count; ++lane)
-          if (points[lane].state[opening] > 0.)
-            {
-              const double closed =
-                closing(points[lane],
-                        double(eps[0][lane]) + eps[1][lane] + eps[2][lane]);
-              points[lane].state[opening] -= closed;
-              for (Lanes &strain : eps)
-                strain[lane] = strain[lane] + closed / 3.;
-              has_changed[lane] = any_changed = true;
-            }
+        if (!all_of(state[opening] <= 0.))
+          for (unsigned int lane = 0; lane < points.count; ++lane)
+            if (state[opening][lane] > 0.)
+              {
+                const double closed =
+                  closing(state[opening][lane],
+                          state[plastic_strain][lane],
+                          double(eps[0][lane]) + eps[1][lane] + eps[2][lane]);
+                state[opening][lane] = state[opening][lane] - closed;
+                for (Lanes &strain : eps)
+                  strain[lane] = strain[lane] + closed / 3.;
+                has_changed[lane] = any_changed = true;
+              }
 
       const std::array<Lanes, 3> tau_trial = elastic.stress(eps);
       std::array<Lanes, 3>       tau       = tau_trial;
-      for (unsigned int lane = 0; lane < count; ++lane)
+      for (unsigned int lane = 0; lane < points.count; ++lane)
         {
-          auto     &state = points[lane].state;
+          double    alpha = state[plastic_strain][lane], opened = 0.;
           Principal t{{tau[0][lane], tau[1][lane], tau[2][lane]}};
-          if (law().return_map(t,
-                               state[plastic_strain],
-                               state[opening],
-                               points[lane].strength_reduction))
+          if constexpr (Law::opens)
+            opened = state[opening][lane];
+          if (law().return_map(t, alpha, opened, points.strength_reduction))
             {
               for (unsigned int a = 0; a < 3; ++a)
                 tau[a][lane] = t[a];
+              state[plastic_strain][lane] = alpha;
+              if constexpr (Law::opens)
+                state[opening][lane] = opened;
               has_changed[lane] = any_changed = true;
             }
         }
+      std::copy_n(e.begin(), 6, state.begin());
+      if (!any_changed)
+        return tau;
 
-      if (any_changed)
-        {
-          const std::array<Lanes, 3> flow =
-            elastic.strain(std::array<Lanes, 3>{{tau_trial[0] - tau[0],
-                                                 tau_trial[1] - tau[1],
-                                                 tau_trial[2] - tau[2]}});
-          const Lanes heat =
-            tau[0] * flow[0] + tau[1] * flow[1] + tau[2] * flow[2];
-          const std::array<Lanes, 6> returned =
-            spectrum.assemble(stretches_less_one(elastic.strain(tau)));
-          for (unsigned int lane = 0; lane < count; ++lane)
-            if (has_changed[lane])
-              {
-                points[lane].state[work] += heat[lane];
-                for (unsigned int i = 0; i < 6; ++i)
-                  points[lane].state[i] = returned[i][lane];
-              }
-        }
-      for (unsigned int lane = 0; lane < count; ++lane)
-        if (!has_changed[lane])
-          for (unsigned int i = 0; i < 6; ++i)
-            points[lane].state[i] = e[i][lane];
+      const std::array<Lanes, 3> flow = elastic.strain(std::array<Lanes, 3>{
+        {tau_trial[0] - tau[0], tau_trial[1] - tau[1], tau_trial[2] - tau[2]}});
+      const Lanes heat = tau[0] * flow[0] + tau[1] * flow[1] + tau[2] * flow[2];
+      const std::array<Lanes, 6> returned =
+        spectrum.assemble(stretches_less_one(elastic.strain(tau)));
+      const Lanes::mask_type changed(has_changed,
+                                     std::experimental::element_aligned);
+      where(changed, state[work]) += heat;
+      for (unsigned int i = 0; i < 6; ++i)
+        where(changed, state[i]) = returned[i];
       return tau;
     }
 
@@ -156,7 +151,8 @@ namespace greville
           if (points[lane].state[opening] > 0.)
             {
               const double closed =
-                closing(points[lane],
+                closing(points[lane].state[opening],
+                        points[lane].state[plastic_strain],
                         double(eps[0][lane]) + eps[1][lane] + eps[2][lane]);
               for (Lanes &strain : eps)
                 strain[lane] = strain[lane] + closed / 3.;
@@ -229,13 +225,14 @@ namespace greville
     static constexpr unsigned int opening = ElastoplasticLaw<Law>::more;
 
     /**
-     * The part of the opening that closes at an elastic strain of volume.
+     * The part of an opening that closes at an elastic strain of volume.
      */
     double
-    closing(const MaterialPoint &point, const double volume_strain) const
+    closing(const double open,
+            const double alpha,
+            const double volume_strain) const
     {
-      const double open = point.state[opening];
-      return law().largest_mean_stress(point.state[plastic_strain]) > 0.
+      return law().largest_mean_stress(alpha) > 0.
                ? std::min(open, std::max(-volume_strain, 0.))
                : open;
     }

@@ -39,16 +39,16 @@ namespace greville
       return true;
     }
 
-    dealii::SymmetricTensor<2, 3>
-    trial(const MaterialPoint &point) const
+    std::array<Lanes, 6>
+    trial(const MaterialLanes &points) const
     {
-      return left_cauchy_green_less_one(point.F);
+      return left_cauchy_green_less_one(points.F);
     }
 
     std::array<Lanes, 6>
     current(const MaterialLanes &points) const
     {
-      return left_cauchy_green_less_one(points.F);
+      return trial(points);
     }
 
     Lanes
@@ -58,8 +58,7 @@ namespace greville
     }
 
     std::array<Lanes, 3>
-    respond(MaterialPoint *,
-            const unsigned int,
+    respond(MaterialLanes &,
             const SpectralDecomposition<Lanes> &,
             const std::array<Lanes, 6> &,
             const std::array<Lanes, 3> &eps) const

@@ -135,6 +135,25 @@ namespace greville
     update(const dealii::ArrayView<MaterialPoint> &points) const = 0;
 
     /**
+     * Whether update_lanes() does the same for several points at once. See
+     * LanesMaterial.
+     */
+    virtual bool
+    has_lanes() const
+    {
+      return false;
+    }
+
+    /**
+     * Does not see the stress of the beginning of the step.
+     */
+    virtual void
+    update_lanes(MaterialLanes & /*points*/) const
+    {
+      Assert(false, dealii::ExcPureFunctionCalled());
+    }
+
+    /**
      * The derivatives of the stresses that update() gives for @p points, which
      * are as update() takes them: stress and state of the beginning of the
      * step, increment, F and J at the end. A change l dt of the velocity's

@@ -9,35 +9,61 @@
 namespace greville
 {
   /**
-   * What energies need of several points at once; see MaterialPoint for the
-   * numbers. Lanes without a point are stress-free.
+   * Several points at once, see MaterialPoint for the numbers. Lanes without a
+   * point are stress-free. Energies do not look at the last four.
    */
   struct MaterialLanes
   {
     MaterialLanes() = default;
 
-    /**
-     * Of one point, in the first lane.
-     */
     explicit MaterialLanes(const MaterialPoint &point)
-      : count(1)
+      : MaterialLanes(&point, 1)
+    {}
+
+    /**
+     * Of @p count points, in the first lanes.
+     */
+    MaterialLanes(const MaterialPoint *points, const unsigned int count)
+      : count(count)
       , n_state(MaterialPoint::max_state)
+      , J(1.)
+      , dt(points->dt)
+      , strength_reduction(points->strength_reduction)
     {
       for (unsigned int i = 0; i < 9; ++i)
-        F[i] = i % 4 == 0 ? 1. : 0.;
-      for (unsigned int i = 0; i < 9; ++i)
-        F[i][0] = point.F[i / 3][i % 3];
-      J    = 1.;
-      J[0] = point.J;
-      for (unsigned int i = 0; i < 6; ++i)
+        F[i] = increment[i] = i % 4 == 0 ? 1. : 0.;
+      stress.fill(0.);
+      std::fill_n(state.begin(), n_state, Lanes(0.));
+      for (unsigned int lane = 0; lane < count; ++lane)
         {
-          stress[i]    = 0.;
-          stress[i][0] = point.stress.access_raw_entry(i);
+          const MaterialPoint &point = points[lane];
+          J[lane]                    = point.J;
+          for (unsigned int i = 0; i < 9; ++i)
+            {
+              F[i][lane]         = point.F[i / 3][i % 3];
+              increment[i][lane] = point.increment[i / 3][i % 3];
+            }
+          for (unsigned int i = 0; i < 6; ++i)
+            stress[i][lane] = point.stress.access_raw_entry(i);
+          for (unsigned int k = 0; k < n_state; ++k)
+            state[k][lane] = point.state[k];
         }
-      for (unsigned int k = 0; k < MaterialPoint::max_state; ++k)
+    }
+
+    /**
+     * What update_lanes() has written, to the points.
+     */
+    void
+    write(MaterialPoint *points) const
+    {
+      for (unsigned int lane = 0; lane < count; ++lane)
         {
-          state[k]    = 0.;
-          state[k][0] = point.state[k];
+          MaterialPoint &point = points[lane];
+          for (unsigned int i = 0; i < 6; ++i)
+            point.stress.access_raw_entry(i) = stress[i][lane];
+          for (unsigned int k = 0; k < n_state; ++k)
+            point.state[k] = state[k][lane];
+          point.wave_modulus = wave_modulus[lane];
         }
     }
 
@@ -49,6 +75,42 @@ namespace greville
     std::array<Lanes, 6> stress;
     /// The first n_state of them.
     std::array<Lanes, MaterialPoint::max_state> state;
+    /// Row by row.
+    std::array<Lanes, 9> increment;
+    double               dt = 0., strength_reduction = 1.;
+    Lanes                wave_modulus;
+  };
+
+
+
+  /**
+   * A Material that computes as many points at once as Lanes hold: a law has
+   * update_lanes(), and the kernels of explicit steps give it their groups.
+   */
+  class LanesMaterial : public Material
+  {
+  public:
+    bool
+    has_lanes() const final
+    {
+      return true;
+    }
+
+    void
+    update_lanes(MaterialLanes &points) const override = 0;
+
+    void
+    update(const dealii::ArrayView<MaterialPoint> &points) const final
+    {
+      for (std::size_t first = 0; first < points.size(); first += n_lanes)
+        {
+          MaterialLanes lanes(points.begin() + first,
+                              std::min<std::size_t>(n_lanes,
+                                                    points.size() - first));
+          update_lanes(lanes);
+          lanes.write(points.begin() + first);
+        }
+    }
   };
 
 
@@ -77,6 +139,45 @@ namespace greville
              F[0] * F[3] + F[1] * F[4] + F[2] * F[5],
              F[0] * F[6] + F[1] * F[7] + F[2] * F[8],
              F[3] * F[6] + F[4] * F[7] + F[5] * F[8]}};
+  }
+
+
+
+  /**
+   * f b f^T - 1 from @p e = b - 1: the elastic left Cauchy-Green tensor at the
+   * end of a step without plastic flow (less 1).
+   */
+  inline std::array<Lanes, 6>
+  push_forward(const std::array<Lanes, 9> &f, const std::array<Lanes, 6> &e)
+  {
+    // f (1 + e) f^T - 1 = f e f^T + (f f^T - 1).
+    std::array<Lanes, 6> result = left_cauchy_green_less_one(f);
+    Lanes                m[3][3];
+    for (unsigned int i = 0; i < 3; ++i)
+      {
+        const Lanes *row = &f[3 * i];
+        m[i][0]          = row[0] * e[0] + row[1] * e[3] + row[2] * e[4];
+        m[i][1]          = row[0] * e[3] + row[1] * e[1] + row[2] * e[5];
+        m[i][2]          = row[0] * e[4] + row[1] * e[5] + row[2] * e[2];
+      }
+    for (unsigned int k = 0; k < 6; ++k)
+      {
+        constexpr unsigned int rows[]    = {0, 1, 2, 0, 0, 1};
+        constexpr unsigned int columns[] = {0, 1, 2, 1, 2, 2};
+        const unsigned int     i = rows[k], j = 3 * columns[k];
+        result[k] += m[i][0] * f[j] + m[i][1] * f[j + 1] + m[i][2] * f[j + 2];
+      }
+    return result;
+  }
+
+
+
+  inline Lanes
+  determinant(const std::array<Lanes, 9> &F)
+  {
+    return F[0] * (F[4] * F[8] - F[5] * F[7]) -
+           F[1] * (F[3] * F[8] - F[5] * F[6]) +
+           F[2] * (F[3] * F[7] - F[4] * F[6]);
   }
 
 

@@ -30,7 +30,7 @@ namespace greville
    * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
    * 0.5), initialize() for a stress that no deformation has.
    */
-  class NeoHookean : public ElasticMaterial<MaterialLaw<NeoHookean>>
+  class NeoHookean : public ElasticMaterial<LanesMaterial>
   {
   public:
     static constexpr const char *name = "neo-hookean";
@@ -78,39 +78,34 @@ namespace greville
                      " Pa and mu = " + text_of(mu) + " Pa");
       point.J = std::exp(log_J);
       point.F = spectrum.tensor(stretch);
-      update_point(point);
+      update(dealii::make_array_view(&point, &point + 1));
       point.stress = stress;
     }
 
     void
-    update_point(MaterialPoint &point) const
+    update_lanes(MaterialLanes &points) const override
     {
-      const double mu = elastic.shear, inverse_J = 1. / point.J;
-      const double log_J = std::log(point.J);
-      const double p     = elastic.lambda * log_J;
+      const double mu        = elastic.shear;
+      const Lanes  inverse_J = 1. / points.J;
+      const Lanes  p         = elastic.lambda * log_of_one_plus(points.J - 1.);
 
-      dealii::SymmetricTensor<2, 3> e = left_cauchy_green_less_one(point.F);
-      const double mean = (e.access_raw_entry(0) + e.access_raw_entry(1) +
-                           e.access_raw_entry(2)) /
-                          3.;
-      double square = 0.;
+      const std::array<Lanes, 6> e      = left_cauchy_green_less_one(points.F);
+      const Lanes                mean   = (e[0] + e[1] + e[2]) * (1. / 3.);
+      Lanes                      square = 0.;
       for (unsigned int i = 0; i < 3; ++i)
         {
-          const double d = e.access_raw_entry(i) - mean;
-          square += d * d;
-          square += 2. * e.access_raw_entry(i + 3) * e.access_raw_entry(i + 3);
+          const Lanes d = e[i] - mean;
+          square += d * d + 2. * e[i + 3] * e[i + 3];
         }
-      const double largest = 1. + mean + std::sqrt(2. / 3. * square);
+      const Lanes  largest = 1. + mean + sqrt(2. / 3. * square);
       const double modulus = elastic.lambda + 2. * mu;
-      point.wave_modulus =
-        larger_of(elastic.lambda - p + mu + mu * largest, 1e-2 * modulus) *
-        inverse_J;
+      points.wave_modulus  = larger_of(elastic.lambda - p + mu + mu * largest,
+                                      Lanes(1e-2 * modulus)) *
+                            inverse_J;
       for (unsigned int i = 0; i < 3; ++i)
         {
-          point.stress.access_raw_entry(i) =
-            (p + mu * e.access_raw_entry(i)) * inverse_J;
-          point.stress.access_raw_entry(i + 3) =
-            mu * e.access_raw_entry(i + 3) * inverse_J;
+          points.stress[i]     = (p + mu * e[i]) * inverse_J;
+          points.stress[i + 3] = mu * e[i + 3] * inverse_J;
         }
     }
 

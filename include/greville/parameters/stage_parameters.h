@@ -23,6 +23,7 @@ namespace greville
     std::string  step;
     double       cfl               = 0.5;
     double       safety            = 0.7;
+    double       smallest_step     = 1e-3;
     std::string  too_large_step    = "refuse";
     unsigned int estimate_every    = 20;
     std::string  velocities        = "half steps";

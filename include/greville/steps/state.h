@@ -60,6 +60,8 @@ namespace greville
     unsigned int next = 0, n_between = 0;
     /// Signals::wave at the last one.
     double wave = 0.;
+    /// The first automatic step of the stage, s.
+    double first_step = 0.;
   };
 
 

@@ -70,7 +70,8 @@ namespace greville
     /**
      * Collective. The next step, s: not beyond the end. Throws
      * dealii::ExcMessage where it is above the critical one and that is
-     * refused, and where there would be too many steps.
+     * refused, where there would be too many steps, and where an automatic one
+     * is below 'Time/Smallest step' of the first one.
      */
     double
     propose(State<dim> &state, const StepScheme &scheme);
@@ -111,7 +112,7 @@ namespace greville
     given_step(const State<dim> &state, const bool has_estimate);
 
     double
-    automatic_step(const State<dim> &state) const;
+    automatic_step(State<dim> &state) const;
 
     /**
      * The numbers that the step is made of, and describe_materials().

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_source_points_group_lanes_h
+#define greville_source_points_group_lanes_h
+
+#include <greville/materials/material_lanes.h>
+#include <greville/points/material_points.h>
+
+/**
+ * Groups of points as their material sees them. To be included in sources.
+ */
+namespace greville
+{
+  namespace internal
+  {
+    static_assert(n_lanes == MaterialPoints<2>::width, "Groups fill lanes.");
+
+    inline Lanes
+    lanes_at(const double *address)
+    {
+      return load<Lanes>(address);
+    }
+
+
+
+    template <int n>
+    inline void
+    lanes_at(const double *group, const unsigned int first, Lanes (&values)[n])
+    {
+      for (int k = 0; k < n; ++k)
+        values[k] = lanes_at(group + (first + k) * n_lanes);
+    }
+
+
+
+    /**
+     * A group as its material sees it, see load_material_point(), but for the
+     * stress.
+     */
+    template <int dim>
+    inline void
+    load_material_lanes(const PointLayout<dim> &layout,
+                        const double           *group,
+                        const unsigned int      count,
+                        MaterialLanes          &points)
+    {
+      using Layout      = PointLayout<dim>;
+      const auto number = [&](const unsigned int k) {
+        return lanes_at(group + k * n_lanes);
+      };
+      points.count   = count;
+      points.n_state = layout.n_state;
+      points.F.fill(0.);
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          points.F[3 * i + j] = number(Layout::F + Layout::F_index(i, j));
+      points.F[8] = number(Layout::F + Layout::F_index(2, 2));
+      points.J    = number(Layout::J);
+      if (layout.projected_J != 0)
+        {
+          const Lanes J     = number(layout.projected_J);
+          const Lanes ratio = J / points.J;
+          Lanes       factor;
+          for (unsigned int lane = 0; lane < n_lanes; ++lane)
+            factor[lane] = lane < count ? (dim == 2 ? std::sqrt(ratio[lane])
+                                                    : std::cbrt(ratio[lane]))
+                                        : 1.;
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int j = 0; j < dim; ++j)
+              points.F[3 * i + j] *= factor;
+          points.J = J;
+          for (unsigned int lane = count; lane < n_lanes; ++lane)
+            points.J[lane] = 1.;
+        }
+      for (unsigned int k = 0; k < layout.n_state; ++k)
+        points.state[k] = number(Layout::state + k);
+    }
+
+
+
+    /**
+     * Write what Material::update_lanes() has changed.
+     */
+    template <int dim>
+    inline void
+    store_material_lanes(const MaterialLanes    &points,
+                         const PointLayout<dim> &layout,
+                         double                 *group)
+    {
+      using Layout        = PointLayout<dim>;
+      const auto store_at = [&](const unsigned int k, const Lanes &value) {
+        store(value, group + k * n_lanes);
+      };
+      for (unsigned int k = 0; k < Layout::n_stress; ++k)
+        store_at(Layout::stress + k, points.stress[k]);
+      store_at(Layout::wave_modulus, points.wave_modulus);
+      for (unsigned int k = 0; k < layout.n_state; ++k)
+        store_at(layout.state + k, points.state[k]);
+    }
+  } // namespace internal
+} // namespace greville
+
+#endif
