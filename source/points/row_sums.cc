@@ -110,6 +110,7 @@ namespace greville
       points.stress.fill(0.);
       for (unsigned int k = 0; k < Layout::n_stress; ++k)
         points.stress[k] = number(Layout::stress + k);
+      points.state.resize(layout.n_state);
       for (unsigned int k = 0; k < layout.n_state; ++k)
         points.state[k] = number(Layout::state + k);
     }

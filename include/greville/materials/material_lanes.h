@@ -21,7 +21,7 @@ namespace greville
      */
     explicit MaterialLanes(const MaterialPoint &point)
       : count(1)
-      , n_state(MaterialPoint::max_state)
+      , n_state(History<double>::n_first + point.state.more.size())
     {
       for (unsigned int i = 0; i < 9; ++i)
         F[i] = i % 4 == 0 ? 1. : 0.;
@@ -34,7 +34,8 @@ namespace greville
           stress[i]    = 0.;
           stress[i][0] = point.stress.access_raw_entry(i);
         }
-      for (unsigned int k = 0; k < MaterialPoint::max_state; ++k)
+      state.resize(n_state);
+      for (unsigned int k = 0; k < n_state; ++k)
         {
           state[k]    = 0.;
           state[k][0] = point.state[k];
@@ -48,7 +49,7 @@ namespace greville
     /// xx, yy, zz, xy, xz, yz.
     std::array<Lanes, 6> stress;
     /// The first n_state of them.
-    std::array<Lanes, MaterialPoint::max_state> state;
+    History<Lanes> state;
   };
 
 
