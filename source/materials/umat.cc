@@ -66,12 +66,12 @@ namespace greville
                            dissipated = 10, modulus = 11, n_fixed = 12;
     static_assert(n_fixed == History<double>::n_first, "");
 
-    const std::vector<std::string> fixed_names = {"strain_xx",
-                                                  "strain_yy",
-                                                  "strain_zz",
-                                                  "strain_xy",
-                                                  "strain_xz",
-                                                  "strain_yz",
+    const std::vector<std::string> fixed_names = {"stran_xx",
+                                                  "stran_yy",
+                                                  "stran_zz",
+                                                  "stran_xy",
+                                                  "stran_xz",
+                                                  "stran_yz",
                                                   "energy_elastic",
                                                   "energy_plastic",
                                                   "energy_creep",
@@ -160,6 +160,27 @@ namespace greville
              std::all_of(text.begin(), text.end(), [](const unsigned char c) {
                return std::isdigit(c);
              });
+    }
+
+
+
+    /**
+     * Whether other numbers or fields of points have this name, or the one of a
+     * component: "stress_xy".
+     */
+    bool
+    is_taken(const std::string &text)
+    {
+      const std::size_t last = text.rfind('_');
+      const bool        is_component =
+        last != std::string::npos &&
+        text.find_first_not_of("xyz0123456789", last + 1) == std::string::npos;
+      const auto is_in = [&](const std::vector<std::string> &list,
+                             const std::string              &name) {
+        return std::count(list.begin(), list.end(), name) > 0;
+      };
+      return is_in(fixed_names, text) || is_in(taken, text) ||
+             (is_component && is_in(taken, text.substr(0, last)));
     }
 
 
@@ -263,11 +284,10 @@ namespace greville
                                  ">; it has to be a name of letters, digits "
                                  "and _, and a unit in brackets if it has "
                                  "one, or the number of all of them."));
-          for (const auto *others : {&fixed_names, &taken})
-            AssertThrow(std::count(others->begin(), others->end(), state) == 0,
-                        ExcMessage("The parameter '" + section +
-                                   "/State variables' has the name <" + state +
-                                   ">, which all points have already."));
+          AssertThrow(!is_taken(state),
+                      ExcMessage("The parameter '" + section +
+                                 "/State variables' has the name <" + state +
+                                 ">, which all points have already."));
           names.push_back(state);
           units.push_back(
             has ? Utilities::trim(text.substr(open + 1, text.size() - open - 2))

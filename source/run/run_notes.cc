@@ -94,6 +94,7 @@ namespace greville
       {"points.pvd", "opening", "1", "1"},
       {"points.pvd", "strain", "1", "1"},
       {"points.pvd", "b", "1", "1"},
+      {"points.pvd", "stran", "1", "1"},
       {"points.pvd", "energy", "J / m^3", "J / m^3"},
       {"points.pvd", "modulus", "Pa", "Pa"},
       {"points.pvd", "F", "1", "1"},

@@ -311,8 +311,8 @@ namespace
     bad({"Library = nowhere/soil.so"});
     bad({library("sponge.so")});
     bad({elastic, "Properties = 1e7, 0.3", "State variables = 2 e"});
-    bad({elastic, "Properties = 1e7, 0.3", "State variables = e, strain_xx"});
-    bad({elastic, "Properties = 1e7, 0.3", "State variables = e, mass"});
+    bad({elastic, "Properties = 1e7, 0.3", "State variables = e, stran_xx"});
+    bad({elastic, "Properties = 1e7, 0.3", "State variables = e, stress_xy"});
     bad({elastic, "Properties = 1e7, 0.3", "State variables = e, e"});
     bad({elastic,
          "Properties = 1e7, 0.3",
