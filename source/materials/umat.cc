@@ -9,6 +9,7 @@
 #include <greville/materials/spectral_decomposition.h>
 #include <greville/materials/umat.h>
 
+#include "umat_interface.h"
 #include <algorithm>
 #include <cctype>
 #include <limits>
@@ -19,46 +20,6 @@ namespace greville
 
   namespace
   {
-    // By reference, as Fortran has them; the length of cmname comes last.
-    using Function = void (*)(double       *stress,
-                              double       *statev,
-                              double       *ddsdde,
-                              double       *sse,
-                              double       *spd,
-                              double       *scd,
-                              double       *rpl,
-                              double       *ddsddt,
-                              double       *drplde,
-                              double       *drpldt,
-                              const double *stran,
-                              const double *dstran,
-                              const double *time,
-                              const double *dtime,
-                              const double *temp,
-                              const double *dtemp,
-                              const double *predef,
-                              const double *dpred,
-                              const char   *cmname,
-                              const int    *ndi,
-                              const int    *nshr,
-                              const int    *ntens,
-                              const int    *nstatv,
-                              const double *props,
-                              const int    *nprops,
-                              const double *coords,
-                              const double *drot,
-                              double       *pnewdt,
-                              const double *celent,
-                              const double *dfgrd0,
-                              const double *dfgrd1,
-                              const int    *noel,
-                              const int    *npt,
-                              const int    *layer,
-                              const int    *kspt,
-                              const int    *kstep,
-                              const int    *kinc,
-                              std::size_t   length);
-
     constexpr unsigned int cmname_length = 80;
 
     // The history before STATEV, which is History::more as it lies in memory.
@@ -453,51 +414,52 @@ namespace greville
     double rpl = 0., ddsddt[6] = {}, drplde[6] = {}, drpldt = 0., none = 0.;
     double largest = std::numeric_limits<float>::max(), pnewdt = largest;
     const double heat = state.first[spd] + state.first[scd];
-    reinterpret_cast<Function>(function)(stress,
-                                         nstatv > 0 ? state.more.data() : &none,
-                                         ddsdde,
-                                         &state.first[sse],
-                                         &state.first[spd],
-                                         &state.first[scd],
-                                         &rpl,
-                                         ddsddt,
-                                         drplde,
-                                         &drpldt,
-                                         stran,
-                                         dstran,
-                                         time,
-                                         &point.dt,
-                                         &zero,
-                                         &zero,
-                                         &zero,
-                                         &zero,
-                                         padded_name.data(),
-                                         &ndi,
-                                         &nshr,
-                                         &ntens,
-                                         &nstatv,
-                                         nprops > 0 ? properties.data() : &zero,
-                                         &nprops,
-                                         coords,
-                                         drot,
-                                         &pnewdt,
-                                         &element_length,
-                                         dfgrd0,
-                                         dfgrd1,
-                                         &one,
-                                         &one,
-                                         &one,
-                                         &one,
-                                         kstep,
-                                         &kinc,
-                                         cmname_length);
+    reinterpret_cast<UmatFunction>(
+      function)(stress,
+                nstatv > 0 ? state.more.data() : &none,
+                ddsdde,
+                &state.first[sse],
+                &state.first[spd],
+                &state.first[scd],
+                &rpl,
+                ddsddt,
+                drplde,
+                &drpldt,
+                stran,
+                dstran,
+                time,
+                &point.dt,
+                &zero,
+                &zero,
+                &zero,
+                &zero,
+                padded_name.data(),
+                &ndi,
+                &nshr,
+                &ntens,
+                &nstatv,
+                nprops > 0 ? properties.data() : &zero,
+                &nprops,
+                coords,
+                drot,
+                &pnewdt,
+                &element_length,
+                dfgrd0,
+                dfgrd1,
+                &one,
+                &one,
+                &one,
+                &one,
+                kstep,
+                &kinc,
+                cmname_length);
     AssertThrow(!(pnewdt < 1.),
                 ExcMessage("the UMAT of '" + section_name +
                            "' asks for a step of " + text_of(pnewdt) +
                            " times this length (PNEWDT), which is " +
                            text_of(point.dt) +
                            " s; explicit steps take a smaller 'Time/Step' or "
-                           "'Time/Step factor'"));
+                           "'Time/Safety'"));
     for (int i = 0; i < ntens; ++i)
       {
         point.stress.access_raw_entry(i) = stress[i];
