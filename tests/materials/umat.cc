@@ -230,7 +230,7 @@ namespace
     check("the initial state",
           point.state[12 + 21] == 1. && point.state[12 + 22] == 2. &&
             point.state[12 + 23] == 4.);
-    check("waves", point.wave_modulus, 1e6);
+    check("waves", std::abs(point.wave_modulus - 1e6), 0.);
 
     // A quarter of a turn with a shear after a first step.
     point.time = 0.5;
@@ -242,13 +242,15 @@ namespace
     f[1][0]           = 1.;
     point.time        = 0.75;
     step(*umat, point, f, 0.25);
-    check("the stress turns", point.stress[1][1], -1e4);
-    check("  and is not changed", point.stress.norm() / 1e4 - 1., 1e-12);
+    check("the stress turns", std::abs(point.stress[1][1] + 1e4), 1e-8);
+    check("  and is not changed",
+          std::abs(point.stress.norm() / 1e4 - 1.),
+          1e-12);
     print() << "given in plane strain:";
     for (unsigned int k = 0; k < 19; ++k)
       print() << ' ' << std::round(1e6 * point.state[12 + k]) / 1e6 + 0.;
     print() << std::endl;
-    check("sums go on", point.state[12 + 19], 0.75);
+    check("sums go on", std::abs(point.state[12 + 19] - 0.75), 1e-15);
     const MaterialPoint flat = point;
     point.dim                = 3;
     step(*umat, point, one_tensor(), 0.25);
@@ -281,8 +283,8 @@ namespace
     print() << std::endl;
     check("given moduli", named->moduli().bulk == 3e7);
     check("  make waves faster",
-          rest(*named).wave_modulus,
-          3e7 + 4. / 3. * 1e7);
+          std::abs(rest(*named).wave_modulus - 3e7 - 4. / 3. * 1e7),
+          1e-6);
   }
 
 
