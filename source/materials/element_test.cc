@@ -139,6 +139,7 @@ namespace greville
         result.J                  = determinant(result.F);
         result.dt                 = dt;
         result.strength_reduction = material.strength_reduction(time + dt);
+        result.time               = time + dt;
         return result;
       }
 

@@ -11,6 +11,7 @@
 #include <greville/materials/neo_hookean.h>
 #include <greville/materials/newtonian_fluid.h>
 #include <greville/materials/nor_sand.h>
+#include <greville/materials/umat.h>
 #include <greville/materials/von_mises.h>
 
 namespace greville
@@ -39,7 +40,8 @@ namespace greville
         {ModifiedCamClay::name, new_material<ModifiedCamClay>},
         {NorSand::name, new_material<NorSand>},
         {NewtonianFluid::name, new_material<NewtonianFluid>},
-        {Bingham::name, new_material<Bingham>}};
+        {Bingham::name, new_material<Bingham>},
+        {Umat::name, new_material<Umat>}};
       return list;
     }
   } // namespace
@@ -60,6 +62,7 @@ namespace greville
           point.stress.access_raw_entry(i) = points.stress[i][lane];
         for (unsigned int i = 0; i < 3; ++i)
           point.increment[i][i] = 1.;
+        point.state.resize(points.n_state);
         for (unsigned int k = 0; k < points.n_state; ++k)
           point.state[k] = points.state[k][lane];
         result.strain[lane]      = strain_energy(point);
@@ -73,6 +76,11 @@ namespace greville
   void
   add_material(const std::string &name, const MakeMaterial make)
   {
+    for (const Entry &material : materials())
+      AssertThrow(material.name != name,
+                  ExcMessage("There is a material law '" + name +
+                             "' already: one that is added needs another "
+                             "name."));
     materials().push_back({name, make});
   }
 
@@ -143,16 +151,7 @@ namespace greville
   {
     for (const Entry &material : materials())
       if (name == material.name)
-        {
-          auto              result = material.make();
-          const std::size_t n      = result->state_names().size();
-          AssertThrow(n <= MaterialPoint::max_state,
-                      ExcMessage("The history of the law '" + name + "' has " +
-                                 std::to_string(n) + " names; it may have " +
-                                 std::to_string(MaterialPoint::max_state) +
-                                 " (MaterialPoint::max_state)."));
-          return result;
-        }
+        return material.make();
     AssertThrow(false,
                 ExcMessage("The parameter '" + parameter + "' is '" + name +
                            "'; it has to be one of " + material_names() + "."));

@@ -37,6 +37,9 @@ namespace greville
       "which contains those of the sections Time, Scheme, Walls, Loads, "
       "Implicit and Newton in which it differs from the sections outside, with "
       "what differs. Empty: one stage.");
+    add_parameter(prm, "Additional shared libraries", shared_libraries)(
+      "Plugins: shared libraries that add material laws, loads, integrators "
+      "and other parts, relative to the folder of this file.");
   }
 
 

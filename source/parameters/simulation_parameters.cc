@@ -2,7 +2,9 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/base/shared_library.h>
 #include <greville/materials/element_test.h>
+#include <greville/materials/umat.h>
 #include <greville/parameters/simulation_parameters.h>
 
 #include <algorithm>
@@ -96,6 +98,53 @@ namespace greville
                         "The constitutive law; it has to be given. Its "
                         "parameters stand in the same section.");
       prm.leave_subsection();
+    }
+
+
+
+    /**
+     * Load the libraries of plugins and of laws that users bring, whose names
+     * become absolute. Throws with the line where that is not possible.
+     */
+    std::vector<ParameterLine>
+    with_libraries(std::vector<ParameterLine>   lines,
+                   const std::filesystem::path &folder)
+    {
+      const auto absolute = [&](const std::string &name) {
+        return std::filesystem::absolute(folder / name).string();
+      };
+      const std::vector<ParameterLine> given = lines;
+      for (ParameterLine &line : lines)
+        try
+          {
+            // The last one counts.
+            if (line.value != value_of(given, line.section, line.name))
+              continue;
+            const std::string parameter = line.section + "/" + line.name;
+            if (parameter == "Simulation/Additional shared libraries")
+              {
+                std::vector<std::string> files;
+                for (const std::string &name :
+                     Utilities::split_string_list(line.value, ','))
+                  {
+                    files.push_back(absolute(name));
+                    load_plugin(files.back(), parameter);
+                  }
+                line.value = boost::algorithm::join(files, ", ");
+              }
+            else if (line.name == "Library" && !line.value.empty() &&
+                     value_of(given, line.section, "Model") == Umat::name)
+              {
+                line.value = absolute(line.value);
+                Umat::find_function(line.value, parameter);
+              }
+          }
+        catch (const std::exception &error)
+          {
+            AssertThrow(false,
+                        ExcMessage(line.place + ": " + message_of(error)));
+          }
+      return lines;
     }
 
 
@@ -195,8 +244,10 @@ namespace greville
 
   void
   SimulationParameters::read(const std::string                &file,
-                             const std::vector<ParameterLine> &lines)
+                             const std::vector<ParameterLine> &given_lines)
   {
+    const auto lines =
+      with_libraries(given_lines, std::filesystem::path(file).parent_path());
     const auto body_names    = names_of(lines, "Bodies"),
                law_names     = names_of(lines, "Materials"),
                load_names    = names_of(lines, "Surface loads"),

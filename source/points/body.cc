@@ -358,6 +358,10 @@ namespace greville
           state.F                  = unit_symmetric_tensor<3>();
           state.increment          = state.F;
           state.strength_reduction = strength_reduction;
+          state.dim                = dim;
+          for (unsigned int d = 0; d < dim; ++d)
+            state.position[d] = point.image[d];
+          state.state.resize(layout.n_state);
           try
             {
               if (file.names.empty() || has_stress)

@@ -72,6 +72,7 @@ namespace greville
           for (unsigned int lane = count; lane < n_lanes; ++lane)
             points.J[lane] = 1.;
         }
+      points.state.resize(layout.n_state);
       for (unsigned int k = 0; k < layout.n_state; ++k)
         points.state[k] = number(Layout::state + k);
     }

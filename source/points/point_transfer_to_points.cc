@@ -72,6 +72,7 @@ namespace greville
           MaterialPoint &state = states[lane];
           load_material_point<dim>(points.point(g, lane), layout, state);
           state.dt                 = update.step;
+          state.time               = update.time;
           state.strength_reduction = update.strength_reduction;
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)

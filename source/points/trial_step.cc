@@ -214,6 +214,7 @@ namespace greville
                     const double                          *u,
                     const double                          *window_u,
                     const double                           dt,
+                    const double                           time,
                     const double                           strength_reduction,
                     const StepStress                       stress,
                     const bool                             with_tangents,
@@ -275,6 +276,7 @@ namespace greville
             state              = MaterialPoint();
             load_material_point<dim>(p, layout, state);
             state.dt                 = dt;
+            state.time               = time;
             state.strength_reduction = strength_reduction;
             for (int i = 0; i < dim; ++i)
               for (int j = 0; j < dim; ++j)
@@ -360,6 +362,7 @@ namespace greville
                            const Material            &material,
                            const VectorField<dim>    &u,
                            const double               dt,
+                           const double               time,
                            const double               strength_reduction,
                            const StepStress           stress,
                            const bool                 with_tangents,
@@ -383,6 +386,7 @@ namespace greville
                                                   buffer.data(),
                                                   window_buffer.data(),
                                                   dt,
+                                                  time,
                                                   strength_reduction,
                                                   stress,
                                                   with_tangents,

@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/boundary/loads.h>
+#include <greville/materials/umat.h>
 #include <greville/run/check_materials.h>
 
 #include <cmath>
@@ -201,6 +202,50 @@ namespace greville
 
 
   template <int dim>
+  void
+  print_tangents(std::ostream        &out,
+                 const BodyList<dim> &bodies,
+                 const MPI_Comm       comm)
+  {
+    constexpr double strain = 0.01, dt = 0.1;
+    for (const Body<dim> &body : bodies)
+      if (const Umat *law = dynamic_cast<const Umat *>(body.material))
+        {
+          double      error   = -1.;
+          std::string problem = "";
+          body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+            if (error >= 0. || !problem.empty())
+              return;
+            MaterialPoint point;
+            load_material_point<dim>(p, body.points.layout(), point);
+            point.dt = dt;
+            try
+              {
+                error = law->tangent_error(point, strain, dim);
+                // NaN is not the largest of all processes.
+                AssertThrow(std::isfinite(error),
+                            ExcMessage("it is infinite or NaN"));
+              }
+            catch (const std::exception &exception)
+              {
+                problem = message_of(exception);
+              }
+          });
+          problem = first_of_all(problem, comm);
+          error   = Utilities::MPI::max(error, comm);
+          out << "  tangent of 'Material " << body.parameters->material
+              << "' in 'Body " << body.name << "': "
+              << (problem.empty()
+                    ? "DDSDDE is within " + rounded(error, 2) +
+                        " of differences, along a path of 1 % strain"
+                    : "no path of 1 % strain (" + problem + ")")
+              << '\n';
+        }
+  }
+
+
+
+  template <int dim>
   std::vector<std::string>
   input_notes(const BodyList<dim>        &bodies,
               const SimulationParameters &parameters,
@@ -322,6 +367,8 @@ namespace greville
 
   template decltype(print_materials<2>) print_materials<2>;
   template decltype(print_materials<3>) print_materials<3>;
+  template decltype(print_tangents<2>)  print_tangents<2>;
+  template decltype(print_tangents<3>)  print_tangents<3>;
   template decltype(input_notes<2>)     input_notes<2>;
   template decltype(input_notes<3>)     input_notes<3>;
 } // namespace greville

@@ -117,6 +117,7 @@ namespace greville
         set_up = seconds_since(begin, comm);
         print_header(out, ensemble, parameters, comm);
         print_materials(out, ensemble.bodies());
+        print_tangents(out, ensemble.bodies(), comm);
         print_bodies();
         print_surface_loads();
         for (const std::string &note :

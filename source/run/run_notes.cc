@@ -94,6 +94,9 @@ namespace greville
       {"points.pvd", "opening", "1", "1"},
       {"points.pvd", "strain", "1", "1"},
       {"points.pvd", "b", "1", "1"},
+      {"points.pvd", "stran", "1", "1"},
+      {"points.pvd", "energy", "J / m^3", "J / m^3"},
+      {"points.pvd", "modulus", "Pa", "Pa"},
       {"points.pvd", "F", "1", "1"},
       {"points.pvd", "J", "1", "1"},
       {"points.pvd", "body", "1", "1"},
@@ -265,17 +268,22 @@ namespace greville
 
 
   void
-  RunNotes::write_units(const unsigned int              dim,
-                        const std::vector<std::string> &columns,
-                        const std::vector<std::string> &probes,
-                        const std::vector<std::string> &fields)
+  RunNotes::write_units(const unsigned int                        dim,
+                        const std::vector<std::string>           &columns,
+                        const std::vector<std::string>           &probes,
+                        const std::vector<std::string>           &fields,
+                        const std::map<std::string, std::string> &history)
   {
     std::ostringstream text;
     text << "file,column,unit\n";
     const auto add = [&](const std::string              &file,
                          const std::vector<std::string> &names) {
       for (const std::string &name : names)
-        text << file << ',' << name << ',' << unit_of(file, name, dim) << '\n';
+        text << file << ',' << name << ','
+             << (file == "points.pvd" && history.count(name) > 0
+                   ? history.at(name)
+                   : unit_of(file, name, dim))
+             << '\n';
     };
     add("statistics.csv", columns);
     add("probes.csv", probes);

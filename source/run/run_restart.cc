@@ -114,7 +114,12 @@ namespace greville
         fields.insert(fields.end(),
                       field.components.begin(),
                       field.components.end());
-    notes.write_units(dim, columns(), probes.columns(), fields);
+    std::map<std::string, std::string> history;
+    for (const Body<dim> &body : ensemble.bodies())
+      for (const std::string &name : body.material->state_names())
+        if (!body.material->state_unit(name).empty())
+          history[name] = body.material->state_unit(name);
+    notes.write_units(dim, columns(), probes.columns(), fields, history);
     for (const Body<dim> &body : ensemble.bodies())
       n_points += body.n_points;
     first_step = common().n_steps;

@@ -128,7 +128,8 @@ namespace greville
       bodies.push_back({&body.points,
                         body.material,
                         body.name,
-                        body.material->strength_reduction(state.time + dt)});
+                        body.material->strength_reduction(state.time + dt),
+                        state.time + dt});
     // The mass of total Lagrangian steps never changes.
     if (stamp == 0 || (stamp != state.points_stamp &&
                        !parameters.scheme.is_total_lagrangian()))

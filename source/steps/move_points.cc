@@ -88,6 +88,7 @@ namespace greville
         update.row      = row && update.acceleration ? &row->sums[b] : nullptr;
         update.row_fraction       = row ? row->fraction : 0.;
         update.material           = body.material;
+        update.time               = time;
         update.strength_reduction = body.material->strength_reduction(time);
         PointReport report;
         // A law may throw on one process, and the next body is moved by all.

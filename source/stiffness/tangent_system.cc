@@ -185,6 +185,7 @@ namespace greville
               *body.material,
               u,
               dt,
+              body.time,
               body.strength_reduction,
               stress,
               with_stiffness,

@@ -149,9 +149,13 @@ namespace
          Utilities::split_string_list(material_names(), '|'))
       {
         ElementTestParameters parameters;
-        parameters.strains  = {0.02, 0.01};
-        parameters.steps    = 50;
-        const bool is_fluid = make(law)->shares_volume();
+        parameters.strains = {0.02, 0.01};
+        parameters.steps   = 50;
+        std::vector<std::string> settings;
+        if (law == "umat")
+          settings = {"Library = " BUILD_DIR "/libraries/elastic_c.so",
+                      "Properties = 1e7, 0.3"};
+        const bool is_fluid = make(law, settings)->shares_volume();
         print() << law;
         for (const std::string &test :
              Utilities::split_string_list(all_tests, '|'))
@@ -159,7 +163,7 @@ namespace
             // No stress holds a fluid.
             if (is_fluid && (test == "triaxial-drained"))
               continue;
-            const auto table  = run(law, {}, test, parameters);
+            const auto table  = run(law, settings, test, parameters);
             bool       finite = table.rows.size() == 101;
             for (const auto &row : table.rows)
               for (const double value : row)

@@ -3,7 +3,7 @@
 # build the step program in the folder STEP against what is installed, run it on
 # one and on two processes, and compare what it prints with the block @code in
 # its results.dox. The same with the program in doc/examples/own_law, whose law is
-# one of the library under another name.
+# one of the library under another name, and with the plugin that has this law.
 set -e
 cmake=$1
 folder=$2/package_test
@@ -60,10 +60,14 @@ for n in 1 2; do
     "$law/sponge.prm" >neo-hookean.prm
   "$mpiexec" "$np" $n "$folder/prefix/bin/greville" neo-hookean.prm \
     --set Output/Directory=output/neo-hookean >/dev/null
-  for name in sponge neo-hookean; do
+  "$mpiexec" "$np" $n "$folder/prefix/bin/greville" "$law/sponge.prm" \
+    --set Output/Directory=output/plugin --set \
+    "Simulation/Additional shared libraries=$folder/build_law/sponge.so" >/dev/null
+  for name in sponge neo-hookean plugin; do
     tail -n 1 output/$name/statistics.csv | cut -d, -f1-8 | tr , ' ' >$name
     [ -s $name ]
     [ "$(grep -c "points_[0-9]*.pvtu" output/$name/points.pvd)" = 3 ]
   done
   "$numdiff" -a 1e-12 -r 1e-8 neo-hookean sponge
+  "$numdiff" -a 1e-12 -r 1e-8 plugin sponge
 done

@@ -116,7 +116,15 @@ test_main()
   for (const auto &file : files)
     try
       {
-        SimulationParameters parameters(file.string());
+        // What users compile, from the tree of the build.
+        std::vector<std::string> libraries;
+        if (file.filename() == "umat.prm")
+          libraries = {"Material sand/Library=" BUILD_DIR
+                       "/libraries/mohr_coulomb_cc.so"};
+        if (file.filename() == "plugin.prm")
+          libraries = {"Simulation/Additional shared libraries=" BUILD_DIR
+                       "/libraries/sponge.so"};
+        SimulationParameters parameters(file.string(), libraries);
         parameters.newton.log = false;
         for (StageParameters &stage : parameters.stages)
           stage.newton.log = false;

@@ -50,11 +50,11 @@ namespace greville
    * A @p Law has
    *   static constexpr const char *name, *size_name;
    *   static std::vector<std::string> more_names();
-   *   void set_initial(std::array<double, max_state> &state,
+   *   void set_initial(State &state,
    *                    double log_pressure, double q) const,
    * the size, the void ratio and the rest of a point with this stress;
    *   bool return_map(const CriticalStateStep &trial,
-   *                   std::array<double, max_state> &state,
+   *                   State &state,
    *                   CriticalStateReturn &result, bool differentiate) const,
    * which updates them, and leaves the stress of an elastic step alone and
    * returns false.
@@ -63,7 +63,7 @@ namespace greville
   class CriticalStateLaw : public ElastoplasticLaw<Law, PressureElasticity>
   {
   public:
-    using State = std::array<double, MaterialPoint::max_state>;
+    using State = History<double>;
 
     void
     declare(dealii::ParameterHandler &prm) override

@@ -36,7 +36,7 @@ namespace greville
     current(const MaterialLanes &points) const
     {
       std::array<Lanes, 6> e;
-      std::copy_n(points.state.begin(), 6, e.begin());
+      std::copy_n(points.state.first.begin(), 6, e.begin());
       return e;
     }
 
@@ -79,7 +79,7 @@ namespace greville
     static void
     set_elastic(MaterialPoint &point, const dealii::SymmetricTensor<2, 3> &e)
     {
-      point.state.fill(0.);
+      point.state.first.fill(0.);
       for (unsigned int i = 0; i < 6; ++i)
         point.state[i] = e.access_raw_entry(i);
     }

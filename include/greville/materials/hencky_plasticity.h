@@ -122,7 +122,7 @@ namespace greville
               has_changed[lane] = any_changed = true;
             }
         }
-      std::copy_n(e.begin(), 6, state.begin());
+      std::copy_n(e.begin(), 6, state.first.begin());
       if (!any_changed)
         return tau;
 

@@ -5,10 +5,12 @@
 
 #include <deal.II/base/array_view.h>
 #include <deal.II/base/parameter_handler.h>
+#include <deal.II/base/point.h>
 #include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/tensor.h>
 
-#include <array>
+#include <greville/materials/history.h>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,8 +23,6 @@ namespace greville
    */
   struct MaterialPoint
   {
-    static constexpr unsigned int max_state = 12;
-
     /// f = F_(n+1) F_n^-1 = 1 + dt grad v.
     dealii::Tensor<2, 3> increment;
     /// The deformation gradient F_(n+1) from the stress-free state.
@@ -38,9 +38,14 @@ namespace greville
     dealii::SymmetricTensor<2, 3> stress;
     /// History, see Material::state_names(): before, and after update() at the
     /// end of the step.
-    std::array<double, max_state> state{};
+    History<double> state{};
     /// Written by update(): the modulus K + 4 G / 3 of pressure waves, Pa.
     double wave_modulus = 0.;
+    /// Where the point is, m, the time at the end of the step, s, and the
+    /// dimension of the simulation, 2 or 3, for laws that users bring.
+    dealii::Point<3> position;
+    double           time = 0.;
+    unsigned int     dim  = 3;
   };
 
 
@@ -105,14 +110,22 @@ namespace greville
     {}
 
     /**
-     * The names of history variables; MaterialPoint::state holds them in this
-     * order. They do not depend on parameters, and are at most
-     * MaterialPoint::max_state.
+     * The names of history variables, after reinit(); MaterialPoint::state
+     * holds them in this order.
      */
     virtual std::vector<std::string>
     state_names() const
     {
       return {};
+    }
+
+    /**
+     * The unit of one of them where the list of run_notes.cc has none.
+     */
+    virtual std::string
+    state_unit(const std::string & /*name*/) const
+    {
+      return "";
     }
 
     /**
@@ -128,8 +141,9 @@ namespace greville
 
     /**
      * Compute stress, state and wave_modulus of @p points at the end of a
-     * step. Throws nothing; results of impossible deformations (J <= 0) are
-     * not finite.
+     * step. Results of impossible deformations (J <= 0) are not finite. May
+     * throw dealii::ExcMessage where a step is too long for the law: implicit
+     * steps are then tried again with a shorter one, explicit ones end the run.
      */
     virtual void
     update(const dealii::ArrayView<MaterialPoint> &points) const = 0;
@@ -310,7 +324,7 @@ namespace greville
   /**
    * A material by name. Throws dealii::ExcMessage with material_names() for an
    * unknown @p name, where @p parameter is the parameter that the message
-   * names, and for a law whose history is longer than MaterialPoint::max_state.
+   * names.
    */
   std::unique_ptr<Material>
   make_material(const std::string &name, const std::string &parameter);

@@ -25,7 +25,7 @@ namespace greville
      */
     MaterialLanes(const MaterialPoint *points, const unsigned int count)
       : count(count)
-      , n_state(MaterialPoint::max_state)
+      , n_state(History<double>::n_first + points->state.more.size())
       , J(1.)
       , dt(points->dt)
       , strength_reduction(points->strength_reduction)
@@ -33,7 +33,9 @@ namespace greville
       for (unsigned int i = 0; i < 9; ++i)
         F[i] = increment[i] = i % 4 == 0 ? 1. : 0.;
       stress.fill(0.);
-      std::fill_n(state.begin(), n_state, Lanes(0.));
+      state.resize(n_state);
+      for (unsigned int k = 0; k < n_state; ++k)
+        state[k] = 0.;
       for (unsigned int lane = 0; lane < count; ++lane)
         {
           const MaterialPoint &point = points[lane];
@@ -74,7 +76,7 @@ namespace greville
     /// xx, yy, zz, xy, xz, yz.
     std::array<Lanes, 6> stress;
     /// The first n_state of them.
-    std::array<Lanes, MaterialPoint::max_state> state;
+    History<Lanes> state;
     /// Row by row.
     std::array<Lanes, 9> increment;
     double               dt = 0., strength_reduction = 1.;

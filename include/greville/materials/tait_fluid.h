@@ -109,7 +109,7 @@ namespace greville
         point.F[i][i] = std::exp(log_J / 3.);
       point.stress       = stress;
       point.wave_modulus = exponent * (B + p);
-      point.state.fill(0.);
+      point.state.first.fill(0.);
     }
 
     void

@@ -29,6 +29,7 @@ namespace greville
     std::vector<std::string> rigid_bodies;
     std::vector<std::string> contacts;
     std::vector<std::string> stages;
+    std::vector<std::string> shared_libraries;
   };
 
 

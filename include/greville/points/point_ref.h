@@ -264,8 +264,15 @@ namespace greville
         point.J = p[layout.projected_J];
         scale_volume<dim>(point.F, point.J / p.J());
       }
-    for (unsigned int k = 0; k < layout.n_state; ++k)
-      point.state[k] = p[layout.state + k];
+    for (unsigned int d = 0; d < dim; ++d)
+      point.position[d] = p.position(d);
+    point.dim                      = dim;
+    constexpr unsigned int n_first = History<double>::n_first;
+    for (unsigned int k = 0; k < layout.n_state && k < n_first; ++k)
+      point.state.first[k] = p[layout.state + k];
+    point.state.resize(layout.n_state);
+    for (unsigned int k = n_first; k < layout.n_state; ++k)
+      point.state.more[k - n_first] = p[layout.state + k];
   }
 
 
@@ -280,9 +287,12 @@ namespace greville
                        const PointLayout<dim> &layout)
   {
     p.set_stress(point.stress);
-    p.wave_modulus() = point.wave_modulus;
-    for (unsigned int k = 0; k < layout.n_state; ++k)
-      p[layout.state + k] = point.state[k];
+    p.wave_modulus()               = point.wave_modulus;
+    constexpr unsigned int n_first = History<double>::n_first;
+    for (unsigned int k = 0; k < layout.n_state && k < n_first; ++k)
+      p[layout.state + k] = point.state.first[k];
+    for (unsigned int k = n_first; k < layout.n_state; ++k)
+      p[layout.state + k] = point.state.more[k - n_first];
   }
 } // namespace greville
 

@@ -44,6 +44,8 @@ namespace greville
     /// Steps of time (s) of velocity and of position and deformation.
     double velocity_step = 0.;
     double step          = 0.;
+    /// The time at the end of the step, s.
+    double time = 0.;
     /// 1: FLIP, 0: PIC.
     double flip = 1.;
     /// APIC: points have an affine matrix.

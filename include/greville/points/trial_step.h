@@ -94,8 +94,8 @@ namespace greville
            const CellWindows<dim> *windows = nullptr);
 
     /**
-     * Evaluate points of one body in a step of length @p dt (s) with the
-     * displacement @p u (m) and a @p strength_reduction (see
+     * Evaluate points of one body in a step of length @p dt that ends at @p
+     * time (s) with the displacement @p u (m) and a @p strength_reduction (see
      * Material::strength_reduction()), and give them cell by cell to @p action,
      * which may change them. @p J_hat is null without a projection.
      */
@@ -107,6 +107,7 @@ namespace greville
              const Material            &material,
              const VectorField<dim>    &u,
              const double               dt,
+             const double               time,
              const double               strength_reduction,
              const StepStress           stress,
              const bool                 with_tangents,

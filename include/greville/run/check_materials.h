@@ -31,6 +31,17 @@ namespace greville
   print_materials(std::ostream &out, const BodyList<dim> &bodies);
 
   /**
+   * Collective. Write Umat::tangent_error() along a path of 1 % strain in ten
+   * steps of 0.1 s from the initial state of a point of each body with such a
+   * law.
+   */
+  template <int dim>
+  void
+  print_tangents(std::ostream        &out,
+                 const BodyList<dim> &bodies,
+                 const MPI_Comm       comm);
+
+  /**
    * Collective. What may not be meant as it stands, a sentence each:
    * - numbers that look like ones in another unit: a density below
    *   500 kg / m^3 with a gravity of 9 to 11 m / s^2; a weight rho g H over the

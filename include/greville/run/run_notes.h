@@ -7,6 +7,7 @@
 #include <greville/steps/step_log.h>
 
 #include <iosfwd>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -67,13 +68,14 @@ namespace greville
 
     /**
      * Units of the @p columns of statistics.csv, of those of probes.csv, and of
-     * the @p fields of points.
+     * the @p fields of points; @p history has those that laws know.
      */
     void
-    write_units(const unsigned int              dim,
-                const std::vector<std::string> &columns,
-                const std::vector<std::string> &probes,
-                const std::vector<std::string> &fields);
+    write_units(const unsigned int                        dim,
+                const std::vector<std::string>           &columns,
+                const std::vector<std::string>           &probes,
+                const std::vector<std::string>           &fields,
+                const std::map<std::string, std::string> &history);
 
   private:
     void

@@ -21,6 +21,8 @@ namespace greville
     std::string                name;
     /// Material::strength_reduction() of the step.
     double strength_reduction = 1.;
+    /// At the end of the step, s.
+    double time = 0.;
   };
 } // namespace greville
 

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: LGPL-2.1-or-later
+ *
+ * Hooke's law from the increment of strain, as UMATs of small strains have it,
+ * in Kirchhoff stresses: tau = J_0 sigma + lambda tr(d) 1 + 2 G d for d =
+ * DSTRAN, which are logarithmic strains. It is 'linear-elastic' where the axes
+ * of strain do not turn, and where d is small against 1 otherwise.
+ * PROPS: Young's modulus and Poisson's ratio. No STATEV.
+ */
+#include "umat.h"
+
+static double
+determinant(const double *F)
+{
+  return F[0] * (F[4] * F[8] - F[7] * F[5]) -
+         F[3] * (F[1] * F[8] - F[7] * F[2]) +
+         F[6] * (F[1] * F[5] - F[4] * F[2]);
+}
+
+void
+umat_(double       *stress,
+      double       *statev,
+      double       *ddsdde,
+      double       *sse,
+      double       *spd,
+      double       *scd,
+      double       *rpl,
+      double       *ddsddt,
+      double       *drplde,
+      double       *drpldt,
+      const double *stran,
+      const double *dstran,
+      const double *time,
+      const double *dtime,
+      const double *temp,
+      const double *dtemp,
+      const double *predef,
+      const double *dpred,
+      const char   *cmname,
+      const int    *ndi,
+      const int    *nshr,
+      const int    *ntens,
+      const int    *nstatv,
+      const double *props,
+      const int    *nprops,
+      const double *coords,
+      const double *drot,
+      double       *pnewdt,
+      const double *celent,
+      const double *dfgrd0,
+      const double *dfgrd1,
+      const int    *noel,
+      const int    *npt,
+      const int    *layer,
+      const int    *kspt,
+      const int    *kstep,
+      const int    *kinc,
+      size_t        length)
+{
+  const int    n      = *ntens;
+  const double G      = props[0] / (2. * (1. + props[1]));
+  const double lambda = 2. * G * props[1] / (1. - 2. * props[1]);
+  const double before = determinant(dfgrd0), J = determinant(dfgrd1);
+  const double volume = dstran[0] + dstran[1] + dstran[2];
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      ddsdde[i + n * j] =
+        ((i < 3 && j < 3 ? lambda : 0.) + (i == j ? (i < 3 ? 2. : 1.) * G : 0.)) /
+        J;
+  for (int i = 0; i < n; ++i)
+    stress[i] = (before * stress[i] + (i < 3 ? lambda * volume : 0.) +
+                 (i < 3 ? 2. : 1.) * G * dstran[i]) /
+                J;
+}

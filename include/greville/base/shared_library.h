@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_base_shared_library_h
+#define greville_base_shared_library_h
+
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The address of the first of the functions @p names that the shared library
+   * @p file has. A library stays loaded. Throws dealii::ExcMessage, which names
+   * the @p parameter and the file, where it cannot be loaded or has none of
+   * them.
+   */
+  void *
+  function_of_library(const std::string              &file,
+                      const std::vector<std::string> &names,
+                      const std::string              &parameter);
+
+  /**
+   * Load a plugin and call its function
+   *   extern "C" void register_in_greville();
+   * which adds laws, loads, integrators and other parts (add_material(), ...).
+   * A plugin that has been loaded is not asked again. Throws as
+   * function_of_library(), and what the function throws.
+   */
+  void
+  load_plugin(const std::string &file, const std::string &parameter);
+} // namespace greville
+
+#endif

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_materials_umat_h
+#define greville_materials_umat_h
+
+#include <greville/base/expression.h>
+#include <greville/materials/lanes.h>
+#include <greville/materials/material.h>
+
+namespace greville
+{
+  /**
+   * A law that a user brings as a shared library with an Abaqus UMAT (Abaqus
+   * User Subroutines Reference, "UMAT"): the function umat_ (Fortran) or umat
+   * (C), by its binary interface.
+   *
+   * From the increment f = V R (its polar decomposition) and the stress
+   * sigma_n, the law gets
+   *   DROT = R, DSTRAN = ln V, STRESS = R sigma_n R^T,
+   *   STRAN_(n+1) = R STRAN_n R^T + ln V,
+   * so that the answer turns with a superposed rotation to round-off (Abaqus
+   * has the integration of Hughes and Winget, 1980, in place of R and V, equal
+   * up to the cube of the increment); DFGRD1 = F_(n+1), DFGRD0 = F_n, TIME and
+   * DTIME, COORDS, PROPS, STATEV. Order 11, 22, 33, 12, 13, 23 with engineering
+   * shears; in plane strain NTENS = 4 (NDI = 3, NSHR = 1). TEMP, DTEMP, PREDEF
+   * and DPRED are zero, NOEL, NPT, KSTEP and KINC one.
+   *
+   * DDSDDE is the derivative of the Jaumann rate of the Kirchhoff stress by
+   * the rate of deformation d, over J. The derivative of the Cauchy stress by
+   * l = d + w is therefore
+   *   d sigma = DDSDDE : d - tr(d) sigma + w sigma - sigma w.
+   * "Tangent" = differences takes differences of calls instead.
+   *
+   * F of an initial stress is 1, as in Abaqus: the density is that of the
+   * initial state. wave_modulus is the largest of K + 4 G / 3 of moduli() and
+   * of all D_11, D_22 and D_33 that the point has had, since laws unload with
+   * more than their plastic tangent.
+   *
+   * Energies: J SSE, where the law writes it, otherwise the work of stresses
+   * (trapezoidal rule) less the dissipation, which is the sum of J times the
+   * changes of SPD + SCD.
+   *
+   * Parameters: "Library", "Properties", "State variables", "Initial state",
+   * "Tangent", "Element length" (CELENT, m), "Bulk modulus" and "Shear modulus"
+   * (Pa), which are taken from DDSDDE without stress where they are zero.
+   * State: STRAN, SSE, SPD, SCD, the work, the dissipation and the largest
+   * modulus, then STATEV.
+   *
+   * update() throws dealii::ExcMessage where PNEWDT < 1. reinit() throws it
+   * for a library without a UMAT, wrong names or formulas, and a law without a
+   * stiffness.
+   */
+  class Umat : public Material
+  {
+  public:
+    static constexpr const char *name = "umat";
+
+    /**
+     * The UMAT of a library. Throws as function_of_library().
+     */
+    static void *
+    find_function(const std::string &library, const std::string &parameter);
+
+    void
+    declare(dealii::ParameterHandler &prm) override;
+
+    void
+    reinit(const std::string &section) override;
+
+    std::vector<std::string>
+    state_names() const override;
+
+    std::string
+    state_unit(const std::string &name) const override;
+
+    void
+    initialize(MaterialPoint                       &point,
+               const dealii::SymmetricTensor<2, 3> &stress) const override;
+
+    void
+    update(const dealii::ArrayView<MaterialPoint> &points) const override;
+
+    void
+    tangents(const dealii::ArrayView<const MaterialPoint> &points,
+             const dealii::ArrayView<MaterialTangent>     &result,
+             const unsigned int                            dim) const override;
+
+    double
+    strain_energy(const MaterialPoint &point) const override;
+
+    double
+    dissipation(const MaterialPoint &point) const override;
+
+    Moduli
+    moduli() const override;
+
+    /**
+     * The largest difference between DDSDDE, converted as above, and
+     * differences of update(), over the norm of the latter, along a path of
+     * compression and shear of @p strain in ten steps in @p dim dimensions from
+     * the state @p start.
+     */
+    double
+    tangent_error(const MaterialPoint &start,
+                  const double         strain,
+                  const unsigned int   dim) const;
+
+  private:
+    /// Rows and columns of the entries of stresses.
+    using Matrix = std::array<std::array<double, 6>, 6>;
+
+    struct Increment;
+
+    /**
+     * Rotations and strains of @p count increments.
+     */
+    static void
+    decompose(const MaterialPoint *points,
+              const unsigned int   count,
+              Increment           *increments);
+
+    /**
+     * One call: stress, state and wave_modulus of @p point at the end of the
+     * step, and DDSDDE[i][j] = d sigma_i / d eps_j.
+     */
+    void
+    call(MaterialPoint &point, const Increment &increment, Matrix &C) const;
+
+    /**
+     * The state of a point at rest but for wave_modulus.
+     */
+    void
+    begin(MaterialPoint                       &point,
+          const dealii::SymmetricTensor<2, 3> &stress) const;
+
+    /**
+     * DDSDDE in the state of @p point, without an increment.
+     */
+    Matrix
+    stiffness(MaterialPoint point) const;
+
+    std::string              library;
+    std::vector<double>      properties;
+    std::string              state_variables = "0";
+    std::string              initial_state;
+    std::string              tangent        = "ddsdde";
+    double                   element_length = 1.;
+    double                   bulk = 0., shear = 0.;
+    void                    *function = nullptr;
+    std::vector<std::string> names, units; // of STATEV
+    std::vector<Expression>  initial_formulas;
+    std::string              padded_name, section_name;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,632 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/shared_library.h>
+#include <greville/materials/hencky.h>
+#include <greville/materials/material_lanes.h>
+#include <greville/materials/parameter_checks.h>
+#include <greville/materials/spectral_decomposition.h>
+#include <greville/materials/umat.h>
+
+#include "umat_interface.h"
+#include <algorithm>
+#include <cctype>
+#include <limits>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr unsigned int cmname_length = 80;
+
+    // The history before STATEV, which is History::more as it lies in memory.
+    constexpr unsigned int strain = 0, sse = 6, spd = 7, scd = 8, work = 9,
+                           dissipated = 10, modulus = 11, n_fixed = 12;
+    static_assert(n_fixed == History<double>::n_first, "");
+
+    const std::vector<std::string> fixed_names = {"stran_xx",
+                                                  "stran_yy",
+                                                  "stran_zz",
+                                                  "stran_xy",
+                                                  "stran_xz",
+                                                  "stran_yz",
+                                                  "energy_elastic",
+                                                  "energy_plastic",
+                                                  "energy_creep",
+                                                  "energy_work",
+                                                  "energy_dissipated",
+                                                  "modulus"};
+
+    // Other numbers and fields of points.
+    const std::vector<std::string> taken = {"position",
+                                            "velocity",
+                                            "mass",
+                                            "volume0",
+                                            "J",
+                                            "stress",
+                                            "volume",
+                                            "wave_modulus",
+                                            "F",
+                                            "reference",
+                                            "id",
+                                            "affine",
+                                            "load",
+                                            "initial_F",
+                                            "projected_J",
+                                            "domain",
+                                            "size",
+                                            "displacement",
+                                            "density",
+                                            "pressure",
+                                            "von_mises",
+                                            "dissipation",
+                                            "body",
+                                            "process",
+                                            "x",
+                                            "y",
+                                            "z"};
+
+    constexpr unsigned int rows[]    = {0, 1, 2, 0, 0, 1};
+    constexpr unsigned int columns[] = {0, 1, 2, 1, 2, 2};
+
+
+
+    constexpr unsigned int
+    entry_of(const unsigned int i, const unsigned int j)
+    {
+      return i == j ? i : 2 + i + j;
+    }
+
+
+
+    /**
+     * R A R^T for the entries 11, 22, 33, 12, 13, 23 of A.
+     */
+    void
+    rotate(const Tensor<2, 3> &R, double *A)
+    {
+      double RA[3][3], result[6];
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int j = 0; j < 3; ++j)
+          RA[i][j] = R[i][0] * A[entry_of(0, j)] + R[i][1] * A[entry_of(1, j)] +
+                     R[i][2] * A[entry_of(2, j)];
+      for (unsigned int k = 0; k < 6; ++k)
+        result[k] = RA[rows[k]][0] * R[columns[k]][0] +
+                    RA[rows[k]][1] * R[columns[k]][1] +
+                    RA[rows[k]][2] * R[columns[k]][2];
+      std::copy_n(result, 6, A);
+    }
+
+
+
+    /**
+     * sum_i a_i b_i of symmetric tensors.
+     */
+    double
+    product(const double *a, const double *b)
+    {
+      return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] +
+             2. * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
+    }
+
+
+
+    bool
+    is_number(const std::string &text)
+    {
+      return !text.empty() &&
+             std::all_of(text.begin(), text.end(), [](const unsigned char c) {
+               return std::isdigit(c);
+             });
+    }
+
+
+
+    /**
+     * Whether other numbers or fields of points have this name, or the one of a
+     * component: "stress_xy".
+     */
+    bool
+    is_taken(const std::string &text)
+    {
+      const std::size_t last = text.rfind('_');
+      const bool        is_component =
+        last != std::string::npos &&
+        text.find_first_not_of("xyz0123456789", last + 1) == std::string::npos;
+      const auto is_in = [&](const std::vector<std::string> &list,
+                             const std::string              &name) {
+        return std::count(list.begin(), list.end(), name) > 0;
+      };
+      return is_in(fixed_names, text) || is_in(taken, text) ||
+             (is_component && is_in(taken, text.substr(0, last)));
+    }
+
+
+
+    bool
+    is_name(const std::string &text)
+    {
+      return !text.empty() && !std::isdigit((unsigned char)(text[0])) &&
+             std::all_of(text.begin(), text.end(), [](const unsigned char c) {
+               return std::isalnum(c) || c == '_';
+             });
+    }
+  } // namespace
+
+
+
+  struct Umat::Increment
+  {
+    Tensor<2, 3> rotation;
+    double       strain[6]; // ln V
+  };
+
+
+
+  void *
+  Umat::find_function(const std::string &library, const std::string &parameter)
+  {
+    return function_of_library(library, {"umat_", "umat"}, parameter);
+  }
+
+
+
+  void
+  Umat::declare(ParameterHandler &prm)
+  {
+    Material::declare(prm);
+    add_parameter(prm, "Library", library)(
+      "A shared library with an Abaqus UMAT, relative to the folder of this "
+      "file; scripts/build_umat makes one from Fortran, C or C++.");
+    add_parameter(prm, "Properties", properties)(
+      "PROPS, as many as the UMAT needs. Unit: those of the UMAT; lengths in "
+      "m, stresses in Pa.");
+    add_parameter(prm, "State variables", state_variables)(
+      "STATEV: names for the output, each with its unit in brackets if it has "
+      "one, such as 'void_ratio, suction [Pa]'; or their number, for the names "
+      "statev_1, statev_2, ...");
+    add_parameter(prm, "Initial state", initial_state)(
+      "STATEV at the start: formulas of x, y and z (0 in plane strain), "
+      "separated by semicolons; one formula is for all of them, none is 0.");
+    add_parameter(prm,
+                  "Tangent",
+                  tangent,
+                  Patterns::Selection("ddsdde|differences"))(
+      "Of implicit steps: DDSDDE, converted for finite strain, or differences "
+      "of calls, which take 18 (in plane strain 8) of them, for a UMAT with a "
+      "poor one. greville --check says how far DDSDDE is off.");
+    add_parameter(prm, "Element length", element_length, positive())(
+      "CELENT, for laws that soften by a length. Unit: m.");
+    add_parameter(prm, "Bulk modulus", bulk, Patterns::Double(0.))(
+      "The elastic bulk modulus, for the first step and waves; it has to be "
+      "given with the shear modulus. 0: both from DDSDDE without stress. "
+      "Unit: Pa.");
+    add_parameter(prm, "Shear modulus", shear, Patterns::Double(0.))(
+      "The elastic shear modulus. Unit: Pa.");
+  }
+
+
+
+  void
+  Umat::reinit(const std::string &section)
+  {
+    section_name = section;
+    AssertThrow(!library.empty(),
+                ExcMessage("The parameter '" + section +
+                           "/Library' is empty: the law '" + name +
+                           "' needs a shared library with a UMAT."));
+    function    = find_function(library, section + "/Library");
+    padded_name = section.substr(section.find(' ') + 1);
+    for (char &c : padded_name)
+      c = std::toupper((unsigned char)(c));
+    padded_name.resize(cmname_length, ' ');
+
+    names.clear();
+    units.clear();
+    const auto given = Utilities::split_string_list(state_variables, ',');
+    if (given.size() == 1 && is_number(given[0]))
+      for (int k = 1; k <= Utilities::string_to_int(given[0]); ++k)
+        {
+          names.push_back("statev_" + std::to_string(k));
+          units.push_back("");
+        }
+    else
+      for (const std::string &text : given)
+        {
+          const std::size_t open  = text.find('[');
+          const bool        has   = open != std::string::npos;
+          const std::string state = Utilities::trim(text.substr(0, open));
+          AssertThrow(is_name(state) && (!has || text.back() == ']'),
+                      ExcMessage("The parameter '" + section +
+                                 "/State variables' has <" + text +
+                                 ">; it has to be a name of letters, digits "
+                                 "and _, and a unit in brackets if it has "
+                                 "one, or the number of all of them."));
+          AssertThrow(!is_taken(state),
+                      ExcMessage("The parameter '" + section +
+                                 "/State variables' has the name <" + state +
+                                 ">, which all points have already."));
+          names.push_back(state);
+          units.push_back(
+            has ? Utilities::trim(text.substr(open + 1, text.size() - open - 2))
+                : "");
+        }
+    check_different(names, section + "/State variables", "name");
+
+    initial_formulas.clear();
+    const std::string parameter = section + "/Initial state";
+    const auto        n_formulas =
+      1 + std::count(initial_state.begin(), initial_state.end(), ';');
+    if (!initial_state.empty())
+      initial_formulas = make_expressions(initial_state,
+                                          parameter,
+                                          coordinate_names<3>(),
+                                          n_formulas == 1 ? 1 : names.size());
+
+    AssertThrow((bulk > 0.) == (shear > 0.),
+                ExcMessage("'" + section +
+                           "' has one of 'Bulk modulus' and 'Shear modulus': "
+                           "give both or none."));
+    if (bulk > 0.)
+      return;
+    MaterialPoint point;
+    begin(point, SymmetricTensor<2, 3>());
+    const Matrix C = stiffness(point);
+    for (unsigned int i = 0; i < 3; ++i)
+      {
+        for (unsigned int j = 0; j < 3; ++j)
+          bulk += C[i][j] / 9.;
+        shear += C[3 + i][3 + i] / 3.;
+      }
+    const bool is_stiff =
+      std::isfinite(bulk + shear) && bulk > 0. && shear >= 0.;
+    AssertThrow(is_stiff,
+                ExcMessage("The UMAT of '" + section +
+                           "/Library' has no stiffness without stress (DDSDDE "
+                           "gives K = " +
+                           text_of(bulk) + " Pa, G = " + text_of(shear) +
+                           " Pa): it needs 'Bulk modulus' and 'Shear "
+                           "modulus'."));
+  }
+
+
+
+  std::vector<std::string>
+  Umat::state_names() const
+  {
+    std::vector<std::string> result = fixed_names;
+    result.insert(result.end(), names.begin(), names.end());
+    return result;
+  }
+
+
+
+  std::string
+  Umat::state_unit(const std::string &state) const
+  {
+    const auto k = std::find(names.begin(), names.end(), state) - names.begin();
+    return k < std::ptrdiff_t(names.size()) ? units[k] : "";
+  }
+
+
+
+  void
+  Umat::begin(MaterialPoint &point, const SymmetricTensor<2, 3> &stress) const
+  {
+    point.F      = unit_symmetric_tensor<3>();
+    point.J      = 1.;
+    point.stress = stress;
+    point.state  = History<double>{};
+    point.state.resize(n_fixed + names.size());
+    const ArrayView<const double> x(&point.position[0], 3);
+    for (unsigned int k = 0; k < names.size() && !initial_formulas.empty(); ++k)
+      point.state.more[k] =
+        initial_formulas[initial_formulas.size() == 1 ? 0 : k](x);
+  }
+
+
+
+  void
+  Umat::initialize(MaterialPoint               &point,
+                   const SymmetricTensor<2, 3> &stress) const
+  {
+    begin(point, stress);
+    const Matrix C = stiffness(point);
+    for (unsigned int i = 0; i < 3; ++i)
+      point.state[modulus] = std::max(point.state[modulus], C[i][i]);
+    point.wave_modulus = std::max(bulk + 4. / 3. * shear, point.state[modulus]);
+  }
+
+
+
+  void
+  Umat::decompose(const MaterialPoint *points,
+                  const unsigned int   count,
+                  Increment           *increments)
+  {
+    std::array<Lanes, 9> f;
+    for (unsigned int i = 0; i < 9; ++i)
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        f[i][lane] = lane < count ? points[lane].increment[i / 3][i % 3]
+                     : i % 4 == 0 ? 1.
+                                  : 0.;
+    const SpectralDecomposition<Lanes> spectrum(left_cauchy_green_less_one(f));
+    const std::array<Lanes, 6>         strains =
+      spectrum.assemble(logarithmic_strains(spectrum.values));
+    std::array<Lanes, 3> inverse;
+    for (unsigned int a = 0; a < 3; ++a)
+      inverse[a] = 1. / sqrt(1. + spectrum.values[a]);
+    const std::array<Lanes, 6> V = spectrum.assemble(inverse);
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j)
+        {
+          const Lanes R = V[entry_of(i, 0)] * f[j] +
+                          V[entry_of(i, 1)] * f[3 + j] +
+                          V[entry_of(i, 2)] * f[6 + j];
+          for (unsigned int lane = 0; lane < count; ++lane)
+            increments[lane].rotation[i][j] = R[lane];
+        }
+    for (unsigned int k = 0; k < 6; ++k)
+      for (unsigned int lane = 0; lane < count; ++lane)
+        increments[lane].strain[k] = strains[k][lane];
+  }
+
+
+
+  void
+  Umat::call(MaterialPoint &point, const Increment &increment, Matrix &C) const
+  {
+    const int        ndi = 3, nshr = point.dim == 2 ? 1 : 3, ntens = ndi + nshr;
+    History<double> &state = point.state;
+    double           stress[6], before[6], stran[6], dstran[6], ddsdde[36] = {};
+    for (unsigned int k = 0; k < 6; ++k)
+      stress[k] = point.stress.access_raw_entry(k);
+    rotate(increment.rotation, stress);
+    rotate(increment.rotation, &state.first[strain]);
+    for (unsigned int k = 0; k < 6; ++k)
+      {
+        const double factor = k < 3 ? 1. : 2.;
+        before[k]           = stress[k];
+        stran[k]            = factor * state.first[strain + k];
+        dstran[k]           = factor * increment.strain[k];
+        state.first[strain + k] += increment.strain[k];
+      }
+    // F_n = f^-1 F_(n+1); Fortran has columns first.
+    const Tensor<2, 3> F0 = invert(point.increment) * point.F;
+    double             drot[9], dfgrd0[9], dfgrd1[9], coords[3];
+    for (unsigned int i = 0; i < 3; ++i)
+      {
+        coords[i] = point.position[i];
+        for (unsigned int j = 0; j < 3; ++j)
+          {
+            drot[i + 3 * j]   = increment.rotation[i][j];
+            dfgrd0[i + 3 * j] = F0[i][j];
+            dfgrd1[i + 3 * j] = point.F[i][j];
+          }
+      }
+    const double begin = point.time - point.dt, time[] = {begin, begin};
+    const double zero   = 0.;
+    const int    nstatv = names.size(), nprops = properties.size(), one = 1;
+    const int    kstep[] = {1, 1, 0, 0}, kinc = begin > 0. ? 2 : 1;
+    double rpl = 0., ddsddt[6] = {}, drplde[6] = {}, drpldt = 0., none = 0.;
+    double largest = std::numeric_limits<float>::max(), pnewdt = largest;
+    const double heat = state.first[spd] + state.first[scd];
+    reinterpret_cast<UmatFunction>(
+      function)(stress,
+                nstatv > 0 ? state.more.data() : &none,
+                ddsdde,
+                &state.first[sse],
+                &state.first[spd],
+                &state.first[scd],
+                &rpl,
+                ddsddt,
+                drplde,
+                &drpldt,
+                stran,
+                dstran,
+                time,
+                &point.dt,
+                &zero,
+                &zero,
+                &zero,
+                &zero,
+                padded_name.data(),
+                &ndi,
+                &nshr,
+                &ntens,
+                &nstatv,
+                nprops > 0 ? properties.data() : &zero,
+                &nprops,
+                coords,
+                drot,
+                &pnewdt,
+                &element_length,
+                dfgrd0,
+                dfgrd1,
+                &one,
+                &one,
+                &one,
+                &one,
+                kstep,
+                &kinc,
+                cmname_length);
+    AssertThrow(!(pnewdt < 1.),
+                ExcMessage("the UMAT of '" + section_name +
+                           "' asks for a step of " + text_of(pnewdt) +
+                           " times this length (PNEWDT), which is " +
+                           text_of(point.dt) +
+                           " s; explicit steps take a smaller 'Time/Step' or "
+                           "'Time/Safety'"));
+    for (int i = 0; i < ntens; ++i)
+      {
+        point.stress.access_raw_entry(i) = stress[i];
+        before[i] += stress[i];
+        for (int j = 0; j < ntens; ++j)
+          C[i][j] = ddsdde[i + ntens * j];
+      }
+    state.first[work] += 0.5 * point.J * product(before, increment.strain);
+    state.first[dissipated] +=
+      point.J * (state.first[spd] + state.first[scd] - heat);
+    for (unsigned int i = 0; i < 3; ++i)
+      state.first[modulus] = std::max(state.first[modulus], C[i][i]);
+    point.wave_modulus = std::max(bulk + 4. / 3. * shear, state.first[modulus]);
+  }
+
+
+
+  Umat::Matrix
+  Umat::stiffness(MaterialPoint point) const
+  {
+    // Any length of a step without an increment.
+    point.dt = point.time = 1.;
+    point.increment       = unit_symmetric_tensor<3>();
+    Increment none{};
+    none.rotation = point.increment;
+    Matrix C{};
+    call(point, none, C);
+    return C;
+  }
+
+
+
+  void
+  Umat::update(const ArrayView<MaterialPoint> &points) const
+  {
+    Increment increments[n_lanes];
+    Matrix    C{};
+    for (std::size_t first = 0; first < points.size(); first += n_lanes)
+      {
+        MaterialPoint     *group = points.begin() + first;
+        const unsigned int count =
+          std::min<std::size_t>(n_lanes, points.size() - first);
+        decompose(group, count, increments);
+        for (unsigned int lane = 0; lane < count; ++lane)
+          if (group[lane].J > 0.)
+            call(group[lane], increments[lane], C);
+          else
+            group[lane].stress = std::numeric_limits<double>::quiet_NaN() *
+                                 unit_symmetric_tensor<3>();
+      }
+  }
+
+
+
+  void
+  Umat::tangents(const ArrayView<const MaterialPoint> &points,
+                 const ArrayView<MaterialTangent>     &result,
+                 const unsigned int                    dim) const
+  {
+    if (tangent == "differences")
+      return Material::tangents(points, result, dim);
+    AssertDimension(points.size(), result.size());
+    Increment     increment;
+    MaterialPoint point;
+    Matrix        C{};
+    for (std::size_t p = 0; p < points.size(); ++p)
+      {
+        MaterialTangent &D = result[p];
+        D                  = 0.;
+        point              = points[p];
+        decompose(&point, 1, &increment);
+        if (!(point.J > 0.))
+          {
+            D[0][0][0][0] = std::numeric_limits<double>::quiet_NaN();
+            continue;
+          }
+        call(point, increment, C);
+        const SymmetricTensor<2, 3> &sigma = point.stress;
+        for (unsigned int k = 0; k < dim; ++k)
+          for (unsigned int l = 0; l < dim; ++l)
+            {
+              for (unsigned int i = 0; i < 3; ++i)
+                for (unsigned int j = 0; j < 3; ++j)
+                  {
+                    const unsigned int row = entry_of(i, j);
+                    if (point.dim == 3 || row < 4)
+                      D[i][j][k][l] = C[row][entry_of(k, l)];
+                    if (k == l)
+                      D[i][j][k][l] -= sigma[i][j];
+                  }
+              // The spin w = (l - l^T) / 2.
+              for (unsigned int j = 0; j < 3; ++j)
+                {
+                  D[k][j][k][l] += 0.5 * sigma[l][j];
+                  D[l][j][k][l] -= 0.5 * sigma[k][j];
+                  D[j][l][k][l] -= 0.5 * sigma[j][k];
+                  D[j][k][k][l] += 0.5 * sigma[j][l];
+                }
+            }
+      }
+  }
+
+
+
+  double
+  Umat::strain_energy(const MaterialPoint &point) const
+  {
+    const auto &state = point.state.first;
+    return state[sse] != 0. ? point.J * state[sse]
+                            : state[work] - state[dissipated];
+  }
+
+
+
+  double
+  Umat::dissipation(const MaterialPoint &point) const
+  {
+    return point.state.first[dissipated];
+  }
+
+
+
+  Moduli
+  Umat::moduli() const
+  {
+    Moduli result;
+    result.bulk  = bulk;
+    result.shear = shear;
+    return result;
+  }
+
+
+
+  double
+  Umat::tangent_error(const MaterialPoint &start,
+                      const double         strain_of_path,
+                      const unsigned int   dim) const
+  {
+    constexpr unsigned int n_steps = 10;
+    MaterialPoint          point   = start;
+    point.dim                      = dim;
+    Tensor<2, 3> gradient;
+    gradient[0][0] = -1.;
+    gradient[0][1] = 0.8;
+    gradient[1][1] = 0.3;
+    if (dim == 3)
+      {
+        gradient[1][2] = 0.5;
+        gradient[2][2] = -0.4;
+      }
+    double error = 0.;
+    for (unsigned int n = 0; n < n_steps; ++n)
+      {
+        point.increment = Tensor<2, 3>(unit_symmetric_tensor<3>()) +
+                          strain_of_path / n_steps * gradient;
+        point.F = point.increment * point.F;
+        point.J = determinant(point.F);
+        point.time += point.dt;
+        MaterialTangent                      D, differences;
+        const ArrayView<const MaterialPoint> view(&point, 1);
+        tangents(view, ArrayView<MaterialTangent>(&D, 1), dim);
+        Material::tangents(view,
+                           ArrayView<MaterialTangent>(&differences, 1),
+                           dim);
+        error = std::max(error, (D - differences).norm() / differences.norm());
+        update(ArrayView<MaterialPoint>(&point, 1));
+      }
+    return error;
+  }
+} // namespace greville
