@@ -11,7 +11,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <greville/materials/hencky.h>
-#include <greville/materials/material.h>
+#include <greville/materials/material_lanes.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -124,11 +124,21 @@ namespace
                     ArrayView<MaterialTangent>(tangents.data(), group),
                     plane ? 2 : 3);
                 seconds_of_tangents += cpu_seconds() - start;
+                // As the kernels of explicit steps call them.
+                std::vector<MaterialLanes> lanes;
+                if (material->has_lanes())
+                  for (unsigned int i = 0; i < n; i += group)
+                    lanes.emplace_back(points.data() + i, group);
                 start = cpu_seconds();
-                for (unsigned int i = 0; i < n; i += group)
-                  material->update(
-                    ArrayView<MaterialPoint>(points.data() + i, group));
+                for (MaterialLanes &lane : lanes)
+                  material->update_lanes(lane);
+                if (lanes.empty())
+                  for (unsigned int i = 0; i < n; i += group)
+                    material->update(
+                      ArrayView<MaterialPoint>(points.data() + i, group));
                 seconds += cpu_seconds() - start;
+                for (unsigned int i = 0; i < lanes.size(); ++i)
+                  lanes[i].write(points.data() + i * group);
               }
             times.push_back(seconds / n_steps / n * 1e9);
             times_of_tangents.push_back(seconds_of_tangents / n_steps / n *

@@ -184,20 +184,26 @@ namespace greville
     }
 
     /**
-     * Ask for the first @p n_numbers of the group behind group number @p g,
-     * which is the next one where groups are in the order of the cells: kernels
-     * read some of its numbers only, in a pattern that processors do not
-     * foresee.
+     * Ask for the first @p n_numbers of the group behind number @p g of the
+     * cell number @p c of points.cells(): kernels read some of its numbers
+     * only, in a pattern that processors do not foresee.
      */
     template <int dim>
     inline __attribute__((always_inline)) void
     prefetch_next(const MaterialPoints<dim> &points,
+                  const std::size_t          c,
                   const unsigned int         g,
                   const unsigned int         n_numbers)
     {
-      const double *next = points.group(g) + points.layout().size * simd_width;
+      const std::vector<unsigned int> &cells = points.cells();
+      unsigned int                     next  = points.next_group(g);
+      if (next == MaterialPoints<dim>::none && c + 1 < cells.size())
+        next = points.first_group(cells[c + 1]);
+      if (next == MaterialPoints<dim>::none)
+        return;
+      const double *group = points.group(next);
       for (std::size_t k = 0; k < n_numbers * simd_width; k += 8)
-        __builtin_prefetch(next + k);
+        __builtin_prefetch(group + k);
     }
 
 

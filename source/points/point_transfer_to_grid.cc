@@ -91,7 +91,7 @@ namespace greville
                g != MaterialPoints<dim>::none;
                g = points.next_group(g), count = simd_width)
             {
-              prefetch_next(points, g, n_read);
+              prefetch_next(points, c, g, n_read);
               const double *group = points.group(g);
               Simd          x[dim], v[dim];
               load_basis_positions(points, group, x);

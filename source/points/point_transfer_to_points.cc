@@ -267,7 +267,7 @@ namespace greville
                g != MaterialPoints<dim>::none;
                g = points.next_group(g), count = simd_width)
             {
-              prefetch_next(points, g, n_read);
+              prefetch_next(points, c, g, n_read);
               double *group = points.group(g);
               if constexpr (Kind::kick)
                 if (update.row)

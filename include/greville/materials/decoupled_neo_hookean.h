@@ -29,8 +29,7 @@ namespace greville
    * 0.5), initialize() for a stress that is not finite: one deformation has
    * each other one.
    */
-  class DecoupledNeoHookean
-    : public ElasticMaterial<MaterialLaw<DecoupledNeoHookean>>
+  class DecoupledNeoHookean : public ElasticMaterial<LanesMaterial>
   {
   public:
     static constexpr const char *name = "decoupled-neo-hookean";
@@ -72,27 +71,33 @@ namespace greville
       for (unsigned int a = 0; a < 3; ++a)
         stretch[a] = std::cbrt(point.J) * std::sqrt(m + e[a]);
       point.F = spectrum.tensor(stretch);
-      update_point(point);
+      update(dealii::make_array_view(&point, &point + 1));
       point.stress = stress;
     }
 
     void
-    update_point(MaterialPoint &point) const
+    update_lanes(MaterialLanes &points) const override
     {
-      const double                  mu = elastic.shear * shape_factor(point.J);
-      const double                  inverse_J = 1. / point.J;
-      dealii::SymmetricTensor<2, 3> s    = left_cauchy_green_less_one(point.F);
-      const double                  mean = trace(s) / 3.;
+      const Lanes         &J         = points.J;
+      const Lanes          mu        = elastic.shear * shape_factor(J);
+      const Lanes          inverse_J = 1. / J;
+      std::array<Lanes, 6> s         = left_cauchy_green_less_one(points.F);
+      const Lanes          mean      = (s[0] + s[1] + s[2]) * (1. / 3.);
+      Lanes                square    = 0.;
       for (unsigned int i = 0; i < 3; ++i)
-        s.access_raw_entry(i) -= mean;
-
-      point.wave_modulus =
-        inverse_J *
-        (0.5 * elastic.bulk * (point.J * point.J + 1.) +
-         mu * (4. / 3. * (1. + mean) + std::sqrt(2. / 27.) * s.norm()));
-      point.stress = mu * inverse_J * s;
+        {
+          s[i] -= mean;
+          square += s[i] * s[i] + 2. * s[i + 3] * s[i + 3];
+        }
+      points.wave_modulus =
+        inverse_J * (0.5 * elastic.bulk * (J * J + 1.) +
+                     mu * (4. / 3. * (1. + mean) + sqrt(2. / 27. * square)));
+      const Lanes p = pressure(J);
       for (unsigned int i = 0; i < 3; ++i)
-        point.stress.access_raw_entry(i) += pressure(point.J);
+        {
+          points.stress[i]     = mu * inverse_J * s[i] + p;
+          points.stress[i + 3] = mu * inverse_J * s[i + 3];
+        }
     }
 
     /**
@@ -164,17 +169,20 @@ namespace greville
     /**
      * J^(-2/3), not a number where J is not positive.
      */
-    static double
-    shape_factor(const double J)
+    template <typename Number>
+    static Number
+    shape_factor(const Number &J)
     {
-      return std::exp(-2. / 3. * std::log(J));
+      return 1. +
+             exp_less_one(Number(-2. / 3. * log_of_one_plus(Number(J - 1.))));
     }
 
     /**
      * The mean Cauchy stress.
      */
-    double
-    pressure(const double J) const
+    template <typename Number>
+    Number
+    pressure(const Number &J) const
     {
       return 0.5 * elastic.bulk * (J - 1.) * (J + 1.) / J;
     }

@@ -42,7 +42,7 @@ namespace greville
    *   double largest_viscosity() const.
    */
   template <typename Law>
-  class TaitFluid : public MaterialLaw<Law>
+  class TaitFluid : public LanesMaterial
   {
   public:
     void
@@ -113,37 +113,41 @@ namespace greville
     }
 
     void
-    update_point(MaterialPoint &point) const
+    update_lanes(MaterialLanes &points) const override
     {
-      const dealii::Tensor<2, 3> &f = point.increment;
-      const double ratio            = std::expm1(-exponent * std::log(point.J));
-      const bool   torn             = point.J > 1. && !allow_tension;
-      const double pressure         = torn ? 0. : B * ratio;
-      point.wave_modulus            = B * exponent * (1. + ratio);
+      const std::array<Lanes, 9> &f = points.increment;
+      const Lanes                 ratio =
+        exp_less_one(Lanes(-exponent * log_of_one_plus(points.J - 1.)));
+      const Lanes::mask_type torn =
+        allow_tension ? Lanes::mask_type(false) : points.J > 1.;
+      const Lanes pressure = choose(torn, Lanes(0.), B * ratio);
+      points.wave_modulus  = B * exponent * (1. + ratio);
 
-      const double inverse_dt = point.dt > 0. ? 1. / point.dt : 0.;
-      double       d[6]       = {(f[0][0] - 1.) * inverse_dt,
-                                 (f[1][1] - 1.) * inverse_dt,
-                                 (f[2][2] - 1.) * inverse_dt,
-                                 0.5 * (f[0][1] + f[1][0]) * inverse_dt,
-                                 0.5 * (f[0][2] + f[2][0]) * inverse_dt,
-                                 0.5 * (f[1][2] + f[2][1]) * inverse_dt};
-      const double rate       = d[0] + d[1] + d[2];
+      const double inverse_dt = points.dt > 0. ? 1. / points.dt : 0.;
+      Lanes        d[6]       = {(f[0] - 1.) * inverse_dt,
+                                 (f[4] - 1.) * inverse_dt,
+                                 (f[8] - 1.) * inverse_dt,
+                                 0.5 * (f[1] + f[3]) * inverse_dt,
+                                 0.5 * (f[2] + f[6]) * inverse_dt,
+                                 0.5 * (f[5] + f[7]) * inverse_dt};
+      const Lanes  rate       = d[0] + d[1] + d[2];
       for (unsigned int i = 0; i < 3; ++i)
         d[i] -= rate / 3.;
-      const double square = 2. * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) +
-                            4. * (d[3] * d[3] + d[4] * d[4] + d[5] * d[5]);
+      const Lanes square = 2. * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) +
+                           4. * (d[3] * d[3] + d[4] * d[4] + d[5] * d[5]);
 
-      const double eta  = static_cast<const Law &>(*this).viscosity(square);
-      const double zeta = torn ? 0. : bulk_viscosity;
-      const double mean = zeta * rate - pressure;
+      Lanes eta;
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        eta[lane] = static_cast<const Law &>(*this).viscosity(square[lane]);
+      const Lanes zeta = choose(torn, Lanes(0.), Lanes(bulk_viscosity));
+      const Lanes mean = zeta * rate - pressure;
       for (unsigned int i = 0; i < 3; ++i)
         {
-          point.stress.access_raw_entry(i)     = mean + 2. * eta * d[i];
-          point.stress.access_raw_entry(i + 3) = 2. * eta * d[i + 3];
+          points.stress[i]     = mean + 2. * eta * d[i];
+          points.stress[i + 3] = 2. * eta * d[i + 3];
         }
-      point.state[0] +=
-        point.dt * point.J * (eta * square + zeta * rate * rate);
+      points.state[0] +=
+        points.dt * points.J * (eta * square + zeta * rate * rate);
     }
 
     void
