@@ -134,7 +134,7 @@ namespace greville
     {
       const std::size_t last = text.rfind('_');
       const bool        is_component =
-        last != std::string::npos &&
+        last != std::string::npos && (last > 1 || text[0] == 'F') &&
         text.find_first_not_of("xyz0123456789", last + 1) == std::string::npos;
       const auto is_in = [&](const std::vector<std::string> &list,
                              const std::string              &name) {
