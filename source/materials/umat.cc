@@ -396,6 +396,7 @@ namespace greville
       }
     // F_n = f^-1 F_(n+1); Fortran has columns first.
     const Tensor<2, 3> F0 = invert(point.increment) * point.F;
+    const double       J0 = point.J / determinant(point.increment);
     double             drot[9], dfgrd0[9], dfgrd1[9], coords[3];
     for (unsigned int i = 0; i < 3; ++i)
       {
@@ -463,11 +464,11 @@ namespace greville
     for (int i = 0; i < ntens; ++i)
       {
         point.stress.access_raw_entry(i) = stress[i];
-        before[i] += stress[i];
+        before[i]                        = J0 * before[i] + point.J * stress[i];
         for (int j = 0; j < ntens; ++j)
           C[i][j] = ddsdde[i + ntens * j];
       }
-    state.first[work] += 0.5 * point.J * product(before, increment.strain);
+    state.first[work] += 0.5 * product(before, increment.strain);
     state.first[dissipated] +=
       point.J * (state.first[spd] + state.first[scd] - heat);
     for (unsigned int i = 0; i < 3; ++i)
