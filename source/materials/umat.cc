@@ -134,7 +134,7 @@ namespace greville
     {
       const std::size_t last = text.rfind('_');
       const bool        is_component =
-        last != std::string::npos &&
+        last != std::string::npos && (last > 1 || text[0] == 'F') &&
         text.find_first_not_of("xyz0123456789", last + 1) == std::string::npos;
       const auto is_in = [&](const std::vector<std::string> &list,
                              const std::string              &name) {
@@ -396,6 +396,7 @@ namespace greville
       }
     // F_n = f^-1 F_(n+1); Fortran has columns first.
     const Tensor<2, 3> F0 = invert(point.increment) * point.F;
+    const double       J0 = point.J / determinant(point.increment);
     double             drot[9], dfgrd0[9], dfgrd1[9], coords[3];
     for (unsigned int i = 0; i < 3; ++i)
       {
@@ -463,11 +464,11 @@ namespace greville
     for (int i = 0; i < ntens; ++i)
       {
         point.stress.access_raw_entry(i) = stress[i];
-        before[i] += stress[i];
+        before[i]                        = J0 * before[i] + point.J * stress[i];
         for (int j = 0; j < ntens; ++j)
           C[i][j] = ddsdde[i + ntens * j];
       }
-    state.first[work] += 0.5 * point.J * product(before, increment.strain);
+    state.first[work] += 0.5 * product(before, increment.strain);
     state.first[dissipated] +=
       point.J * (state.first[spd] + state.first[scd] - heat);
     for (unsigned int i = 0; i < 3; ++i)

@@ -65,17 +65,22 @@ namespace
           const std::vector<unsigned int> kept, // numbers of law's history
           const double                    size)
   {
-    Random random;
-    double error = 0., history = 0., energy = 0., tangent = 0.,
-           largest_plastic = 0.;
+    Random       random;
+    double       error = 0., history = 0., energy = 0., tangent = 0.;
     unsigned int n_plastic = 0;
     for (const unsigned int dim : {2, 3})
       for (unsigned int k = 0; k < 40; ++k)
         {
           const bool    plane = dim == 2;
           MaterialPoint a = rest(umat), b = rest(law);
-          a.dim                = dim;
-          const Tensor2 strain = random.matrix(size, plane);
+          a.dim = dim;
+          // Without a change of volume, far from the apex of Mohr-Coulomb.
+          Tensor2 strain = random.matrix(size, plane);
+          if (plane)
+            strain[2][2] = 0.;
+          const double mean = trace(strain) / dim;
+          for (unsigned int d = 0; d < dim; ++d)
+            strain[d][d] -= mean;
           for (unsigned int n = 0; n < 12; ++n)
             {
               Tensor2 f = one_tensor();
@@ -112,8 +117,6 @@ namespace
               tangent                 = std::max(tangent,
                                  (tangent_of(umat, before_a, dim) - D).norm() /
                                    D.norm());
-              largest_plastic =
-                std::max(largest_plastic, law.dissipation(b) / all);
             }
         }
     print() << what << ": " << n_plastic << " plastic steps" << std::endl;
@@ -353,12 +356,12 @@ test_main()
   settings.insert(settings.end(),
                   {"Cohesion = 5e4",
                    "Residual cohesion = 5e4",
-                   "Friction angle = 20",
-                   "Residual friction angle = 20",
-                   "Dilatancy angle = 5"});
+                   "Friction angle = 10",
+                   "Residual friction angle = 10",
+                   "Dilatancy angle = 3"});
   compare("mohr_coulomb.cc",
           *make_umat({library("mohr_coulomb_cc.so"),
-                      "Properties = 1e7, 0.3, 5e4, 20, 5",
+                      "Properties = 1e7, 0.3, 5e4, 10, 3",
                       "State variables = 7"}),
           *make("mohr-coulomb", settings),
           {0, 1, 2, 3, 4, 5, 6},
