@@ -112,6 +112,7 @@ namespace greville
             out << "It would begin with <" << other.file << ">.\n\n";
           }
         const Probes<dim> probes(parameters.output.probes,
+                                 parameters.output.fields,
                                  ensemble.bodies(),
                                  comm);
         set_up = seconds_since(begin, comm);
