@@ -117,6 +117,7 @@ namespace greville
                                  comm);
         set_up = seconds_since(begin, comm);
         print_header(out, ensemble, parameters, comm);
+        print_imbalance(out, ensemble, parameters, comm);
         print_materials(out, ensemble.bodies());
         print_bodies();
         print_surface_loads();

@@ -162,6 +162,8 @@ namespace greville
   {
     print_header(out, ensemble, parameters, comm);
     if (!is_resumed)
+      print_imbalance(out, ensemble, parameters, comm);
+    if (!is_resumed)
       for (const std::string &note :
            input_notes(ensemble.bodies(), parameters, comm))
         notes.note(note);
