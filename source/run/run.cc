@@ -217,8 +217,14 @@ namespace greville
       }
     if (!ends && end_of_run.has_ramp())
       {
+        const auto factor = [&](const double time) {
+          return end_of_run.factor(common().stage, time);
+        };
         ramp_result.emplace();
-        ramp_result->from = end_of_run.factor(common().stage, common().time);
+        ramp_result->from = factor(common().time);
+        if (ensemble.exceeds_displacement())
+          ramp_result = {factor(common().time - common().step),
+                         factor(common().time)};
       }
     const RunSummary summary = summarize();
     print_summary(summary);

@@ -92,8 +92,7 @@ namespace greville
     if (summary.ramp && std::isfinite(summary.ramp->to))
       out << "  factor at failure: " << std::setprecision(5)
           << summary.ramp->factor() << " (equilibrium at " << summary.ramp->from
-          << ", failure at " << summary.ramp->to << "); states: " << directory
-          << "/failure\n";
+          << ", failure at " << summary.ramp->to << ")\n";
     else if (summary.ramp)
       out << "  no failure up to a factor of " << std::setprecision(5)
           << summary.ramp->from << '\n';
