@@ -79,6 +79,19 @@ namespace greville
     check_different(sweep.formulations, "Sweep/Formulations");
     check_different(sweep.masses, "Sweep/Masses");
     check_different(sweep.quadratures, "Sweep/Quadratures");
+    check_different(sweep.list_of_values(), "Sweep/Values");
+    AssertThrow(sweep.parameter.empty() == sweep.values.empty(),
+                ExcMessage("'Sweep' needs both of 'Parameter' and 'Values', or "
+                           "none."));
+    AssertThrow(sweep.parameter.empty() ||
+                  (sweep.parameter.find('/') != std::string::npos &&
+                   sweep.parameter.compare(0, 6, "Sweep/") != 0 &&
+                   sweep.parameter != "Output/Directory"),
+                ExcMessage("The parameter 'Sweep/Parameter' is <" +
+                           sweep.parameter +
+                           ">: it takes one of another section, written as "
+                           "SECTION/PARAMETER, such as Material clay/Cohesion, "
+                           "and not 'Output/Directory'."));
     smoother.check();
     load_balance.check();
     for (const auto &load : surface_loads)

@@ -76,6 +76,24 @@ namespace greville
                   quadratures,
                   List(Selection("points|least-squares|taylor-least-squares")))(
       "Quadratures to run; empty: that of the scheme.");
+    add_parameter(prm, "Parameter", parameter)(
+      "A parameter to vary, as SECTION/PARAMETER: Material clay/Cohesion, for "
+      "instance. Empty: none.");
+    add_parameter(prm, "Values", values)(
+      "The values of that parameter to run, separated by '|', each as it would "
+      "stand in its section.");
+    add_parameter(prm, "Processes per run", processes)(
+      "The processes are divided into groups of so many, and the runs among "
+      "the groups, which run side by side; what a run prints is in its folder, "
+      "output.txt. 0: all processes take one run after the other. Unit: none.");
+  }
+
+
+
+  std::vector<std::string>
+  SweepParameters::list_of_values() const
+  {
+    return Utilities::split_string_list(values, '|');
   }
 
 
@@ -84,7 +102,7 @@ namespace greville
   SweepParameters::is_empty() const
   {
     return cells.empty() && degrees.empty() && formulations.empty() &&
-           masses.empty() && quadratures.empty();
+           masses.empty() && quadratures.empty() && parameter.empty();
   }
 
 
@@ -122,7 +140,10 @@ namespace greville
       "B-splines see cells: 0 empty, 1 cut, 2 well-filled, 3 inside).");
     add_parameter(prm, "Probes", probes)(
       "Initial positions, 'x, y; x, y; ...' (m): the point nearest to each is "
-      "followed in probes.csv.");
+      "followed in probes.csv, with position, velocity, stress and what "
+      "'Fields' names. A shape, such as box(0, 0, 1, 1), stands for the mean "
+      "over the points that are in it at the time, weighted by their initial "
+      "volumes.");
     add_parameter(prm, "Load", load)(
       "Write how the work is shared among the processes to statistics.csv: "
       "largest_load (the largest work of a process, in units of that of a "

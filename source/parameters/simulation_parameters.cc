@@ -454,6 +454,18 @@ namespace greville
 
 
 
+  bool
+  SimulationParameters::has_ramp() const
+  {
+    return stages.empty()
+             ? !time.ramp.empty()
+             : std::any_of(stages.begin(), stages.end(), [](const auto &stage) {
+                 return !stage.time.ramp.empty();
+               });
+  }
+
+
+
   std::string
   SimulationParameters::stage_text(const unsigned int stage) const
   {

@@ -58,6 +58,18 @@ namespace greville
       "as a rigid one is further than this from its initial position (with "
       "'Stage/Reset displacements': from where it was at the start of the "
       "stage); 0: no limit. Unit: m.");
+    add_parameter(prm, "End when", end_when)(
+      "A run ends after the row in which this formula of the columns of "
+      "statistics.csv and probes.csv is true (not 0), such as 'time > 1 && "
+      "kinetic < 1e-3'. Empty: never.");
+    add_parameter(prm, "Ramp until failure", ramp)(
+      "A formula of t: the factor, such as that of 'Strength reduction', which "
+      "grows in this stage until no equilibrium is found, 'End when' is true, "
+      "or a point has moved by 'Largest displacement'. Implicit stages go back "
+      "then, and halve the bracket of failure down to 'Implicit/Smallest "
+      "step'; a failure in the first step of a stage, and in explicit stages, "
+      "ends the run at once. The factor and its bracket are printed, and the "
+      "states before and after failure written. Empty: no ramp.");
   }
 
 

@@ -4,7 +4,9 @@
 
 #include <greville/base/errors.h>
 #include <greville/geometry/points_file.h>
+#include <greville/geometry/shape.h>
 #include <greville/points/body.h>
+#include <greville/points/soil_layers.h>
 
 #include "formula_gradient.h"
 #include <algorithm>
@@ -24,11 +26,12 @@ namespace greville
     class InitialStress
     {
     public:
-      InitialStress(const BodyParameters &parameters,
-                    const std::string    &section,
-                    const Tensor<1, dim> &gravity,
-                    const Lattice<dim>   &lattice,
-                    const double          density)
+      InitialStress(const BodyParameters         &parameters,
+                    const std::string            &section,
+                    const Tensor<1, dim>         &gravity,
+                    const Lattice<dim>           &lattice,
+                    const double                  density,
+                    const std::vector<SoilLayer> &soil)
         : K0(parameters.K0)
         , g(gravity)
         , weight(density * gravity.norm())
@@ -59,6 +62,12 @@ namespace greville
             surface     = {parameters.surface,
                            section + "/Surface",
                            coordinate_names<dim>()};
+            for (const SoilLayer &layer : soil)
+              if (const std::string of = "Body " + layer.name; of != section)
+                layers.push_back(
+                  {{layer.surface, of + "/Surface", coordinate_names<dim>()},
+                   Shape<dim>(layer.shape, of + "/Shape"),
+                   layer.density * gravity.norm()});
           }
       }
 
@@ -85,9 +94,10 @@ namespace greville
                           " m there, which is " + text_of(depth) +
                           " m above this point: more than " + text_of(deepest) +
                           " heights of the grid. Is it given in m?"));
+            const double pressure =
+              weight * std::max(0., depth) + pressure_above(x, height);
             for (unsigned int d = 0; d < 3; ++d)
-              result[d][d] =
-                -weight * std::max(0., depth) * (d == axis ? 1. : K0);
+              result[d][d] = -pressure * (d == axis ? 1. : K0);
           }
         else
           {
@@ -99,11 +109,53 @@ namespace greville
       }
 
     private:
-      double         K0;
-      Tensor<1, dim> g;
-      double         weight;
-      unsigned int   axis    = dim;
-      double         upwards = 1.;
+      struct Layer
+      {
+        VectorExpression<1> surface;
+        Shape<dim>          shape;
+        double              weight; // N / m^3
+      };
+
+      /**
+       * The weight of the layers above the surface at a place, Pa.
+       */
+      double
+      pressure_above(Point<dim> x, const double height) const
+      {
+        const double negligible = 1e-9 * cell_size;
+        double       last       = upwards * height;
+        std::vector<std::pair<double, const Layer *>> above;
+        for (const Layer &layer : layers)
+          try
+            {
+              const double h = upwards * layer.surface(x)[0];
+              if (h > last + negligible)
+                above.emplace_back(h, &layer);
+            }
+          catch (const std::exception &)
+            {
+              // The formula has no value here, where its body has no point.
+            }
+        std::sort(above.begin(), above.end());
+        double pressure = 0.;
+        for (const auto &[h, layer] : above)
+          {
+            x[axis] = upwards * 0.5 * (last + h);
+            if (h > last + negligible && layer->shape.contains(x))
+              {
+                pressure += layer->weight * (h - last);
+                last = h;
+              }
+          }
+        return pressure;
+      }
+
+      double             K0;
+      Tensor<1, dim>     g;
+      double             weight;
+      std::vector<Layer> layers;
+      unsigned int       axis    = dim;
+      double             upwards = 1.;
       // Depths beyond this many heights of the grid are errors.
       static constexpr double                      deepest     = 1000.;
       double                                       cell_size   = 0.;
@@ -315,7 +367,8 @@ namespace greville
                   const std::vector<PlacedPoint<dim>> &new_points,
                   const PointsOfFile<dim>             &file,
                   const std::string                   &section,
-                  const Tensor<1, dim>                &gravity)
+                  const Tensor<1, dim>                &gravity,
+                  const std::vector<SoilLayer>        &layers)
     {
       const BodyParameters    &parameters = *body.parameters;
       const Material          &material   = *body.material;
@@ -323,7 +376,7 @@ namespace greville
       const PointField        *affine     = layout.find("affine");
       const Lattice<dim>      &lattice    = body.points.space().lattice();
       const InitialStress<dim> stress(
-        parameters, section, gravity, lattice, material.density);
+        parameters, section, gravity, lattice, material.density, layers);
       const auto formulas = [&](const std::string &text, const char *name) {
         return text.empty() ? VectorExpression<dim>()
                             : VectorExpression<dim>(text,
@@ -438,6 +491,19 @@ namespace greville
               const Tensor<1, dim>   &gravity,
               const PointLayout<dim> &layout)
   {
+    return make_points(body, space, gravity, layout, {});
+  }
+
+
+
+  template <int dim>
+  std::vector<unsigned int>
+  make_points(Body<dim>                    &body,
+              const SplineSpace<dim>       &space,
+              const Tensor<1, dim>         &gravity,
+              const PointLayout<dim>       &layout,
+              const std::vector<SoilLayer> &layers)
+  {
     const BodyParameters &parameters = *body.parameters;
     const std::string     section    = "Body " + body.name;
     body.points.reinit(space, layout);
@@ -454,7 +520,7 @@ namespace greville
                                      groups_of_file<dim>(*body.material),
                                      layout.is_total_lagrangian(),
                                      space);
-        insert_points(body, file.points, file, section, gravity);
+        insert_points(body, file.points, file, section, gravity, layers);
       },
       space.communicator());
 
@@ -474,6 +540,19 @@ namespace greville
 
 
 
-  template decltype(make_points<2>) make_points<2>;
-  template decltype(make_points<3>) make_points<3>;
+#define INSTANTIATE(dim)                               \
+  template std::vector<unsigned int> make_points<dim>( \
+    Body<dim> &,                                       \
+    const SplineSpace<dim> &,                          \
+    const Tensor<1, dim> &,                            \
+    const PointLayout<dim> &);                         \
+  template std::vector<unsigned int> make_points<dim>( \
+    Body<dim> &,                                       \
+    const SplineSpace<dim> &,                          \
+    const Tensor<1, dim> &,                            \
+    const PointLayout<dim> &,                          \
+    const std::vector<SoilLayer> &);
+  INSTANTIATE(2)
+  INSTANTIATE(3)
+#undef INSTANTIATE
 } // namespace greville

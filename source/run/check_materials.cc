@@ -300,7 +300,8 @@ namespace greville
           }
         if (body.parameters->K0 >= 0.)
           for (const Body<dim> &other : bodies)
-            if (&other != &body)
+            if (&other != &body && !(other.parameters->K0 >= 0. &&
+                                     !other.parameters->shape.empty()))
               {
                 const auto above = mass_above(body, other, first_gravity, comm);
                 if (above.second > least_load * above.first)
@@ -308,7 +309,7 @@ namespace greville
                     "'Body " + other.name + "' lies on the 'Surface' of '" +
                     "Body " + body.name +
                     "', whose initial stress by 'K0' "
-                    "counts its own weight only: " +
+                    "counts bodies with a 'K0' and a 'Shape' only: " +
                     rounded(above.second * first_gravity.norm()) +
                     (dim == 2 ? " N / m" : " N") +
                     " are not in balance. A quasi-static stage finds the "

@@ -112,10 +112,12 @@ namespace greville
             out << "It would begin with <" << other.file << ">.\n\n";
           }
         const Probes<dim> probes(parameters.output.probes,
+                                 parameters.output.fields,
                                  ensemble.bodies(),
                                  comm);
         set_up = seconds_since(begin, comm);
         print_header(out, ensemble, parameters, comm);
+        print_imbalance(out, ensemble, parameters, comm);
         print_materials(out, ensemble.bodies());
         print_tangents(out, ensemble.bodies(), comm);
         print_bodies();

@@ -75,7 +75,7 @@ namespace greville
         if (parameter.rfind(section, 0) == 0)
           return parameter != "Output/Probes";
       return is("Time/End") || is("Time/Maximum steps") ||
-             is("Time/Largest displacement");
+             is("Time/Largest displacement") || is("Time/End when");
     }
   } // namespace
 

@@ -12,65 +12,120 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    /**
+     * Whether a field has no column of its own in any case, and a meaning for
+     * points and means alike.
+     */
+    bool
+    is_for_probes(const std::string &field)
+    {
+      for (const char *other :
+           {"velocity", "stress", "reference", "body", "id", "process"})
+        if (field == other)
+          return false;
+      return true;
+    }
+  } // namespace
+
+
+
   template <int dim>
-  Probes<dim>::Probes(const std::string   &text,
-                      const BodyList<dim> &bodies,
-                      const MPI_Comm       comm)
+  Probes<dim>::Probes(const std::string              &text,
+                      const std::vector<std::string> &field_names,
+                      const BodyList<dim>            &bodies,
+                      const MPI_Comm                  comm)
     : comm(comm)
   {
-    for (const std::string &position : Utilities::split_string_list(text, ';'))
-      {
-        std::vector<double> x;
-        try
-          {
-            x = Utilities::string_to_double(
-              Utilities::split_string_list(position, ','));
-          }
-        catch (const std::exception &)
-          {}
-        AssertThrow(x.size() == dim,
-                    ExcMessage("The parameter 'Output/Probes' takes positions "
-                               "of " +
-                               std::to_string(dim) +
-                               " numbers, separated by semicolons, not <" +
-                               position + ">."));
+    for (const OutputField<dim> &field : point_fields(field_names, bodies, 0))
+      if (is_for_probes(field.name))
+        {
+          fields.push_back(field);
+          n_more += field.components.size();
+        }
+    for (const std::string &probe : Utilities::split_string_list(text, ';'))
+      if (probe.find('(') != std::string::npos)
+        add_shape(probe, bodies);
+      else
+        add_point(probe, bodies);
+  }
 
-        // The nearest point; of several the one of the first body and id.
-        double nearest = std::numeric_limits<double>::max();
-        Probe  probe{0, 0.};
-        for (unsigned int b = 0; b < bodies.size(); ++b)
-          bodies[b].points.for_each(
-            [&](const unsigned int, ConstPointRef<dim> p) {
-              double square = 0.;
-              for (unsigned int d = 0; d < dim; ++d)
-                square += std::pow(p.reference(d) - x[d], 2);
-              const double id = p.id();
-              if (square < nearest ||
-                  (square == nearest && b == probe.body && id < probe.id))
-                {
-                  nearest = square;
-                  probe   = {b, id};
-                }
-            });
-        const double best = Utilities::MPI::min(nearest, comm);
-        double       size = 0.;
-        for (const Body<dim> &body : bodies)
-          for (unsigned int d = 0; d < dim; ++d)
-            size = std::max(size, body.points.space().lattice().cell_size(d));
-        AssertThrow(best <= size * size,
-                    ExcMessage("The parameter 'Output/Probes' has the position "
-                               "<" +
-                               position +
-                               ">, but no point of a body is nearer to it "
-                               "than a cell is long."));
-        const double       none = std::numeric_limits<double>::max();
-        const unsigned int own_body =
-          nearest == best ? probe.body : numbers::invalid_unsigned_int;
-        probe.body = Utilities::MPI::min(own_body, comm);
-        probe.id =
-          Utilities::MPI::min(own_body == probe.body ? probe.id : none, comm);
-        probes.push_back(probe);
+
+
+  template <int dim>
+  void
+  Probes<dim>::add_shape(const std::string &text, const BodyList<dim> &bodies)
+  {
+    const Shape<dim> shape(text, "Output/Probes");
+    bool             is_empty = true;
+    for (const Body<dim> &body : bodies)
+      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        if (shape.contains(p.position()))
+          is_empty = false;
+      });
+    AssertThrow(Utilities::MPI::min<unsigned int>(is_empty, comm) == 0,
+                ExcMessage("The parameter 'Output/Probes' has the shape <" +
+                           text + ">, in which there is no point of a body."));
+    probes.push_back({numbers::invalid_unsigned_int, 0., shape});
+  }
+
+
+
+  template <int dim>
+  void
+  Probes<dim>::add_point(const std::string   &position,
+                         const BodyList<dim> &bodies)
+  {
+    std::vector<double> x;
+    try
+      {
+        x = Utilities::string_to_double(
+          Utilities::split_string_list(position, ','));
       }
+    catch (const std::exception &)
+      {}
+    AssertThrow(x.size() == dim,
+                ExcMessage("The parameter 'Output/Probes' takes positions of " +
+                           std::to_string(dim) +
+                           " numbers, or shapes, separated by semicolons, not "
+                           "<" +
+                           position + ">."));
+
+    // The nearest point; of several the one of the first body and id.
+    double nearest = std::numeric_limits<double>::max();
+    Probe  probe{0, 0., {}};
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      bodies[b].points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        double square = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          square += std::pow(p.reference(d) - x[d], 2);
+        const double id = p.id();
+        if (square < nearest ||
+            (square == nearest && b == probe.body && id < probe.id))
+          {
+            nearest    = square;
+            probe.body = b;
+            probe.id   = id;
+          }
+      });
+    const double best = Utilities::MPI::min(nearest, comm);
+    double       size = 0.;
+    for (const Body<dim> &body : bodies)
+      for (unsigned int d = 0; d < dim; ++d)
+        size = std::max(size, body.points.space().lattice().cell_size(d));
+    AssertThrow(best <= size * size,
+                ExcMessage("The parameter 'Output/Probes' has the position <" +
+                           position +
+                           ">, but no point of a body is nearer to it than a "
+                           "cell is long."));
+    const double       none = std::numeric_limits<double>::max();
+    const unsigned int own_body =
+      nearest == best ? probe.body : numbers::invalid_unsigned_int;
+    probe.body = Utilities::MPI::min(own_body, comm);
+    probe.id =
+      Utilities::MPI::min(own_body == probe.body ? probe.id : none, comm);
+    probes.push_back(probe);
   }
 
 
@@ -90,6 +145,11 @@ namespace greville
         const char *components[] = {"xx", "yy", "zz", "xy", "xz", "yz"};
         for (unsigned int c = 0; c < PointLayout<dim>::n_stress; ++c)
           names.push_back(std::string("stress_") + components[c] + probe);
+        for (const OutputField<dim> &field : fields)
+          for (unsigned int c = 0; c < field.components.size(); ++c)
+            names.push_back(
+              field.components[c] +
+              (field.is_vector ? std::string("_") + axes[c] : "") + probe);
       }
     return names;
   }
@@ -106,39 +166,82 @@ namespace greville
     if (probes.empty())
       return;
     constexpr unsigned int n_stress = PointLayout<dim>::n_stress;
-    constexpr unsigned int n        = 2 * dim + n_stress;
-    values.resize(1 + n * probes.size(), 0.);
+    const unsigned int     n        = n_values();
+    const unsigned int     stride   = n + dim + 2;
+    sums.resize(stride * probes.size(), 0.);
+    weights[velocities] = weight;
+    std::vector<double> more(n_more);
     for (unsigned int b = 0; b < bodies.size(); ++b)
       bodies[b].points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
         for (unsigned int k = 0; k < probes.size(); ++k)
-          if (probes[k].body == first + b && probes[k].id == p.id())
-            {
-              double *const row = &values[1 + k * n];
-              for (unsigned int d = 0; d < dim; ++d)
-                row[dim + d] += weight * p.velocity(d);
-              if (velocities)
-                continue;
-              for (unsigned int d = 0; d < dim; ++d)
-                row[d] = p.position(d);
-              for (unsigned int c = 0; c < n_stress; ++c)
-                row[2 * dim + c] = p.stress(c);
-            }
+          {
+            const Probe &probe = probes[k];
+            if (probe.shape ? !probe.shape->contains(p.position())
+                            : probe.body != first + b || probe.id != p.id())
+              continue;
+            const double  volume = probe.shape ? p.volume0() : 1.;
+            double *const sum    = &sums[k * stride];
+            double *const v      = sum + (velocities ? n + 1 : dim);
+            sum[velocities ? n + 1 + dim : n] += volume;
+            for (unsigned int d = 0; d < dim; ++d)
+              v[d] += volume * p.velocity(d);
+            if (velocities)
+              continue;
+            for (unsigned int d = 0; d < dim; ++d)
+              sum[d] += volume * p.position(d);
+            for (unsigned int c = 0; c < n_stress; ++c)
+              sum[2 * dim + c] += volume * p.stress(c);
+            unsigned int i = 0;
+            for (const OutputField<dim> &field : fields)
+              {
+                field.evaluate(p, bodies[b], first + b, &more[i]);
+                i += field.components.size();
+              }
+            for (i = 0; i < n_more; ++i)
+              sum[2 * dim + n_stress + i] += volume * more[i];
+          }
       });
   }
 
 
 
   template <int dim>
-  void
-  Probes<dim>::write(const double time)
+  const std::vector<double> &
+  Probes<dim>::finish(const double time)
   {
-    if (probes.empty())
-      return;
-    values.resize(columns().size(), 0.);
-    Utilities::MPI::sum(values, comm, values);
-    values[0] = time;
-    file.write(values);
-    values.clear();
+    row.assign(1, time);
+    const unsigned int n      = n_values();
+    const unsigned int stride = n + dim + 2;
+    sums.resize(stride * probes.size(), 0.);
+    Utilities::MPI::sum(sums, comm, sums);
+    for (unsigned int k = 0; k < probes.size(); ++k)
+      {
+        const double *const sum    = &sums[k * stride];
+        const double        volume = sum[n], second = sum[n + 1 + dim];
+        for (unsigned int i = 0; i < n; ++i)
+          {
+            double value = volume > 0. ? sum[i] / volume : 0.;
+            if (i >= dim && i < 2 * dim)
+              {
+                value *= weights[0];
+                if (second > 0.)
+                  value += weights[1] * (sum[n + 1 + i - dim] / second);
+              }
+            row.push_back(value);
+          }
+      }
+    forget();
+    return row;
+  }
+
+
+
+  template <int dim>
+  void
+  Probes<dim>::write()
+  {
+    if (!probes.empty())
+      file.write(row);
   }
 
 

@@ -88,11 +88,15 @@ namespace greville
     , exact(parameters.exact)
     , measured(parameters.reference)
     , fields(directory, parameters.output)
-    , probes(parameters.output.probes, ensemble.bodies(), comm)
+    , probes(parameters.output.probes,
+             parameters.output.fields,
+             ensemble.bodies(),
+             comm)
     , notes(directory, out, comm)
+    , reactions(reactions_of<dim>(parameters))
+    , end_of_run(parameters, all_columns())
     , is_terminal(is_terminal_with_lines())
   {
-    reactions = reactions_of<dim>(parameters);
     // A formula that fails is better found now than at the end.
     const double end = parameters.end_of_run();
     exact.errors(ensemble.bodies(), end, end, comm);
@@ -113,10 +117,24 @@ namespace greville
       columns.push_back(reaction_name(wall, component));
     if (!parameters.stages.empty())
       columns.push_back("stage");
+    if (parameters.has_ramp())
+      columns.push_back("factor");
     if (parameters.output.load)
       columns.insert(columns.end(),
                      {"largest_load", "imbalance", "partitions"});
     return columns;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  SimulationRun<dim>::all_columns() const
+  {
+    auto       all  = columns();
+    const auto more = probes.columns();
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
   }
 
 
@@ -144,6 +162,8 @@ namespace greville
   {
     print_header(out, ensemble, parameters, comm);
     if (!is_resumed)
+      print_imbalance(out, ensemble, parameters, comm);
+    if (!is_resumed)
       for (const std::string &note :
            input_notes(ensemble.bodies(), parameters, comm))
         notes.note(note);
@@ -154,18 +174,19 @@ namespace greville
           ensemble.fill_grid();
         write_due(false);
       }
-    if (late_row && ensemble.is_finished())
+    if (late_row && (ensemble.is_finished() || ends))
       {
         const EndOfStep<dim> end_of_step(ensemble);
         write_statistics();
       }
-    while (!ensemble.is_finished())
+    while (!ensemble.is_finished() && !ends)
       {
         if (ensemble.first().keeps_state())
           mark = make_mark();
+        bool is_taken = true;
         try
           {
-            ensemble.step();
+            is_taken = take_step();
           }
         catch (const StepGivenUp &error)
           {
@@ -184,13 +205,26 @@ namespace greville
             print_stage(out, ensemble, parameters);
           }
         notes.write(ensemble.take_newton());
-        const bool is_last = ensemble.is_finished();
+        if (!is_taken)
+          continue;
         write_late_row();
-        write_due(is_last);
+        write_due(ensemble.is_finished() || ends);
+        const bool is_last = ensemble.is_finished() || ends;
         for (const std::string &warning : ensemble.take_warnings())
           notes.warn(warning);
         print_progress(is_last);
         look_for_checkpoint(is_last);
+      }
+    if (!ends && end_of_run.has_ramp())
+      {
+        const auto factor = [&](const double time) {
+          return end_of_run.factor(common().stage, time);
+        };
+        ramp_result.emplace();
+        ramp_result->from = factor(common().time);
+        if (ensemble.exceeds_displacement())
+          ramp_result = {factor(common().time - common().step),
+                         factor(common().time)};
       }
     const RunSummary summary = summarize();
     print_summary(summary);
@@ -223,6 +257,10 @@ namespace greville
                                   common().time,
                                   common().velocity_time,
                                   comm);
+    summary.ramp     = ramp_result;
+    const auto names = columns();
+    for (unsigned int k = 0; k < last_row.size(); ++k)
+      summary.last_row.emplace_back(names[k], last_row[k]);
     summary.front    = largest_front;
     summary.front_99 = largest_front_99;
     if (measured.has_surface())
@@ -284,7 +322,8 @@ namespace greville
     // The last state of a stage is the first one of the next.
     const double now          = rounded_up_time();
     const bool   is_stage_end = is_last || ensemble.first().is_stage_finished();
-    const bool   is_row_due   = is_stage_end || now >= next_statistics;
+    const bool   is_row_due =
+      is_stage_end || now >= next_statistics || is_in_ramp();
     if (is_last && now >= next_statistics && ensemble.rows_lag())
       {
         before_last_row             = make_mark();
@@ -302,9 +341,13 @@ namespace greville
     if (!are_fields_due && !(is_row_due && !is_late))
       return;
     const EndOfStep<dim> end_of_step(ensemble);
-    if (is_row_due && !is_late)
+    // The run may have gone back to a state whose row is there.
+    if (is_row_due && !is_late &&
+        !(ends && last_written_statistics == common().n_steps))
       write_statistics();
-    if (are_fields_due)
+    // A row may end the run.
+    if ((are_fields_due || ends) &&
+        !(ends && last_written_fields == common().n_steps))
       {
         write_fields();
         next_fields = next_time_of_fields(now);
@@ -415,9 +458,11 @@ namespace greville
   typename SimulationRun<dim>::Row
   SimulationRun<dim>::begin_row()
   {
-    Row row{common().n_steps, common().time, {}};
+    Row row{common().n_steps, common().time, {}, common().stage};
     if (!parameters.stages.empty())
       row.more.push_back(common().stage + 1);
+    if (end_of_run.has_ramp())
+      row.more.push_back(end_of_run.factor(common().stage, common().time));
     if (parameters.output.load)
       {
         // Of all parts, which go in common steps.
@@ -435,6 +480,20 @@ namespace greville
 
 
   template <int dim>
+  std::vector<double>
+  SimulationRun<dim>::values_of(const Row             &row,
+                                const Statistics<dim> &statistics) const
+  {
+    auto values = statistics.values();
+    for (const auto &[wall, component] : reactions)
+      values.push_back(statistics.reactions[wall][component]);
+    values.insert(values.end(), row.more.begin(), row.more.end());
+    return values;
+  }
+
+
+
+  template <int dim>
   void
   SimulationRun<dim>::write_row(const Row             &row,
                                 const Statistics<dim> &statistics)
@@ -442,13 +501,20 @@ namespace greville
     largest_front.add(statistics.front);
     largest_front_99.add(statistics.front_99);
     measured.add(statistics);
-    probes.write(row.time);
-    auto values = statistics.values();
-    for (const auto &[wall, component] : reactions)
-      values.push_back(statistics.reactions[wall][component]);
-    values.insert(values.end(), row.more.begin(), row.more.end());
-    statistics_file.write(values);
+    const double last_time = last_row.empty() ? row.time : last_row[0];
+    last_row               = values_of(row, statistics);
+    statistics_file.write(last_row);
+    const auto &more = probes.finish(row.time);
+    probes.write();
     last_written_statistics = row.n_steps;
+    if (ends || is_in_ramp())
+      return;
+    auto all = last_row;
+    all.insert(all.end(), more.begin(), more.end());
+    ends = end_of_run.holds(row.stage, all);
+    if (ends && end_of_run.is_ramp(row.stage))
+      ramp_result = {end_of_run.factor(row.stage, last_time),
+                     end_of_run.factor(row.stage, row.time)};
   }
 
 

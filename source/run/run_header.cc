@@ -2,6 +2,8 @@
 
 #include <greville/run/run_header.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iomanip>
 
 namespace greville
@@ -140,8 +142,63 @@ namespace greville
 
 
 
-  template decltype(print_header<2>) print_header<2>;
-  template decltype(print_header<3>) print_header<3>;
-  template decltype(print_stage<2>)  print_stage<2>;
-  template decltype(print_stage<3>)  print_stage<3>;
+  template <int dim>
+  void
+  print_imbalance(std::ostream               &out,
+                  Ensemble<dim>              &ensemble,
+                  const SimulationParameters &parameters,
+                  const MPI_Comm              comm)
+  {
+    const auto has_stress = [](const auto &body) {
+      return body.second.K0 >= 0. || !body.second.stress.empty();
+    };
+    const auto &first = ensemble.first();
+    if (std::none_of(parameters.bodies.begin(),
+                     parameters.bodies.end(),
+                     has_stress) ||
+        !parameters.contacts.empty() || first.grid().walls().have_friction())
+      return;
+    double force = 0., mass = 0.;
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      {
+        Simulation<dim> &part = ensemble.part(k);
+        for (unsigned int f = 0; f < part.grid().fields().size(); ++f)
+          {
+            VectorField<dim> sums = part.grid_force(f);
+            for (unsigned int d = 0; d < dim; ++d)
+              for (const unsigned int i :
+                   part.grid().walls().held_functions(part.space(), d))
+                sums[d].local_element(i) = 0.;
+            for (unsigned int i = 0; i < sums[0].locally_owned_size(); ++i)
+              {
+                double square = 0.;
+                for (unsigned int d = 0; d < dim; ++d)
+                  square += std::pow(sums[d].local_element(i), 2);
+                force += std::sqrt(square);
+              }
+          }
+        for (const Body<dim> &body : part.state().bodies)
+          body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+            mass += p.mass();
+          });
+      }
+    force = Utilities::MPI::sum(force, comm);
+    const Loads<dim> loads(parameters);
+    const double     weight = Utilities::MPI::sum(mass, comm) *
+                          loads.gravity(first.state().time).norm();
+    out << "  initial state: " << std::setprecision(3) << force
+        << (dim == 2 ? " N / m" : " N") << " are not in balance";
+    if (weight > 0.)
+      out << ", " << 100. * force / weight << " % of the weight";
+    out << "\n\n";
+  }
+
+
+
+  template decltype(print_header<2>)    print_header<2>;
+  template decltype(print_header<3>)    print_header<3>;
+  template decltype(print_imbalance<2>) print_imbalance<2>;
+  template decltype(print_imbalance<3>) print_imbalance<3>;
+  template decltype(print_stage<2>)     print_stage<2>;
+  template decltype(print_stage<3>)     print_stage<3>;
 } // namespace greville

@@ -64,6 +64,7 @@ namespace greville
       {"statistics.csv", "fragments", "1", "1"},
       {"statistics.csv", "redone", "1", "1"},
       {"statistics.csv", "stage", "1", "1"},
+      {"statistics.csv", "factor", "1", "1"},
       {"statistics.csv", "largest_load", "1", "1"},
       {"statistics.csv", "imbalance", "1", "1"},
       {"statistics.csv", "partitions", "1", "1"},
@@ -144,7 +145,8 @@ namespace greville
     for (const ColumnUnit &candidate : units)
       if (file == candidate.file && is_one_of(column, candidate.begin))
         return dim == 2 ? candidate.unit_2d : candidate.unit;
-    return "";
+    // Probes have fields of points.
+    return file == "probes.csv" ? unit_of("points.pvd", column, dim) : "";
   }
 
 

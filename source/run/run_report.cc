@@ -100,6 +100,15 @@ namespace greville
       out << "; " << n_redone << (n_redone == 1 ? " step was" : " steps were")
           << " done again with a shorter length";
     out << '\n';
+    if (summary.ramp && std::isfinite(summary.ramp->to))
+      out << "  factor at failure: " << std::setprecision(5)
+          << summary.ramp->factor() << " (equilibrium at " << summary.ramp->from
+          << ", failure at " << summary.ramp->to << ")\n";
+    else if (summary.ramp)
+      out << "  no failure up to a factor of " << std::setprecision(5)
+          << summary.ramp->from << '\n';
+    else if (ends)
+      out << "  ended early: 'Time/End when' holds\n";
     if (ensemble.exceeds_displacement())
       out << "  ended early: a point has moved further than 'Time/Largest "
              "displacement'\n";
@@ -232,6 +241,15 @@ namespace greville
         json.begin("stages");
         for (const StageParameters &stage : parameters.stages)
           json.add(stage.name, stage.scheme.mass);
+        json.end();
+      }
+    if (summary.ramp)
+      {
+        json.begin("ramp")
+          .add("factor", summary.ramp->factor())
+          .add("from", summary.ramp->from);
+        if (std::isfinite(summary.ramp->to))
+          json.add("to", summary.ramp->to);
         json.end();
       }
     json.add("front", summary.front)

@@ -24,7 +24,12 @@ namespace greville
                                                   "bytes_of_probes",
                                                   "largest_front",
                                                   "largest_front_99",
-                                                  "row_is_due"};
+                                                  "row_is_due",
+                                                  "ends",
+                                                  "has_ramp_result",
+                                                  "ramp_from",
+                                                  "ramp_to",
+                                                  "failed_at"};
 
 
 
@@ -52,12 +57,13 @@ namespace greville
     const std::string changes =
       describe_changes(checkpoint.text("parameters"), parameters.used());
     AssertThrow(changes.empty(),
-                ExcMessage("these parameters have changed: " + changes +
-                           ". A run goes on with others in 'Output', "
-                           "'Checkpoints', 'Load balance', 'Time/End', "
-                           "'Time/Maximum steps' and 'Time/Largest "
-                           "displacement' only; with --from a new one begins "
-                           "from its end"));
+                ExcMessage(
+                  "these parameters have changed: " + changes +
+                  ". A run goes on with others in 'Output', "
+                  "'Checkpoints', 'Load balance', 'Time/End', "
+                  "'Time/Maximum steps', 'Time/Largest displacement' "
+                  "and 'Time/End when' only; with --from a new one begins "
+                  "from its end"));
   }
 
 
@@ -92,7 +98,10 @@ namespace greville
               }
           }
         // Those of the other run, perhaps.
-        probes = Probes<dim>(parameters.output.probes, ensemble.bodies(), comm);
+        probes = Probes<dim>(parameters.output.probes,
+                             parameters.output.fields,
+                             ensemble.bodies(),
+                             comm);
         if (options.prepare_folder)
           options.prepare_folder();
         notes.begin();
@@ -170,6 +179,15 @@ namespace greville
         fields.go_on(content.text("written"), comm);
         if (numbers[4] != 0.)
           ask_for_row();
+        // With other criteria an ended run goes on.
+        if (EndOfRun::criteria(content.text("parameters")) ==
+            EndOfRun::criteria(parameters.used()))
+          {
+            ends = numbers[5] != 0.;
+            if (numbers[6] != 0.)
+              ramp_result = {numbers[7], numbers[8]};
+            ramp.failed_at = numbers[9];
+          }
       }
     catch (const std::exception &error)
       {
@@ -227,7 +245,12 @@ namespace greville
                       double(at.bytes_of_probes),
                       at.front.value,
                       at.front_99.value,
-                      double(at.row_is_due)};
+                      double(at.row_is_due),
+                      double(ends),
+                      double(ramp_result.has_value()),
+                      ramp_result.value_or(RampResult()).from,
+                      ramp_result.value_or(RampResult()).to,
+                      ramp.failed_at};
         for (unsigned int k = 0; k < at.series.first.size(); ++k)
           series.values.insert(series.values.end(),
                                {at.series.first[k], at.series.second[k]});

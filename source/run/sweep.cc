@@ -11,24 +11,12 @@
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
+#include <map>
 #include <sstream>
 
 namespace greville
 {
   using namespace dealii;
-
-  std::string
-  SweepRow::folder(const SweepParameters &sweep) const
-  {
-    const std::string &formulation = parameters.scheme.formulation;
-    return (sweep.formulations.empty()
-              ? ""
-              : formulation.substr(0, formulation.find(' ')) + "_") +
-           parameters.scheme.mass + "_" + parameters.scheme.quadrature + "_p" +
-           std::to_string(parameters.grid.degree) + "_" + std::to_string(cells);
-  }
-
-
 
   std::string
   folder_of_run(const SimulationParameters &parameters,
@@ -79,94 +67,6 @@ namespace greville
 
 
 
-  std::vector<SweepRow>
-  make_sweep_rows(const SimulationParameters &parameters)
-  {
-    const SweepParameters &sweep  = parameters.sweep;
-    const auto             or_one = [](const auto &list, const auto &one) {
-      return list.empty() ? std::decay_t<decltype(list)>{one} : list;
-    };
-    const auto &scheme         = parameters.scheme;
-    const auto  degrees        = or_one(sweep.degrees, parameters.grid.degree);
-    const auto  masses         = or_one(sweep.masses, scheme.mass);
-    const auto  quadratures    = or_one(sweep.quadratures, scheme.quadrature);
-    const auto  formulations   = or_one(sweep.formulations, scheme.formulation);
-    const auto &base           = parameters.grid.cells;
-    const unsigned int    most = *std::max_element(base.begin(), base.end());
-    const auto            cells = or_one(sweep.cells, most);
-    std::vector<SweepRow> rows;
-    const auto            add = [&](const std::string &formulation,
-                         const std::string &mass,
-                         const std::string &quadrature,
-                         const unsigned int degree,
-                         const unsigned int n) {
-      SweepRow    row;
-      std::string changes;
-      const auto  set = [&](const std::string &section,
-                           const std::string &name,
-                           const std::string &value) {
-        std::string end;
-        for (const std::string &part :
-             Utilities::split_string_list(section, '/'))
-          {
-            changes += "subsection " + part + "\n";
-            end += "end\n";
-          }
-        changes += "set " + name + " = " + value + "\n" + end;
-      };
-      // Lists that are empty leave stages what they have.
-      const auto set_scheme = [&](const std::string &section, const bool all) {
-        if (all || !sweep.formulations.empty())
-          set(section, "Formulation", formulation);
-        if (all || !sweep.masses.empty())
-          set(section, "Mass", mass);
-        if (all || !sweep.quadratures.empty())
-          set(section, "Quadrature", quadrature);
-      };
-      set_scheme("Scheme", true);
-      for (const StageParameters &stage : parameters.stages)
-        set_scheme("Stage " + stage.name + "/Scheme", false);
-      const auto scale = [&](const std::vector<unsigned int> &all,
-                             const std::string               &section) {
-        std::string text;
-        for (const unsigned int cells : all)
-          {
-            const std::uint64_t product = std::uint64_t(cells) * n;
-            AssertThrow(cells == 1 || (product % most == 0 &&
-                                       product / most < (1ull << 31)),
-                        ExcMessage(
-                          "The parameter 'Sweep/Cells' has the entry " +
-                          std::to_string(n) + ", with which '" + section +
-                          "/Cells' cannot keep their ratio, or are too many."));
-            text += (text.empty() ? "" : ", ") +
-                    std::to_string(cells > 1 ? product / most : cells);
-          }
-        if (!all.empty())
-          set(section, "Cells", text);
-      };
-      scale(parameters.grid.cells, "Grid");
-      for (const auto &[name, grid] : parameters.body_grids)
-        scale(grid.cells, "Body " + name + "/Grid");
-      set("Grid", "Order", std::to_string(degree));
-      for (const std::string list :
-           {"Cells", "Orders", "Formulations", "Masses", "Quadratures"})
-        set("Sweep", list, "");
-      row.parameters       = parameters.with(changes);
-      row.parameters.sweep = sweep;
-      row.cells            = n;
-      rows.push_back(row);
-    };
-    for (const std::string &formulation : formulations)
-      for (const std::string &mass : masses)
-        for (const std::string &quadrature : quadratures)
-          for (const unsigned int degree : degrees)
-            for (const unsigned int n : cells)
-              add(formulation, mass, quadrature, degree, n);
-    return rows;
-  }
-
-
-
   namespace
   {
     /**
@@ -193,6 +93,76 @@ namespace greville
              a.scheme.formulation == b.scheme.formulation &&
              a.scheme.mass == b.scheme.mass &&
              a.scheme.quadrature == b.scheme.quadrature;
+    }
+
+
+
+    /**
+     * sweep.csv: what each run has been, and the last row of its statistics.
+     */
+    void
+    write_results(const std::vector<SweepRow> &rows,
+                  const SweepParameters       &sweep,
+                  const std::string           &directory,
+                  const MPI_Comm               comm)
+    {
+      std::vector<std::string> columns;
+      for (const SweepRow &row : rows)
+        for (const auto &result : row.results)
+          if (std::find(columns.begin(), columns.end(), result.first) ==
+              columns.end())
+            columns.push_back(result.first);
+      std::ostringstream csv;
+      csv << "run,value,formulation,mass,quadrature,p,cells,failed";
+      for (const std::string &column : columns)
+        csv << "," << column;
+      csv << '\n' << std::setprecision(10);
+      for (const SweepRow &row : rows)
+        {
+          const SchemeParameters &scheme = row.parameters.scheme;
+          std::string             value  = row.value;
+          std::replace(value.begin(), value.end(), ',', ' ');
+          csv << row.folder(sweep) << "," << value << "," << scheme.formulation
+              << "," << scheme.mass << "," << scheme.quadrature << ","
+              << row.parameters.grid.degree << "," << row.cells << ","
+              << !row.failure.empty();
+          for (const std::string &column : columns)
+            {
+              csv << ",";
+              for (const auto &[name, number] : row.results)
+                if (name == column)
+                  csv << number;
+            }
+          csv << '\n';
+        }
+      run_on_first(
+        [&]() { write_atomically(directory + "/sweep.csv", csv.str()); }, comm);
+    }
+
+
+
+    /**
+     * A line for each run: of a ramp the factor, else the last time.
+     */
+    void
+    print_rows(const std::vector<SweepRow> &rows,
+               const SweepParameters       &sweep,
+               const std::string           &directory,
+               std::ostream                &out)
+    {
+      for (const SweepRow &row : rows)
+        {
+          out << "  " << std::left << std::setw(32) << row.folder(sweep)
+              << std::right;
+          if (!row.failure.empty())
+            out << "  failed";
+          for (const auto &[name, number] : row.results)
+            if (name == "time" || name == "failure_factor")
+              out << "  " << (name == "time" ? "t" : "factor") << " = "
+                  << std::setprecision(5) << number;
+          out << '\n';
+        }
+      out << "  table: " << directory << "/sweep.csv" << std::endl;
     }
 
 
@@ -242,6 +212,187 @@ namespace greville
 
 
 
+    /**
+     * Collective. One run of a sweep in its folder. Throws RunStopped; other
+     * errors become the failure of the row.
+     */
+    template <int dim>
+    void
+    run_row(SweepRow          &row,
+            const std::string &folder,
+            std::ostream      &out,
+            const MPI_Comm     comm,
+            const RunOptions  &options,
+            const bool         is_side_by_side)
+    {
+      check_other_folder(options, folder, comm);
+      RunFolder own(folder,
+                    "Output/Directory",
+                    what_of_earlier(row.parameters, options),
+                    comm);
+      // Those that had not begun begin now.
+      RunOptions own_options = options;
+      own_options.resumes    = options.resumes && has_checkpoints(folder, comm);
+      own_options.prepare_folder = [&]() {
+        if (options.prepare_folder)
+          options.prepare_folder();
+        own.make_room();
+        write_parameters(row.parameters.with(
+                           "subsection Output\n  set Directory = " + folder +
+                           "\nend\n"),
+                         folder,
+                         comm);
+      };
+      const auto run = [&](std::ostream &text) {
+        SimulationRun<dim> simulation(
+          row.parameters, folder, text, comm, own_options);
+        const auto keep_going = [&](const auto &action) {
+          try
+            {
+              action();
+            }
+          catch (const RunStopped &)
+            {
+              throw;
+            }
+          catch (const std::exception &error)
+            {
+              // Others may hold what this one does not.
+              row.failure = message_of(error);
+              text << "  failed: " << row.failure << std::endl;
+            }
+        };
+        keep_going([&]() {
+          const RunSummary summary = simulation.run();
+          row.results              = {{"wall_time", summary.wall_time}};
+          if (summary.ramp)
+            row.results.insert(row.results.end(),
+                               {{"failure_factor", summary.ramp->factor()},
+                                {"failure_from", summary.ramp->from},
+                                {"failure_to", summary.ramp->to}});
+          row.results.insert(row.results.end(),
+                             summary.last_row.begin(),
+                             summary.last_row.end());
+          if (summary.errors.displacement)
+            row.errors = *summary.errors.displacement;
+        });
+        text << std::endl;
+      };
+      if (!is_side_by_side)
+        {
+          run(out);
+          return;
+        }
+      std::ostringstream text;
+      const auto         write = [&]() {
+        run_on_first(
+          [&]() { write_atomically(folder + "/output.txt", text.str()); },
+          comm);
+      };
+      std::ostream nowhere(nullptr);
+      try
+        {
+          run(Utilities::MPI::this_mpi_process(comm) == 0 ? text : nowhere);
+        }
+      catch (const RunStopped &)
+        {
+          write();
+          throw;
+        }
+      catch (const std::exception &error)
+        {
+          row.failure = message_of(error);
+        }
+      write();
+    }
+
+
+
+    /**
+     * Collective. Share the runs among groups of processes, and what they have
+     * found among all. Throws RunStopped where a group has been stopped.
+     */
+    template <int dim>
+    void
+    run_side_by_side(std::vector<SweepRow>      &rows,
+                     const SimulationParameters &parameters,
+                     const std::string          &directory,
+                     std::ostream               &out,
+                     const MPI_Comm              comm,
+                     RunOptions                  options)
+    {
+      const unsigned int n = Utilities::MPI::n_mpi_processes(comm);
+      const unsigned int n_of_run =
+        std::min(n, std::max(1u, parameters.sweep.processes));
+      const unsigned int n_groups = n / n_of_run;
+      const unsigned int me       = Utilities::MPI::this_mpi_process(comm);
+      const unsigned int group    = me / n_of_run;
+      out << rows.size() << " runs, "
+          << std::min<std::size_t>(n_groups, rows.size()) << " side by side on "
+          << n_of_run
+          << " process(es) each; what a run prints is in its folder, "
+             "output.txt\n"
+          << std::endl;
+      options.prepare_folder();
+      options.prepare_folder = {};
+      MPI_Comm own;
+      MPI_Comm_split(comm,
+                     group < n_groups ? int(group) : MPI_UNDEFINED,
+                     int(me),
+                     &own);
+      std::string stopped;
+      for (unsigned int k = group; group < n_groups && k < rows.size();
+           k += n_groups)
+        try
+          {
+            run_row<dim>(rows[k],
+                         directory + "/" + rows[k].folder(parameters.sweep),
+                         out,
+                         own,
+                         options,
+                         true);
+          }
+        catch (const RunStopped &error)
+          {
+            stopped = message_of(error);
+            break;
+          }
+      if (own != MPI_COMM_NULL)
+        MPI_Comm_free(&own);
+      // The first process of a group speaks for it.
+      std::map<unsigned int, std::pair<std::string, std::vector<double>>> found;
+      std::map<unsigned int, std::vector<std::string>>                    names;
+      if (group < n_groups && me % n_of_run == 0)
+        for (unsigned int k = group; k < rows.size(); k += n_groups)
+          {
+            found[k] = {rows[k].failure,
+                        {rows[k].errors.l2, rows[k].errors.max}};
+            for (const auto &[name, number] : rows[k].results)
+              {
+                names[k].push_back(name);
+                found[k].second.push_back(number);
+              }
+          }
+      for (const auto &of_process : Utilities::MPI::all_gather(comm, found))
+        for (const auto &[k, result] : of_process)
+          {
+            rows[k].failure    = result.first;
+            rows[k].errors.l2  = result.second[0];
+            rows[k].errors.max = result.second[1];
+            rows[k].results.clear();
+            for (unsigned int c = 2; c < result.second.size(); ++c)
+              rows[k].results.emplace_back("", result.second[c]);
+          }
+      for (const auto &of_process : Utilities::MPI::all_gather(comm, names))
+        for (const auto &[k, list] : of_process)
+          for (unsigned int c = 0; c < list.size(); ++c)
+            rows[k].results[c].first = list[c];
+      for (const std::string &text : Utilities::MPI::all_gather(comm, stopped))
+        AssertThrow(text.empty(), RunStopped(text));
+    }
+
+
+
     template <int dim>
     void
     run_sweep(const SimulationParameters &parameters,
@@ -252,58 +403,36 @@ namespace greville
     {
       const bool has_exact = !parameters.exact.displacement.empty();
       auto       rows      = make_sweep_rows(parameters);
-      for (std::size_t k = 0; k < rows.size(); ++k)
+      if (parameters.sweep.processes > 0)
+        run_side_by_side<dim>(rows, parameters, directory, out, comm, options);
+      else
+        for (std::size_t k = 0; k < rows.size(); ++k)
+          {
+            RunOptions own_options = options;
+            if (k > 0)
+              own_options.prepare_folder = {};
+            run_row<dim>(rows[k],
+                         directory + "/" + rows[k].folder(parameters.sweep),
+                         out,
+                         comm,
+                         own_options,
+                         false);
+          }
+      for (std::size_t k = 1; k < rows.size(); ++k)
         {
-          SweepRow         &row = rows[k];
-          const std::string folder =
-            directory + "/" + row.folder(parameters.sweep);
-          check_other_folder(options, folder, comm);
-          RunFolder own(folder,
-                        "Output/Directory",
-                        what_of_earlier(parameters, options),
-                        comm);
-          // Those that had not begun begin now.
-          RunOptions own_options = options;
-          own_options.resumes =
-            options.resumes && has_checkpoints(folder, comm);
-          own_options.prepare_folder = [&]() {
-            if (k == 0)
-              options.prepare_folder();
-            own.make_room();
-            write_parameters(row.parameters.with(
-                               "subsection Output\n  set Directory = " +
-                               folder + "\nend\n"),
-                             folder,
-                             comm);
-          };
-          SimulationRun<dim> run(
-            row.parameters, folder, out, comm, own_options);
-          try
-            {
-              const RunSummary summary = run.run();
-              if (has_exact)
-                row.errors = *summary.errors.displacement;
-            }
-          catch (const RunStopped &)
-            {
-              throw;
-            }
-          catch (const std::exception &error)
-            {
-              // Others may hold what this one does not.
-              row.failure = message_of(error);
-              out << "  failed: " << row.failure << std::endl;
-            }
-          if (has_exact && row.failure.empty() && k > 0 &&
-              rows[k - 1].failure.empty() &&
-              same_kind(row.parameters, rows[k - 1].parameters) &&
-              row.cells != rows[k - 1].cells)
-            row.order = std::log(rows[k - 1].errors.l2 / row.errors.l2) /
-                        std::log(double(row.cells) / rows[k - 1].cells);
-          out << std::endl;
+          SweepRow       &row  = rows[k];
+          const SweepRow &last = rows[k - 1];
+          if (has_exact && row.failure.empty() && last.failure.empty() &&
+              same_kind(row.parameters, last.parameters) &&
+              row.value == last.value && row.cells != last.cells)
+            row.order = std::log(last.errors.l2 / row.errors.l2) /
+                        std::log(double(row.cells) / last.cells);
         }
+      write_results(rows, parameters.sweep, directory, comm);
       if (has_exact)
         write_table(rows, directory, out, comm);
+      else
+        print_rows(rows, parameters.sweep, directory, out);
       std::string failures;
       for (const SweepRow &row : rows)
         if (!row.failure.empty())
@@ -311,7 +440,9 @@ namespace greville
                       row.parameters.scheme.mass + ", " +
                       row.parameters.scheme.quadrature + ", order " +
                       std::to_string(row.parameters.grid.degree) + ", " +
-                      std::to_string(row.cells) + " cells: " + row.failure;
+                      std::to_string(row.cells) + " cells" +
+                      (row.value.empty() ? "" : ", " + row.value) + ": " +
+                      row.failure;
       AssertThrow(failures.empty(),
                   ExcMessage("Runs of 'Sweep' failed:" + failures));
     }

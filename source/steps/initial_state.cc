@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/geometry/inside.h>
+#include <greville/points/soil_layers.h>
 #include <greville/steps/implicit_scheme.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
@@ -346,6 +347,13 @@ namespace greville
     const MPI_Comm          comm  = discretization.communicator();
     const SplineSpace<dim> &space = discretization.space();
     State<dim>              state;
+    std::vector<SoilLayer>  layers;
+    for (const auto &[name, body] : parameters.bodies)
+      if (body.K0 >= 0. && !body.shape.empty())
+        layers.push_back({name,
+                          body.surface,
+                          body.shape,
+                          parameters.materials.at(body.material)->density});
     for (const std::string &name : parameters.general.bodies)
       {
         Body<dim>        body = make_body<dim>(name, parameters);
@@ -357,10 +365,8 @@ namespace greville
             if (!body.parameters->stress.empty() || body.parameters->K0 >= 0.)
               layout.add_initial_F();
           }
-        const auto left  = make_points(body,
-                                      space,
-                                      loads.gravity(parameters.time.start),
-                                      layout);
+        const auto left = make_points(
+          body, space, loads.gravity(parameters.time.start), layout, layers);
         const auto moved = discretization.transport().move(body.points, left);
         AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
                     ExcMessage("The parameter 'Body " + name +

@@ -25,7 +25,7 @@ answers() {
 
 scripts="run test fresh_machine sanitize fuzz check_input"
 [ ! -x /usr/bin/python3 ] || scripts="$scripts picture gear kill_and_resume lint faults gallery benchmark check_docs \
-   performance paraview points_to_csv report slope_stability tables"
+   performance paraview points_to_csv report tables"
 for script in $scripts; do
   for option in -h --help; do
     answers 0 40 "sage: scripts/$script" "scripts/$script" $option

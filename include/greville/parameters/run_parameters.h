@@ -43,7 +43,7 @@ namespace greville
 
 
   /**
-   * Runs over many meshes.
+   * Runs over many meshes, or values of a parameter.
    */
   struct SweepParameters
   {
@@ -61,6 +61,15 @@ namespace greville
     std::vector<std::string>  formulations;
     std::vector<std::string>  masses;
     std::vector<std::string>  quadratures;
+    std::string               parameter;
+    std::string               values;
+    unsigned int              processes = 0;
+
+    /**
+     * The values, which '|' separates.
+     */
+    std::vector<std::string>
+    list_of_values() const;
   };
 
 

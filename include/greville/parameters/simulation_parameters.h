@@ -119,6 +119,12 @@ namespace greville
     }
 
     /**
+     * Whether a stage has a 'Time/Ramp until failure'.
+     */
+    bool
+    has_ramp() const;
+
+    /**
      * Take the sections of a stage, which begins where the last one ends.
      */
     void

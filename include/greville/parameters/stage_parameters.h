@@ -29,6 +29,8 @@ namespace greville
     std::string  velocities        = "half steps";
     unsigned int max_steps         = 0;
     double       most_displacement = 0.;
+    std::string  end_when;
+    std::string  ramp;
 
     bool
     has_half_steps() const

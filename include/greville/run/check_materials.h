@@ -50,7 +50,7 @@ namespace greville
    *   grows with pressure as by a friction angle of 0.1 to 0.9 degrees, which
    *   are 6 to 52 degrees in radians;
    * - a gravity of 9 to 11 m / s^2 without a negative component;
-   * - a body with K0 that has others on its 'Surface'.
+   * - a body with K0 that has others, without K0, on its 'Surface'.
    *
    * Gravity is that at the end, as stages often let the weight grow, and for K0
    * that at the start.

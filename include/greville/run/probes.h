@@ -4,16 +4,22 @@
 #define greville_run_probes_h
 
 #include <greville/base/csv.h>
-#include <greville/points/body_list.h>
+#include <greville/geometry/shape.h>
+#include <greville/points/point_fields.h>
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace greville
 {
   /**
-   * Follows single points in probes.csv: time, and for each probe its position,
-   * velocity, and the Cauchy stress xx, yy, zz, xy.
+   * Follows single points, and means over the points in shapes, in probes.csv:
+   * time, and for each probe its position, velocity, the Cauchy stress xx, yy,
+   * zz, xy, and what else 'Output/Fields' names. A mean is sum V q / sum V over
+   * the points whose positions are in the shape at the time, with their initial
+   * volumes V, m^3; where there are none, it is 0.
    */
   template <int dim>
   class Probes
@@ -21,12 +27,14 @@ namespace greville
   public:
     /**
      * Collective. Take the points of @p bodies that are nearest to the
-     * positions in @p text ("x, y; x, y; ..."). Throws where it is none, and
-     * where no point is nearer than a cell is long.
+     * positions in @p text ("x, y; SHAPE; ..."), and its shapes, with the
+     * output @p fields of those names. Throws where it is neither, and where no
+     * point is nearer than a cell is long, or in a shape.
      */
-    Probes(const std::string   &text,
-           const BodyList<dim> &bodies,
-           const MPI_Comm       comm);
+    Probes(const std::string              &text,
+           const std::vector<std::string> &fields,
+           const BodyList<dim>            &bodies,
+           const MPI_Comm                  comm);
 
     /**
      * Collective. Begin the @p file; where there are no probes it has only a
@@ -86,14 +94,21 @@ namespace greville
     void
     forget()
     {
-      values.clear();
+      sums.clear();
+      weights = {};
     }
 
     /**
-     * Collective. Write the row.
+     * Collective. The row that has been taken, which is complete with this.
+     */
+    const std::vector<double> &
+    finish(const double time);
+
+    /**
+     * Write the row that is complete.
      */
     void
-    write(const double time);
+    write();
 
     /**
      * Those of the file.
@@ -104,14 +119,33 @@ namespace greville
   private:
     struct Probe
     {
-      unsigned int body;
-      double       id;
+      unsigned int              body;
+      double                    id;
+      std::optional<Shape<dim>> shape;
     };
 
-    MPI_Comm            comm;
-    std::vector<Probe>  probes;
-    std::vector<double> values; // of the next row
-    CsvWriter           file;
+    /// The point that is nearest to a position.
+    void
+    add_point(const std::string &position, const BodyList<dim> &bodies);
+
+    void
+    add_shape(const std::string &shape, const BodyList<dim> &bodies);
+
+    /// Numbers of a probe in the file; behind them, in sums, are the volume,
+    /// and velocity and volume of a second pass.
+    unsigned int
+    n_values() const
+    {
+      return 2 * dim + PointLayout<dim>::n_stress + n_more;
+    }
+
+    MPI_Comm                      comm;
+    std::vector<Probe>            probes;
+    std::vector<OutputField<dim>> fields;
+    unsigned int                  n_more  = 0;  // numbers of the fields
+    std::array<double, 2>         weights = {}; // of the passes
+    std::vector<double>           sums, row;    // of the next row
+    CsvWriter                     file;
   };
 } // namespace greville
 

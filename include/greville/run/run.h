@@ -6,6 +6,7 @@
 #include <greville/base/csv.h>
 #include <greville/run/checkpoint.h>
 #include <greville/run/comparison.h>
+#include <greville/run/end_of_run.h>
 #include <greville/run/output.h>
 #include <greville/run/probes.h>
 #include <greville/run/run_notes.h>
@@ -53,6 +54,32 @@ namespace greville
      */
     RunSummary
     run_to_end();
+
+    /**
+     * Take a step. In a ramp, after one that fails, go back and halve the
+     * bracket. Returns whether the state is a new one to write.
+     */
+    bool
+    take_step();
+
+    /// Whether the stage at hand is a ramp whose steps can be taken again.
+    bool
+    is_in_ramp() const;
+
+    /// Whether the state as it is ends the run.
+    bool
+    holds_now();
+
+    /// Values of the columns of statistics.csv and probes.csv.
+    std::vector<double>
+    row_now();
+
+    /**
+     * End the run with the last equilibrium at this time, and write the states
+     * before and after failure to the folder 'failure'.
+     */
+    void
+    end_ramp(const double last_time);
 
     /**
      * Begin as the options want it.
@@ -122,6 +149,12 @@ namespace greville
     columns() const;
 
     /**
+     * Those, and of probes.csv.
+     */
+    std::vector<std::string>
+    all_columns() const;
+
+    /**
      * What a row has besides the statistics of this time.
      */
     struct Row
@@ -129,10 +162,14 @@ namespace greville
       unsigned int        n_steps = 0;
       double              time    = 0.;
       std::vector<double> more;
+      unsigned int        stage = 0;
     };
 
     Row
     begin_row();
+
+    std::vector<double>
+    values_of(const Row &row, const Statistics<dim> &statistics) const;
 
     void
     write_row(const Row &row, const Statistics<dim> &statistics);
@@ -220,14 +257,20 @@ namespace greville
     MeasuredData<dim>          measured;
     FieldOutput<dim>           fields;
     Probes<dim>                probes;
-    CsvWriter                  statistics_file;
     RunNotes                   notes;
+    CsvWriter                  statistics_file;
     // Walls and components of the forces that are written.
     std::vector<std::pair<unsigned int, unsigned int>> reactions;
-    double             next_fields = 0., next_statistics = 0.;
-    std::optional<Row> late_row; // that the next step sums up
-    Largest            largest_front, largest_front_99;
-    std::uint64_t      n_points = 0;
+    EndOfRun                                           end_of_run;
+    // Whether the run ends before its time, and how.
+    bool                          ends = false;
+    Ramp<std::vector<State<dim>>> ramp;
+    std::optional<RampResult>     ramp_result;
+    std::vector<double>           last_row;
+    double                        next_fields = 0., next_statistics = 0.;
+    std::optional<Row>            late_row; // that the next step sums up
+    Largest                       largest_front, largest_front_99;
+    std::uint64_t                 n_points = 0;
 
     std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;
     double                                last_shown_time = 0.;

@@ -27,6 +27,20 @@ namespace greville
   print_stage(std::ostream               &out,
               const Ensemble<dim>        &ensemble,
               const SimulationParameters &parameters);
+
+  /**
+   * Collective. How much of the initial state of bodies with an initial stress
+   * is not in balance: sum |f_i|, N (2D: N / m), over the functions of the grid
+   * that walls do not hold, with the force f_i by stresses, gravity and loads,
+   * and its part of the weight of all bodies. Nothing where friction walls or
+   * contacts would carry them.
+   */
+  template <int dim>
+  void
+  print_imbalance(std::ostream               &out,
+                  Ensemble<dim>              &ensemble,
+                  const SimulationParameters &parameters,
+                  const MPI_Comm              comm);
 } // namespace greville
 
 #endif

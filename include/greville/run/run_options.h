@@ -13,6 +13,24 @@
 namespace greville
 {
   /**
+   * What a ramp has found.
+   */
+  struct RampResult
+  {
+    /// Factors of the last equilibrium and of failure; infinity, where the run
+    /// has ended without one.
+    double from = 0., to = std::numeric_limits<double>::infinity();
+
+    double
+    factor() const
+    {
+      return std::isfinite(to) ? 0.5 * (from + to) : from;
+    }
+  };
+
+
+
+  /**
    * What a run found.
    */
   struct RunSummary
@@ -22,10 +40,13 @@ namespace greville
     double front_99  = 0.; // likewise
     /// EnergyBalance::loss() of all parts, J (2D: J / m), and its fraction of
     /// the largest energy or work so far.
-    double                  numerical_loss = 0., relative_loss = 0.;
-    ExactErrors             errors;
-    std::optional<Distance> surface, series;
-    std::optional<double>   failure_line; // mean distance, m
+    double                    numerical_loss = 0., relative_loss = 0.;
+    ExactErrors               errors;
+    std::optional<Distance>   surface, series;
+    std::optional<double>     failure_line; // mean distance, m
+    std::optional<RampResult> ramp;
+    /// The last row of statistics.csv, by columns.
+    std::vector<std::pair<std::string, double>> last_row;
   };
 
 

@@ -23,7 +23,11 @@ namespace greville
 
     SimulationParameters parameters;
     unsigned int         cells = 0;
-    Errors               errors;
+    /// Of 'Sweep/Parameter', and what its folder is called.
+    std::string value, name_of_value;
+    Errors      errors;
+    /// What the table of the sweep has of it, by columns.
+    std::vector<std::pair<std::string, double>> results;
     /// Empty, or why the run did not come to its end.
     std::string failure;
     /// Of the L2 error, against the row before of the same kind.

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// When a SimulationRun ends before its time, and its ramps.
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/base/step_errors.h>
+#include <greville/run/run.h>
+#include <greville/steps/step_size.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    bool
+    is_word(const std::string &name)
+    {
+      return !std::isdigit(static_cast<unsigned char>(name[0])) &&
+             std::all_of(name.begin(), name.end(), [](const unsigned char c) {
+               return std::isalnum(c) || c == '_';
+             });
+    }
+
+
+
+    /**
+     * Time/Step of the stage at hand, the shortest of all parts, s.
+     */
+    template <int dim>
+    double
+    given_step(const Ensemble<dim> &ensemble)
+    {
+      double shortest = std::numeric_limits<double>::infinity();
+      for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+        {
+          const Simulation<dim> &part = ensemble.part(k);
+          const TimeParameters  &time = part.stage_parameters().time;
+          shortest                    = std::min(
+            shortest,
+            evaluate_step(Expression(time.step, "Time/Step", {"h", "p"}),
+                          time,
+                          part.grid().cell_size(),
+                          part.space().degree()));
+        }
+      return shortest;
+    }
+
+
+
+    template <int dim>
+    BodyList<dim>
+    bodies_of(const std::vector<State<dim>> &states)
+    {
+      BodyList<dim> bodies;
+      for (const State<dim> &state : states)
+        bodies.add(state.bodies);
+      return bodies;
+    }
+  } // namespace
+
+
+
+  EndOfRun::EndOfRun(const SimulationParameters     &parameters,
+                     const std::vector<std::string> &columns)
+  {
+    std::vector<std::string> names;
+    for (unsigned int k = 0; k < columns.size(); ++k)
+      if (is_word(columns[k]) &&
+          std::find(names.begin(), names.end(), columns[k]) == names.end())
+        {
+          names.push_back(columns[k]);
+          places.push_back(k);
+        }
+    for (unsigned int k = 0; k < parameters.n_stages(); ++k)
+      {
+        SimulationParameters stage = parameters;
+        stage.enter_stage(k);
+        stages.emplace_back();
+        if (!stage.time.end_when.empty())
+          stages[k].criterion.emplace(stage.time.end_when,
+                                      "Time/End when",
+                                      names);
+        if (!stage.time.ramp.empty())
+          stages[k].factor.emplace(stage.time.ramp,
+                                   "Time/Ramp until failure",
+                                   std::vector<std::string>{"t"});
+        if (!any_factor && stages[k].factor)
+          any_factor = stages[k].factor;
+      }
+  }
+
+
+
+  bool
+  EndOfRun::holds(const unsigned int         stage,
+                  const std::vector<double> &row) const
+  {
+    if (!stages[stage].criterion)
+      return false;
+    std::vector<double> values;
+    for (const unsigned int place : places)
+      values.push_back(row[place]);
+    return (*stages[stage].criterion)(make_array_view(values)) != 0.;
+  }
+
+
+
+  double
+  EndOfRun::factor(const unsigned int stage, const double time) const
+  {
+    const auto &own = stages[stage].factor ? stages[stage].factor : any_factor;
+    return (*own)(ArrayView<const double>(&time, 1));
+  }
+
+
+
+  std::string
+  EndOfRun::criteria(const std::string &parameters)
+  {
+    std::string result;
+    for (const ParameterLine &line :
+         parameter_lines_of(parameters, "parameters"))
+      if (line.name == "End when")
+        result += line.section + ": " + line.value + "\n";
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<double>
+  SimulationRun<dim>::row_now()
+  {
+    const EndOfStep<dim> end_of_step(ensemble);
+    probes.forget();
+    probes.take(0, ensemble.bodies());
+    std::vector<double> values = values_of(begin_row(), ensemble.statistics());
+    const auto         &more   = probes.finish(common().time);
+    values.insert(values.end(), more.begin(), more.end());
+    return values;
+  }
+
+
+
+  template <int dim>
+  bool
+  SimulationRun<dim>::is_in_ramp() const
+  {
+    return ensemble.first().is_implicit() && end_of_run.is_ramp(common().stage);
+  }
+
+
+
+  template <int dim>
+  bool
+  SimulationRun<dim>::take_step()
+  {
+    const bool is_new_stage =
+      common().n_steps == 0 || ensemble.first().is_stage_finished();
+    if (is_new_stage || !is_in_ramp())
+      {
+        ensemble.step();
+        if (is_in_ramp() && holds_now())
+          {
+            // Where a stage begins there is no state to go back to.
+            ramp.failed_at = common().time;
+            end_ramp(ensemble.first().stage_parameters().time.start);
+          }
+        return true;
+      }
+
+    const double step = given_step(ensemble);
+    const double smallest =
+      ensemble.first().stage_parameters().implicit.smallest_step;
+    const double time   = common().time;
+    auto         before = ensemble.state();
+    // The bracket is halved as far as steps go.
+    const auto halve = [&]() {
+      const double fraction =
+        std::max(smallest, 0.5 * (ramp.failed_at - time) / step);
+      for (State<dim> &state : before)
+        state.step_fraction = std::min(state.step_fraction, fraction);
+      ensemble.set_state(before);
+    };
+    if (std::isfinite(ramp.failed_at))
+      halve();
+    const auto is_narrow = [&](const double t) {
+      return ramp.failed_at - t <= (1. + 1e-6) * smallest * step;
+    };
+    try
+      {
+        ensemble.step();
+      }
+    catch (const StepGivenUp &error)
+      {
+        // What is gone back to has single precision.
+        ensemble.set_state(before);
+        double fraction = before[0].step_fraction;
+        while (0.5 * fraction >= smallest)
+          fraction *= 0.5;
+        ramp.failed_at = std::min(ramp.failed_at, time + fraction * step);
+        ramp.message   = message_of(error);
+        end_ramp(time);
+        return true;
+      }
+    if (!holds_now())
+      {
+        if (is_narrow(common().time))
+          {
+            ramp.before = before;
+            end_ramp(common().time);
+          }
+        else
+          ramp.before = std::move(before);
+        return true;
+      }
+    ramp.failed_at = common().time;
+    ramp.failed    = ensemble.state();
+    for (State<dim> &state : before)
+      ++state.n_all_rejections;
+    if (is_narrow(time))
+      {
+        ensemble.set_state(before);
+        end_ramp(time);
+        return true;
+      }
+    halve();
+    return false;
+  }
+
+
+
+  template <int dim>
+  bool
+  SimulationRun<dim>::holds_now()
+  {
+    return ensemble.exceeds_displacement() ||
+           end_of_run.holds(common().stage, row_now());
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::end_ramp(const double last_time)
+  {
+    ends                     = true;
+    const unsigned int stage = common().stage;
+    ramp_result.emplace();
+    ramp_result->from = end_of_run.factor(stage, last_time);
+    if (std::isfinite(ramp.failed_at))
+      ramp_result->to = end_of_run.factor(stage, ramp.failed_at);
+    if (!ramp.message.empty())
+      notes.note("The ramp ends where no equilibrium is found. " +
+                 ramp.message);
+    // Increments of displacement are the differences of two states.
+    const auto last = ensemble.state();
+    const auto from = bodies_of(ramp.failed.empty() ? ramp.before : last);
+    const auto to   = bodies_of(ramp.failed.empty() ? last : ramp.failed);
+    if (from.size() == 0)
+      return;
+    const std::string folder = directory + "/failure";
+    run_on_first(
+      [&]() {
+        std::filesystem::remove_all(folder);
+        std::filesystem::create_directory(folder);
+      },
+      comm);
+    FieldOutput<dim> states(folder, parameters.output);
+    states.write_points(
+      ramp.failed.empty() ? ramp.before[0].time : last[0].time, from, comm);
+    states.write_points(
+      ramp.failed.empty() ? last[0].time : ramp.failed[0].time, to, comm);
+  }
+
+
+
+  template class SimulationRun<2>;
+  template class SimulationRun<3>;
+} // namespace greville
