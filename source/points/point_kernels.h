@@ -184,16 +184,18 @@ namespace greville
     }
 
     /**
-     * Ask for the first @p n_numbers of the group behind number @p g of the
-     * cell number @p c of points.cells(): kernels read some of its numbers
-     * only, in a pattern that processors do not foresee.
+     * Ask for the numbers from @p first to @p last, which is excluded, of the
+     * group behind number @p g of the cell number @p c of points.cells():
+     * kernels read some of its numbers only, in a pattern that processors do
+     * not foresee.
      */
     template <int dim>
     inline __attribute__((always_inline)) void
     prefetch_next(const MaterialPoints<dim> &points,
                   const std::size_t          c,
                   const unsigned int         g,
-                  const unsigned int         n_numbers)
+                  const unsigned int         last,
+                  const unsigned int         first = 0)
     {
       const std::vector<unsigned int> &cells = points.cells();
       unsigned int                     next  = points.next_group(g);
@@ -202,7 +204,7 @@ namespace greville
       if (next == MaterialPoints<dim>::none)
         return;
       const double *group = points.group(next);
-      for (std::size_t k = 0; k < n_numbers * simd_width; k += 8)
+      for (std::size_t k = first * simd_width; k < last * simd_width; k += 8)
         __builtin_prefetch(group + k);
     }
 

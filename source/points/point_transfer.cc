@@ -89,13 +89,19 @@ namespace greville
     const double     cell_volume       = tables.space->lattice().cell_volume();
     result.assign(tables.space->owned_cells().size(), 0.);
     for (const MaterialPoints<dim> *points : bodies)
-      for (const unsigned int cell : points->cells())
+      for (std::size_t c = 0; c < points->cells().size(); ++c)
         {
-          Simd sum = 0.;
+          const unsigned int cell = points->cells()[c];
+          Simd               sum  = 0.;
           for (unsigned int g = points->first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points->next_group(g))
             {
+              prefetch_next(*points,
+                            c,
+                            g,
+                            PointLayout<dim>::J + 1,
+                            PointLayout<dim>::volume0);
               const double *group = points->group(g);
               Simd          volume =
                 load(group + PointLayout<dim>::volume0 * simd_width);

@@ -70,14 +70,17 @@ namespace greville
       std::vector<double> sums(n_outer * n_pairs * stride);
       double              factors[n_pairs][width];       // m N_y N_y N_z N_z
       double              pairs_x[width][stride] = {{}}; // N_x N_x of a point
-      for (const unsigned int cell : points.cells())
+      const std::vector<unsigned int> &cells     = points.cells();
+      for (std::size_t c = 0; c < cells.size(); ++c)
         {
+          const unsigned int         cell = cells[c];
           const CellGeometry<dim, n> geometry(tables, cell);
           std::fill(sums.begin(), sums.end(), 0.);
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points.next_group(g))
             {
+              prefetch_next(points, c, g, Layout::volume0);
               const double *group = points.group(g);
               Simd          x[dim];
               load_basis_positions(points, group, x);

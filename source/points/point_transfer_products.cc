@@ -26,8 +26,12 @@ namespace greville
                    const CellWindows<dim>      *without = nullptr)
     {
       constexpr int n_values = power(n, dim) * dim;
-      for (const unsigned int cell : points.cells())
+      constexpr int n_read =
+        derivatives ? PointLayout<dim>::F : PointLayout<dim>::volume0;
+      const std::vector<unsigned int> &cells = points.cells();
+      for (std::size_t c = 0; c < cells.size(); ++c)
         {
+          const unsigned int cell = cells[c];
           if (without && without->reaches(cell))
             continue;
           const CellGeometry<dim, n> geometry(tables, cell);
@@ -43,6 +47,7 @@ namespace greville
                g != MaterialPoints<dim>::none;
                g = points.next_group(g))
             {
+              prefetch_next(points, c, g, n_read);
               const double *group = points.group(g);
               Simd          x[dim];
               load_basis_positions(points, group, x);

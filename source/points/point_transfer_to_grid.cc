@@ -334,10 +334,12 @@ namespace greville
                 const SpacePolynomials<dim> &tables,
                 DensityWeights<dim>         &weights)
     {
-      const auto    lagrange = lagrange_polynomials<n>();
-      constexpr int n_z      = dim == 3 ? n : 1;
-      for (const unsigned int cell : points.cells())
+      const auto                       lagrange = lagrange_polynomials<n>();
+      constexpr int                    n_z      = dim == 3 ? n : 1;
+      const std::vector<unsigned int> &cells    = points.cells();
+      for (std::size_t c = 0; c < cells.size(); ++c)
         {
+          const unsigned int   cell = cells[c];
           CellGeometry<dim, n> geometry(tables, cell);
           for (unsigned int d = 0; d < dim; ++d)
             geometry.polynomials[d] = lagrange.data();
@@ -346,6 +348,7 @@ namespace greville
                g != MaterialPoints<dim>::none;
                g = points.next_group(g))
             {
+              prefetch_next(points, c, g, PointLayout<dim>::volume0);
               const double *group = points.group(g);
               Simd          x[dim];
               load_basis_positions(points, group, x);
