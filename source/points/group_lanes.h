@@ -94,7 +94,11 @@ namespace greville
       };
       for (unsigned int k = 0; k < Layout::n_stress; ++k)
         store_at(Layout::stress + k, points.stress[k]);
-      store_at(Layout::wave_modulus, points.wave_modulus);
+      // Lanes without a point have none.
+      Lanes modulus = points.wave_modulus;
+      for (unsigned int lane = points.count; lane < n_lanes; ++lane)
+        modulus[lane] = 0.;
+      store_at(Layout::wave_modulus, modulus);
       for (unsigned int k = 0; k < layout.n_state; ++k)
         store_at(layout.state + k, points.state[k]);
     }
