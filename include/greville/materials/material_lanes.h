@@ -9,8 +9,9 @@
 namespace greville
 {
   /**
-   * Several points at once, see MaterialPoint for the numbers. Lanes without a
-   * point are stress-free. Energies do not look at the last four.
+   * Several points at once, see MaterialPoint for the numbers. Groups have
+   * stress-free lanes where they have no point. Energies do not look at the
+   * last four.
    */
   struct MaterialLanes
   {
@@ -21,35 +22,37 @@ namespace greville
     {}
 
     /**
-     * Of @p count points, in the first lanes.
+     * Of @p count points, in the first lanes; the others repeat the last one.
      */
     MaterialLanes(const MaterialPoint *points, const unsigned int count)
       : count(count)
       , n_state(History<double>::n_first + points->state.more.size())
-      , J(1.)
       , dt(points->dt)
       , strength_reduction(points->strength_reduction)
     {
-      for (unsigned int i = 0; i < 9; ++i)
-        F[i] = increment[i] = i % 4 == 0 ? 1. : 0.;
-      stress.fill(0.);
+      const auto lanes_of = [&](const auto &number) {
+        return Lanes([&](const auto lane) {
+          return number(points[std::min<unsigned int>(lane, count - 1)]);
+        });
+      };
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int j = 0; j < 3; ++j)
+          {
+            F[3 * i + j] = lanes_of(
+              [&](const MaterialPoint &point) { return point.F[i][j]; });
+            increment[3 * i + j] = lanes_of([&](const MaterialPoint &point) {
+              return point.increment[i][j];
+            });
+          }
+      J = lanes_of([](const MaterialPoint &point) { return point.J; });
+      for (unsigned int i = 0; i < 6; ++i)
+        stress[i] = lanes_of([&](const MaterialPoint &point) {
+          return point.stress.access_raw_entry(i);
+        });
       state.resize(n_state);
       for (unsigned int k = 0; k < n_state; ++k)
-        state[k] = 0.;
-      for (unsigned int lane = 0; lane < count; ++lane)
-        {
-          const MaterialPoint &point = points[lane];
-          J[lane]                    = point.J;
-          for (unsigned int i = 0; i < 9; ++i)
-            {
-              F[i][lane]         = point.F[i / 3][i % 3];
-              increment[i][lane] = point.increment[i / 3][i % 3];
-            }
-          for (unsigned int i = 0; i < 6; ++i)
-            stress[i][lane] = point.stress.access_raw_entry(i);
-          for (unsigned int k = 0; k < n_state; ++k)
-            state[k][lane] = point.state[k];
-        }
+        state[k] =
+          lanes_of([&](const MaterialPoint &point) { return point.state[k]; });
     }
 
     /**
