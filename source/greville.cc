@@ -6,6 +6,7 @@
 #include <greville/geometry/shape.h>
 #include <greville/materials/element_test.h>
 #include <greville/materials/material.h>
+#include <greville/parameters/names.h>
 #include <greville/run/element_run.h>
 #include <greville/run/run.h>
 #include <greville/steps/grid_mass.h>

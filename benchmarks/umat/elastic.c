@@ -6,7 +6,7 @@
  * of strain do not turn, and where d is small against 1 otherwise.
  * PROPS: Young's modulus and Poisson's ratio. No STATEV.
  */
-#include "umat.h"
+#include <greville/materials/umat_arguments.h>
 
 static double
 determinant(const double *F)
@@ -17,44 +17,7 @@ determinant(const double *F)
 }
 
 void
-umat_(double       *stress,
-      double       *statev,
-      double       *ddsdde,
-      double       *sse,
-      double       *spd,
-      double       *scd,
-      double       *rpl,
-      double       *ddsddt,
-      double       *drplde,
-      double       *drpldt,
-      const double *stran,
-      const double *dstran,
-      const double *time,
-      const double *dtime,
-      const double *temp,
-      const double *dtemp,
-      const double *predef,
-      const double *dpred,
-      const char   *cmname,
-      const int    *ndi,
-      const int    *nshr,
-      const int    *ntens,
-      const int    *nstatv,
-      const double *props,
-      const int    *nprops,
-      const double *coords,
-      const double *drot,
-      double       *pnewdt,
-      const double *celent,
-      const double *dfgrd0,
-      const double *dfgrd1,
-      const int    *noel,
-      const int    *npt,
-      const int    *layer,
-      const int    *kspt,
-      const int    *kstep,
-      const int    *kinc,
-      size_t        length)
+umat_(GREVILLE_UMAT_ARGUMENTS)
 {
   const int    n      = *ntens;
   const double G      = props[0] / (2. * (1. + props[1]));

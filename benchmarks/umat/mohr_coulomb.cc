@@ -9,7 +9,8 @@
 // PROPS: Young's modulus, Poisson's ratio, c, phi and psi in degrees.
 // STATEV: b_e - 1 (11, 22, 33, 12, 13, 23), alpha, which grows with
 // sqrt(2 / 3) |dev d eps_p|.
-#include "umat.h"
+#include <greville/materials/umat_arguments.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -158,45 +159,8 @@ namespace
   }
 } // namespace
 
-void
-umat_(double       *stress,
-      double       *statev,
-      double       *ddsdde,
-      double       *sse,
-      double       *spd,
-      double       *scd,
-      double       *rpl,
-      double       *ddsddt,
-      double       *drplde,
-      double       *drpldt,
-      const double *stran,
-      const double *dstran,
-      const double *time,
-      const double *dtime,
-      const double *temp,
-      const double *dtemp,
-      const double *predef,
-      const double *dpred,
-      const char   *cmname,
-      const int    *ndi,
-      const int    *nshr,
-      const int    *ntens,
-      const int    *nstatv,
-      const double *props,
-      const int    *nprops,
-      const double *coords,
-      const double *drot,
-      double       *pnewdt,
-      const double *celent,
-      const double *dfgrd0,
-      const double *dfgrd1,
-      const int    *noel,
-      const int    *npt,
-      const int    *layer,
-      const int    *kspt,
-      const int    *kstep,
-      const int    *kinc,
-      size_t        length)
+extern "C" void
+umat_(GREVILLE_UMAT_ARGUMENTS)
 {
   constexpr double degree = M_PI / 180.;
   const double     E = props[0], nu = props[1];

@@ -8,8 +8,8 @@
 #include <greville/materials/parameter_checks.h>
 #include <greville/materials/spectral_decomposition.h>
 #include <greville/materials/umat.h>
+#include <greville/materials/umat_arguments.h>
 
-#include "umat_interface.h"
 #include <algorithm>
 #include <cctype>
 #include <limits>
@@ -415,45 +415,45 @@ namespace greville
     double rpl = 0., ddsddt[6] = {}, drplde[6] = {}, drpldt = 0., none = 0.;
     double largest = std::numeric_limits<float>::max(), pnewdt = largest;
     const double heat = state.first[spd] + state.first[scd];
-    reinterpret_cast<UmatFunction>(
-      function)(stress,
-                nstatv > 0 ? state.more.data() : &none,
-                ddsdde,
-                &state.first[sse],
-                &state.first[spd],
-                &state.first[scd],
-                &rpl,
-                ddsddt,
-                drplde,
-                &drpldt,
-                stran,
-                dstran,
-                time,
-                &point.dt,
-                &zero,
-                &zero,
-                &zero,
-                &zero,
-                padded_name.data(),
-                &ndi,
-                &nshr,
-                &ntens,
-                &nstatv,
-                nprops > 0 ? properties.data() : &zero,
-                &nprops,
-                coords,
-                drot,
-                &pnewdt,
-                &element_length,
-                dfgrd0,
-                dfgrd1,
-                &one,
-                &one,
-                &one,
-                &one,
-                kstep,
-                &kinc,
-                cmname_length);
+    using Function    = void (*)(GREVILLE_UMAT_ARGUMENTS);
+    reinterpret_cast<Function>(function)(stress,
+                                         nstatv > 0 ? state.more.data() : &none,
+                                         ddsdde,
+                                         &state.first[sse],
+                                         &state.first[spd],
+                                         &state.first[scd],
+                                         &rpl,
+                                         ddsddt,
+                                         drplde,
+                                         &drpldt,
+                                         stran,
+                                         dstran,
+                                         time,
+                                         &point.dt,
+                                         &zero,
+                                         &zero,
+                                         &zero,
+                                         &zero,
+                                         padded_name.data(),
+                                         &ndi,
+                                         &nshr,
+                                         &ntens,
+                                         &nstatv,
+                                         nprops > 0 ? properties.data() : &zero,
+                                         &nprops,
+                                         coords,
+                                         drot,
+                                         &pnewdt,
+                                         &element_length,
+                                         dfgrd0,
+                                         dfgrd1,
+                                         &one,
+                                         &one,
+                                         &one,
+                                         &one,
+                                         kstep,
+                                         &kinc,
+                                         cmname_length);
     AssertThrow(!(pnewdt < 1.),
                 ExcMessage("the UMAT of '" + section_name +
                            "' asks for a step of " + text_of(pnewdt) +
@@ -590,44 +590,5 @@ namespace greville
     result.bulk  = bulk;
     result.shear = shear;
     return result;
-  }
-
-
-
-  double
-  Umat::tangent_error(const MaterialPoint &start,
-                      const double         strain_of_path,
-                      const unsigned int   dim) const
-  {
-    constexpr unsigned int n_steps = 10;
-    MaterialPoint          point   = start;
-    point.dim                      = dim;
-    Tensor<2, 3> gradient;
-    gradient[0][0] = -1.;
-    gradient[0][1] = 0.8;
-    gradient[1][1] = 0.3;
-    if (dim == 3)
-      {
-        gradient[1][2] = 0.5;
-        gradient[2][2] = -0.4;
-      }
-    double error = 0.;
-    for (unsigned int n = 0; n < n_steps; ++n)
-      {
-        point.increment = Tensor<2, 3>(unit_symmetric_tensor<3>()) +
-                          strain_of_path / n_steps * gradient;
-        point.F = point.increment * point.F;
-        point.J = determinant(point.F);
-        point.time += point.dt;
-        MaterialTangent                      D, differences;
-        const ArrayView<const MaterialPoint> view(&point, 1);
-        tangents(view, ArrayView<MaterialTangent>(&D, 1), dim);
-        Material::tangents(view,
-                           ArrayView<MaterialTangent>(&differences, 1),
-                           dim);
-        error = std::max(error, (D - differences).norm() / differences.norm());
-        update(ArrayView<MaterialPoint>(&point, 1));
-      }
-    return error;
   }
 } // namespace greville

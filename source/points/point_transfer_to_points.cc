@@ -35,68 +35,6 @@ namespace greville
 
 
     /**
-     * The points of a group as the material sees them, and back. Returns
-     * whether all of the @p count points are all right.
-     */
-    template <int dim>
-    bool
-    update_material(MaterialPoints<dim> &points,
-                    const unsigned int   g,
-                    const unsigned int   count,
-                    const Simd (&increment)[dim][dim],
-                    const PointUpdate<dim> &update)
-    {
-      const PointLayout<dim> &layout = points.layout();
-      if (update.material->has_lanes())
-        {
-          MaterialLanes lanes;
-          load_material_lanes<dim>(layout, points.group(g), count, lanes);
-          for (unsigned int i = 0; i < 9; ++i)
-            lanes.increment[i] = i % 4 == 0 ? 1. : 0.;
-          for (unsigned int i = 0; i < dim; ++i)
-            for (unsigned int j = 0; j < dim; ++j)
-              lanes.increment[3 * i + j] = increment[i][j];
-          lanes.dt                 = update.step;
-          lanes.strength_reduction = update.strength_reduction;
-          update.material->update_lanes(lanes);
-          store_material_lanes<dim>(lanes, layout, points.group(g));
-          Simd sum = 0.;
-          for (const Lanes &stress : lanes.stress)
-            sum += stress;
-          return all_of(lanes.J > 0.) && all_of(isfinite(sum));
-        }
-
-      MaterialPoint states[simd_width];
-      for (unsigned int lane = 0; lane < count; ++lane)
-        {
-          MaterialPoint &state = states[lane];
-          load_material_point<dim>(points.point(g, lane), layout, state);
-          state.dt                 = update.step;
-          state.time               = update.time;
-          state.strength_reduction = update.strength_reduction;
-          for (unsigned int i = 0; i < dim; ++i)
-            for (unsigned int j = 0; j < dim; ++j)
-              state.increment[i][j] = increment[i][j][lane];
-        }
-      update.material->update(ArrayView<MaterialPoint>(states, count));
-
-      bool good = true;
-      for (unsigned int lane = 0; lane < count; ++lane)
-        {
-          const MaterialPoint &state = states[lane];
-          store_material_point<dim>(state, points.point(g, lane), layout);
-          double sum = 0.;
-          for (unsigned int k = 0; k < state.stress.n_independent_components;
-               ++k)
-            sum += state.stress.access_raw_entry(k);
-          good = good && state.J > 0. && std::isfinite(sum);
-        }
-      return good;
-    }
-
-
-
-    /**
      * Name what is wrong with a point of a group, if it is the first.
      */
     template <int dim>

@@ -8,6 +8,7 @@
 #include <greville/base/memory.h>
 #include <greville/base/parameters.h>
 #include <greville/run/check_materials.h>
+#include <greville/run/run.h>
 #include <greville/run/run_header.h>
 #include <greville/run/sweep.h>
 

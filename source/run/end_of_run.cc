@@ -5,7 +5,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/base/step_errors.h>
-#include <greville/run/run.h>
+#include <greville/run/simulation_run.h>
 #include <greville/steps/step_size.h>
 
 #include <algorithm>

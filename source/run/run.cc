@@ -4,8 +4,8 @@
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
 #include <greville/run/check_materials.h>
-#include <greville/run/run.h>
 #include <greville/run/run_header.h>
+#include <greville/run/simulation_run.h>
 #include <greville/steps/load_balance.h>
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
-#include <greville/run/run.h>
+#include <greville/run/simulation_run.h>
 
 #include <algorithm>
 #include <cmath>

@@ -4,6 +4,7 @@
 #include <greville/base/parameters.h>
 #include <greville/base/signals.h>
 #include <greville/run/check_materials.h>
+#include <greville/run/run.h>
 #include <greville/run/sweep.h>
 
 #include <algorithm>

@@ -6,6 +6,7 @@
 // 3D; an incremental one where it is exact, and how it converges otherwise.
 // What a UMAT is given, state variables, errors.
 #include <greville/materials/umat.h>
+#include <greville/run/check_materials.h>
 
 #include "materials.h"
 
@@ -197,13 +198,15 @@ namespace
                 2.);
     const MaterialPoint start = rest(*umat);
     check("  tangent of small steps",
-          umat->tangent_error(start, 0.01, 3),
+          tangent_error(*umat, start, 0.01, 3),
           1e-4);
     check("    which differences do not have",
-          make_umat({library("elastic_c.so"),
-                     "Properties = 1e7, 0.3",
-                     "Tangent = differences"})
-            ->tangent_error(start, 0.01, 3),
+          tangent_error(*make_umat({library("elastic_c.so"),
+                                    "Properties = 1e7, 0.3",
+                                    "Tangent = differences"}),
+                        start,
+                        0.01,
+                        3),
           1e-14);
   }
 

@@ -4,50 +4,13 @@
  * with stress += E dstran, Poisson's ratio 0.
  * PROPS: E; the largest strain for which PNEWDT stays; whether DDSDDE is given.
  */
-#include "umat.h"
+#include <greville/materials/umat_arguments.h>
 
 #include <math.h>
 #include <string.h>
 
 void
-umat_(double       *stress,
-      double       *statev,
-      double       *ddsdde,
-      double       *sse,
-      double       *spd,
-      double       *scd,
-      double       *rpl,
-      double       *ddsddt,
-      double       *drplde,
-      double       *drpldt,
-      const double *stran,
-      const double *dstran,
-      const double *time,
-      const double *dtime,
-      const double *temp,
-      const double *dtemp,
-      const double *predef,
-      const double *dpred,
-      const char   *cmname,
-      const int    *ndi,
-      const int    *nshr,
-      const int    *ntens,
-      const int    *nstatv,
-      const double *props,
-      const int    *nprops,
-      const double *coords,
-      const double *drot,
-      double       *pnewdt,
-      const double *celent,
-      const double *dfgrd0,
-      const double *dfgrd1,
-      const int    *noel,
-      const int    *npt,
-      const int    *layer,
-      const int    *kspt,
-      const int    *kstep,
-      const int    *kinc,
-      size_t        length)
+umat_(GREVILLE_UMAT_ARGUMENTS)
 {
   const int n = *ntens;
   double    size = 0., given[24] = {0.};

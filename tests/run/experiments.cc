@@ -4,7 +4,7 @@
 // Coarse runs of the experiments: the granular collapse of Bui et al. and the
 // dam break of Martin and Moyce, against the measured data; the flow in a
 // channel, against the exact one; grid crossing.
-#include <greville/run/run.h>
+#include <greville/run/simulation_run.h>
 
 #include "simulation.h"
 

@@ -6,7 +6,7 @@
 // written.
 #include <deal.II/base/utilities.h>
 
-#include <greville/run/run.h>
+#include <greville/run/simulation_run.h>
 
 #include "simulation.h"
 

@@ -94,17 +94,6 @@ namespace greville
     Moduli
     moduli() const override;
 
-    /**
-     * The largest difference between DDSDDE, converted as above, and
-     * differences of update(), over the norm of the latter, along a path of
-     * compression and shear of @p strain in ten steps in @p dim dimensions from
-     * the state @p start.
-     */
-    double
-    tangent_error(const MaterialPoint &start,
-                  const double         strain,
-                  const unsigned int   dim) const;
-
   private:
     /// Rows and columns of the entries of stresses.
     using Matrix = std::array<std::array<double, 6>, 6>;

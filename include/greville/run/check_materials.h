@@ -31,9 +31,21 @@ namespace greville
   print_materials(std::ostream &out, const BodyList<dim> &bodies);
 
   /**
-   * Collective. Write Umat::tangent_error() along a path of 1 % strain in ten
-   * steps of 0.1 s from the initial state of a point of each body with such a
-   * law.
+   * The largest difference between Material::tangents() and differences of
+   * update(), over the norm of the latter, along a path of compression and
+   * shear of @p strain in ten steps in @p dim dimensions from the state
+   * @p point, each of length MaterialPoint::dt.
+   */
+  double
+  tangent_error(const Material    &material,
+                MaterialPoint      point,
+                const double       strain,
+                const unsigned int dim);
+
+  /**
+   * Collective. Write tangent_error() along a path of 1 % strain in ten
+   * steps of 0.1 s from the initial state of a point of each body with the law
+   * Umat.
    */
   template <int dim>
   void

@@ -4,7 +4,7 @@
 #define greville_run_sweep_h
 
 #include <greville/base/run_folder.h>
-#include <greville/run/run.h>
+#include <greville/run/simulation_run.h>
 
 #include <limits>
 

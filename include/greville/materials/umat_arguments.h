@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: LGPL-2.1-or-later */
+
+#ifndef greville_materials_umat_arguments_h
+#define greville_materials_umat_arguments_h
+
+#include <stddef.h>
+
+/**
+ * The arguments of an Abaqus UMAT, for C and C++ (in C++ with extern "C"):
+ *   void umat_(GREVILLE_UMAT_ARGUMENTS) { ... }
+ * All come by reference, as Fortran has it; the first index of arrays runs
+ * fastest; the length of cmname, which is padded with blanks, is the last one.
+ */
+#define GREVILLE_UMAT_ARGUMENTS                                               \
+  double *stress, double *statev, double *ddsdde, double *sse, double *spd,   \
+    double *scd, double *rpl, double *ddsddt, double *drplde, double *drpldt, \
+    const double *stran, const double *dstran, const double *time,            \
+    const double *dtime, const double *temp, const double *dtemp,             \
+    const double *predef, const double *dpred, const char *cmname,            \
+    const int *ndi, const int *nshr, const int *ntens, const int *nstatv,     \
+    const double *props, const int *nprops, const double *coords,             \
+    const double *drot, double *pnewdt, const double *celent,                 \
+    const double *dfgrd0, const double *dfgrd1, const int *noel,              \
+    const int *npt, const int *layer, const int *kspt, const int *kstep,      \
+    const int *kinc, size_t length
+
+#endif

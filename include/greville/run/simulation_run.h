@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_run_simulation_run_h
+#define greville_run_simulation_run_h
+
+#include <greville/base/csv.h>
+#include <greville/run/checkpoint.h>
+#include <greville/run/comparison.h>
+#include <greville/run/end_of_run.h>
+#include <greville/run/output.h>
+#include <greville/run/probes.h>
+#include <greville/run/run_notes.h>
+#include <greville/run/run_options.h>
+#include <greville/steps/ensemble.h>
+
+#include <chrono>
+
+namespace greville
+{
+  /**
+   * Runs an Ensemble to its end, and shows and writes what a parameter file
+   * asks for:
+   * - statistics.csv, probes.csv, points.pvd and grid.pvd (grid_BODY.pvd where
+   *   bodies have grids of their own) with their files, summary.json, and
+   *   RunNotes;
+   * - checkpoints, from which another run goes on as if nothing had happened;
+   * - header, progress and summary on the first process's @p out.
+   */
+  template <int dim>
+  class SimulationRun
+  {
+  public:
+    /**
+     * Collective. @p directory has to exist. Throws dealii::ExcMessage where
+     * parameters, or the checkpoint to begin with, are wrong.
+     */
+    SimulationRun(const SimulationParameters &parameters,
+                  const std::string          &directory,
+                  std::ostream               &out,
+                  const MPI_Comm              comm,
+                  const RunOptions           &options = RunOptions());
+
+    /**
+     * Collective. Throws what Simulation::step() throws, where it has gone back
+     * after the last good state has been written, and RunStopped after a
+     * signal, with a checkpoint and all results.
+     */
+    RunSummary
+    run();
+
+  private:
+    /**
+     * What run() does, which notes errors besides.
+     */
+    RunSummary
+    run_to_end();
+
+    /**
+     * Take a step. In a ramp, after one that fails, go back and halve the
+     * bracket. Returns whether the state is a new one to write.
+     */
+    bool
+    take_step();
+
+    /// Whether the stage at hand is a ramp whose steps can be taken again.
+    bool
+    is_in_ramp() const;
+
+    /// Whether the state as it is ends the run.
+    bool
+    holds_now();
+
+    /// Values of the columns of statistics.csv and probes.csv.
+    std::vector<double>
+    row_now();
+
+    /**
+     * End the run with the last equilibrium at this time, and write the states
+     * before and after failure to the folder 'failure'.
+     */
+    void
+    end_ramp(const double last_time);
+
+    /**
+     * Begin as the options want it.
+     */
+    void
+    begin_run(const RunOptions &options);
+
+    /**
+     * Go on from a checkpoint in the folder of this run.
+     */
+    void
+    go_on(const Checkpoint &checkpoint);
+
+    /**
+     * What the files of the run have when the simulation keeps a state.
+     */
+    struct Mark
+    {
+      unsigned int  n_steps             = 0;
+      std::uint64_t bytes_of_statistics = 0, bytes_of_probes = 0;
+      Largest       front, front_99;
+      bool          row_is_due = false;
+      std::string   fields;
+      std::pair<std::vector<double>, std::vector<double>> series;
+    };
+
+    Mark
+    make_mark() const;
+
+    /**
+     * Write a checkpoint of the state at hand, with which the files go on from
+     * a mark. Returns its content.
+     */
+    TablesFile
+    write_checkpoint(const Mark &mark);
+
+    /**
+     * Write a checkpoint, and go on as a run that begins from it.
+     */
+    void
+    write_checkpoint();
+
+    /**
+     * Collective. After a step that has failed: write the state that the
+     * simulation has gone back to. Returns what the message is to say of it.
+     */
+    std::string
+    write_last_good_state();
+
+    /**
+     * Write a checkpoint if it is time, or a signal wants it. Throws RunStopped
+     * where the signal ends the run.
+     */
+    void
+    look_for_checkpoint(const bool is_last);
+
+    void
+    print_progress(const bool is_last);
+
+    void
+    print_summary(const RunSummary &summary);
+
+    /**
+     * Those of statistics.csv.
+     */
+    std::vector<std::string>
+    columns() const;
+
+    /**
+     * Those, and of probes.csv.
+     */
+    std::vector<std::string>
+    all_columns() const;
+
+    /**
+     * What a row has besides the statistics of this time.
+     */
+    struct Row
+    {
+      unsigned int        n_steps = 0;
+      double              time    = 0.;
+      std::vector<double> more;
+      unsigned int        stage = 0;
+    };
+
+    Row
+    begin_row();
+
+    std::vector<double>
+    values_of(const Row &row, const Statistics<dim> &statistics) const;
+
+    void
+    write_row(const Row &row, const Statistics<dim> &statistics);
+
+    /**
+     * Ask the next step for the row of this time.
+     */
+    void
+    ask_for_row();
+
+    /**
+     * Write the row that the last step was asked for, if there is one.
+     */
+    void
+    write_late_row();
+
+    /**
+     * Write the row of the state as it is.
+     */
+    void
+    write_statistics();
+
+    void
+    write_fields();
+
+    /**
+     * Those of the surfaces of a part.
+     */
+    std::vector<SurfaceNumbers>
+    numbers_of_surfaces(const Simulation<dim> &part) const;
+
+    /**
+     * What is due after a step.
+     */
+    void
+    write_due(const bool is_last);
+
+    /**
+     * The time of the state and a bit, against round-off.
+     */
+    double
+    rounded_up_time() const;
+
+    /**
+     * The first multiple of @p every, counted from the start of the run, behind
+     * @p t.
+     */
+    double
+    next_time(const double every, const double t) const;
+
+    double
+    next_time_of_fields(const double t) const;
+
+    RunSummary
+    summarize();
+
+    /**
+     * summary.json.
+     */
+    void
+    write_summary(const RunSummary &summary);
+
+    /**
+     * Collective. Bytes of memory per point.
+     */
+    double
+    bytes_per_point() const;
+
+    /**
+     * A state whose time, steps and stage are those of all parts.
+     */
+    const State<dim> &
+    common() const
+    {
+      return ensemble.first().state();
+    }
+
+    const SimulationParameters parameters;
+    const std::string          directory;
+    std::ostream              &out;
+    MPI_Comm                   comm;
+    bool                       is_first;
+    Ensemble<dim>              ensemble;
+    ExactSolution<dim>         exact;
+    MeasuredData<dim>          measured;
+    FieldOutput<dim>           fields;
+    Probes<dim>                probes;
+    RunNotes                   notes;
+    CsvWriter                  statistics_file;
+    // Walls and components of the forces that are written.
+    std::vector<std::pair<unsigned int, unsigned int>> reactions;
+    EndOfRun                                           end_of_run;
+    // Whether the run ends before its time, and how.
+    bool                          ends = false;
+    Ramp<std::vector<State<dim>>> ramp;
+    std::optional<RampResult>     ramp_result;
+    std::vector<double>           last_row;
+    double                        next_fields = 0., next_statistics = 0.;
+    std::optional<Row>            late_row; // that the next step sums up
+    Largest                       largest_front, largest_front_99;
+    std::uint64_t                 n_points = 0;
+
+    std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;
+    double                                last_shown_time = 0.;
+    unsigned int                          last_stage      = 0;
+    // Steps that the last rows and fields belong to.
+    unsigned int last_written_statistics = -1, last_written_fields = -1;
+    // What the files had when a state was kept, and the last checkpoint; and
+    // before the last row, which a run that goes on writes late.
+    Mark                mark;
+    std::optional<Mark> before_last_row;
+    std::string         checkpoint_file;
+    unsigned int        checkpoint_step = -1;
+    bool                is_resumed      = false;
+    unsigned int        first_step      = 0;
+    double              first_time      = 0.;
+    bool                is_terminal;
+  };
+} // namespace greville
+
+#endif
