@@ -332,15 +332,20 @@ namespace greville
   void
   StencilMatrix<dim>::multiply(double *y, const double *x) const
   {
-    using Vector         = FixedSimd<double, width>;
+    // Three numbers fill the fourth lane with zero, and leave what is there.
+    constexpr int lanes  = width == 3 ? 4 : width;
+    using Vector         = FixedSimd<double, lanes>;
     constexpr int p      = n - 1;
     constexpr int length = 2 * p + 1;
 
-    const Vector zero = 0.;
     for (const Segment &segment : segments)
-      for (unsigned int i = segment.begin; i < segment.end; ++i)
-        store(zero, y + std::size_t(i) * width);
+      std::fill(y + std::size_t(segment.begin) * width,
+                y + std::size_t(segment.end) * width,
+                0.);
 
+    const auto add_to = [](double *address, const Vector &value) {
+      store(load<Vector>(address) + value, address);
+    };
     const unsigned int n_lines = neighbor_lines.size();
     int                distances[length * length];
     for (const Segment &segment : segments)
@@ -350,19 +355,19 @@ namespace greville
           distances[n_ahead++] = (distance(segment.line, k) - p) * width;
         for (unsigned int i = segment.begin; i < segment.end; ++i)
           {
-            const double *row       = values.data() + std::size_t(i) * half;
-            const double *x_i       = x + std::size_t(i) * width;
-            double       *y_i       = y + std::size_t(i) * width;
-            const Vector  own       = load<Vector>(x_i);
-            Vector        sum       = load<Vector>(y_i) + row[0] * own;
-            Vector        sum_ahead = 0.;
+            const double *row = values.data() + std::size_t(i) * half;
+            const double *x_i = x + std::size_t(i) * width;
+            double       *y_i = y + std::size_t(i) * width;
+            Vector        own = load<Vector>(x_i);
+            if constexpr (lanes > width)
+              own[width] = 0.;
+            Vector sum = row[0] * own, sum_ahead = 0.;
 #pragma GCC unroll 5
             for (int k = 1; k < n; ++k)
               {
                 const Vector entry = row[k];
                 sum += entry * load<Vector>(x_i + k * width);
-                store(load<Vector>(y_i + k * width) + entry * own,
-                      y_i + k * width);
+                add_to(y_i + k * width, entry * own);
               }
             row += n;
             for (unsigned int line = 0; line < n_ahead; ++line)
@@ -374,12 +379,14 @@ namespace greville
                   {
                     const Vector entry = row[k];
                     sum_ahead += entry * load<Vector>(x_j + k * width);
-                    store(load<Vector>(y_j + k * width) + entry * own,
-                          y_j + k * width);
+                    add_to(y_j + k * width, entry * own);
                   }
                 row += length;
               }
-            store(sum + sum_ahead, y_i);
+            sum += sum_ahead;
+            if constexpr (lanes > width)
+              sum[width] = 0.;
+            add_to(y_i, sum);
           }
       }
   }

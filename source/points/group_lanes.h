@@ -21,7 +21,7 @@ namespace greville
     inline Lanes
     lanes_at(const double *address)
     {
-      return load<Lanes>(address);
+      return greville::load<Lanes>(address);
     }
 
 

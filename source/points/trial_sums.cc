@@ -16,9 +16,7 @@ namespace greville
                          const CellWindows<dim> *given)
   {
     tables.reinit(space);
-    windows             = given;
-    const std::size_t n = Utilities::fixed_power<dim>(space.degree() + 1) * dim;
-    matrix.resize(n * n);
+    windows = given;
     clear();
   }
 
@@ -69,145 +67,6 @@ namespace greville
           }
       return square;
     }
-
-
-
-    /**
-     * The stiffness of points, block by block of components, on vectors of
-     * functions. Blocks of a symmetric matrix with i > k are the transposes of
-     * others.
-     */
-    template <int dim, int n, bool symmetric>
-    class CellStiffness
-    {
-    public:
-      void
-      sum_up(const CellGeometry<dim, n>         &geometry,
-             const std::vector<TrialPoint<dim>> &points,
-             std::vector<double>                &work,
-             double                             *matrix)
-      {
-        work.assign(n_blocks * n_functions * n_padded, 0.);
-        for (std::size_t first = 0; first < points.size(); first += n_together)
-          {
-            const unsigned int n_points =
-              std::min<std::size_t>(n_together, points.size() - first);
-            for (unsigned int q = 0; q < n_points; ++q)
-              load(geometry, points[first + q], q);
-            for (unsigned int q = n_points; q < n_together; ++q)
-              std::fill_n(&gradients[q][0][0], dim * n_padded, 0.);
-            double *block = work.data();
-            for (int i = 0; i < dim; ++i)
-              for (int k = symmetric ? i : 0; k < dim; ++k)
-                {
-                  for (unsigned int q = 0; q < n_points; ++q)
-                    contract(points[first + q], i, k, q);
-                  add(block);
-                  block += n_functions * n_padded;
-                }
-          }
-        write(work.data(), matrix);
-      }
-
-    private:
-      static constexpr int n_functions = power(n, dim);
-      static constexpr int width       = n_functions < 8 ? 4 : 8;
-      static constexpr int n_padded = (n_functions + width - 1) / width * width;
-      static constexpr int n_blocks =
-        symmetric ? dim * (dim + 1) / 2 : dim * dim;
-      // As many sums stay in registers until they are added.
-      static constexpr int n_together = 4;
-
-      using Vector = FixedSimd<double, width>;
-
-      /**
-       * The gradients at a point, mapped.
-       */
-      void
-      load(const CellGeometry<dim, n> &geometry,
-           const TrialPoint<dim>      &point,
-           const unsigned int          q)
-      {
-        const Gradients<dim, n> at(geometry, point.x);
-        for (int l = 0; l < dim; ++l)
-          for (int a = 0; a < n_functions; ++a)
-            {
-              double sum = 0.;
-              for (int L = 0; L < dim; ++L)
-                sum += point.map[L][l] * at.values[L][a];
-              gradients[q][l][a] = sum;
-            }
-      }
-
-      /**
-       * V A_ijkl d_j N_a.
-       */
-      void
-      contract(const TrialPoint<dim> &point,
-               const int              i,
-               const int              k,
-               const unsigned int     q)
-      {
-        for (int l = 0; l < dim; ++l)
-          {
-            double A[dim];
-            for (int j = 0; j < dim; ++j)
-              A[j] = point.volume * point.A[i][j][k][l];
-            for (int a = 0; a < n_padded; ++a)
-              {
-                double sum = 0.;
-                for (int j = 0; j < dim; ++j)
-                  sum += A[j] * gradients[q][j][a];
-                factors[q][l][a] = sum;
-              }
-          }
-      }
-
-      void
-      add(double *block) const
-      {
-        for (int first = 0; first < n_padded; first += width)
-          {
-            Vector at[n_together][dim];
-            for (int q = 0; q < n_together; ++q)
-              for (int l = 0; l < dim; ++l)
-                at[q][l].copy_from(&gradients[q][l][first],
-                                   std::experimental::element_aligned);
-            double *row = block + first;
-            for (int a = 0; a < n_functions; ++a, row += n_padded)
-              {
-                Vector sum(row, std::experimental::element_aligned);
-#pragma GCC unroll 4
-                for (int q = 0; q < n_together; ++q)
-#pragma GCC unroll 3
-                  for (int l = 0; l < dim; ++l)
-                    sum += factors[q][l][a] * at[q][l];
-                sum.copy_to(row, std::experimental::element_aligned);
-              }
-          }
-      }
-
-      static void
-      write(const double *block, double *matrix)
-      {
-        const auto at = [&](const int a, const int i, const int k) {
-          return matrix + ((a * dim + i) * dim + k) * n_functions;
-        };
-        for (int i = 0; i < dim; ++i)
-          for (int k = symmetric ? i : 0; k < dim; ++k)
-            for (int a = 0; a < n_functions; ++a, block += n_padded)
-              {
-                std::copy_n(block, n_functions, at(a, i, k));
-                if (symmetric && i != k)
-                  for (int b = 0; b < n_functions; ++b)
-                    at(b, k, i)[a] = block[b];
-              }
-      }
-
-      // [point][direction][function], with zeros behind the functions.
-      double gradients[n_together][dim][n_padded] = {};
-      double factors[n_together][dim][n_padded]   = {};
-    };
   } // namespace
 
 
@@ -343,31 +202,6 @@ namespace greville
 
 
 
-  template <int dim>
-  const double *
-  TrialSums<dim>::stiffness(const unsigned int                  cell,
-                            const std::vector<TrialPoint<dim>> &points,
-                            const bool                          symmetric)
-  {
-    with_order(tables.space->degree(), [&](const auto size) {
-      constexpr int              n = decltype(size)::value;
-      const CellGeometry<dim, n> geometry(tables, cell);
-      if (symmetric)
-        CellStiffness<dim, n, true>().sum_up(geometry,
-                                             points,
-                                             work,
-                                             matrix.data());
-      else
-        CellStiffness<dim, n, false>().sum_up(geometry,
-                                              points,
-                                              work,
-                                              matrix.data());
-    });
-    return matrix.data();
-  }
-
-
-
   namespace
   {
     template <int dim, int n>
@@ -396,32 +230,72 @@ namespace greville
 
 
 
+    /**
+     * The derivative of a load on a point by the coefficients of a function.
+     */
+    template <int dim, int n>
+    double
+    derivative(const TrialSurfacePoint<dim>     &point,
+               const ValuesAndGradients<dim, n> &N,
+               const int                         i,
+               const int                         k,
+               const int                         b)
+    {
+      double sum = point.by_displacement[i][k] * N.values[b];
+      for (int L = 0; L < dim; ++L)
+        sum += point.by_gradient[i][k][L] * N.gradients.values[L][b];
+      return sum;
+    }
+
+
+
     template <int dim, int n>
     void
     stiffness_of_surface(const CellGeometry<dim, n>                &geometry,
                          const std::vector<TrialSurfacePoint<dim>> &points,
-                         double                                    *matrix)
+                         float                                     *matrix)
     {
       constexpr int n_functions = power(n, dim);
-      std::fill_n(matrix, n_functions * dim * n_functions * dim, 0.);
+      std::fill_n(matrix, dim * (dim + 1) / 2 * n_functions * n_functions, 0.f);
       for (const TrialSurfacePoint<dim> &point : points)
         {
           const ValuesAndGradients<dim, n> N(geometry, point.x);
-          double                          *row = matrix;
-          for (int a = 0; a < n_functions; ++a)
-            for (int i = 0; i < dim; ++i)
-              for (int k = 0; k < dim; ++k, row += n_functions)
-                {
-                  const double factor = -point.area * N.values[a];
-                  for (int b = 0; b < n_functions; ++b)
-                    {
-                      double sum = point.by_displacement[i][k] * N.values[b];
-                      for (int L = 0; L < dim; ++L)
-                        sum +=
-                          point.by_gradient[i][k][L] * N.gradients.values[L][b];
-                      row[b] += factor * sum;
-                    }
-                }
+          const double                     factor = -0.5 * point.area;
+          float                           *entry  = matrix;
+          for (int i = 0; i < dim; ++i)
+            for (int k = i; k < dim; ++k)
+              for (int a = 0; a < n_functions; ++a)
+                for (int b = 0; b < n_functions; ++b)
+                  *entry++ += float(
+                    factor *
+                    (N.values[a] * derivative<dim, n>(point, N, i, k, b) +
+                     N.values[b] * derivative<dim, n>(point, N, k, i, a)));
+        }
+    }
+
+
+
+    template <int dim, int n>
+    void
+    add_product_of_surface(const CellGeometry<dim, n>                &geometry,
+                           const std::vector<TrialSurfacePoint<dim>> &points,
+                           const std::array<std::size_t, power(n, dim)> &places,
+                           const double                                 *x,
+                           double                                       *y)
+    {
+      for (const TrialSurfacePoint<dim> &point : points)
+        {
+          const ValuesAndGradients<dim, n> N(geometry, point.x);
+          for (int i = 0; i < dim; ++i)
+            {
+              double load = 0.;
+              for (int b = 0; b < power(n, dim); ++b)
+                for (int k = 0; k < dim; ++k)
+                  load += derivative<dim, n>(point, N, i, k, b) *
+                          x[places[b] * dim + k];
+              for (int a = 0; a < power(n, dim); ++a)
+                y[places[a] * dim + i] -= point.area * load * N.values[a];
+            }
         }
     }
   } // namespace
@@ -443,16 +317,37 @@ namespace greville
 
 
   template <int dim>
-  const double *
+  const float *
   TrialSums<dim>::stiffness(const unsigned int                         cell,
                             const std::vector<TrialSurfacePoint<dim>> &points)
   {
     with_order(tables.space->degree(), [&](const auto size) {
       constexpr int              n = decltype(size)::value;
       const CellGeometry<dim, n> geometry(tables, cell);
+      matrix.resize(dim * (dim + 1) / 2 * power(n, 2 * dim));
       stiffness_of_surface<dim, n>(geometry, points, matrix.data());
     });
     return matrix.data();
+  }
+
+
+
+  template <int dim>
+  void
+  TrialSums<dim>::add_product(double                                    *y,
+                              const double                              *x,
+                              const StencilMatrix<dim>                  &places,
+                              const unsigned int                         cell,
+                              const std::vector<TrialSurfacePoint<dim>> &points)
+  {
+    with_order(tables.space->degree(), [&](const auto size) {
+      constexpr int                          n = decltype(size)::value;
+      const CellGeometry<dim, n>             geometry(tables, cell);
+      std::array<std::size_t, power(n, dim)> of_cell;
+      for (int a = 0; a < power(n, dim); ++a)
+        of_cell[a] = places.cell_place(cell, a % n, a / n);
+      add_product_of_surface<dim, n>(geometry, points, of_cell, x, y);
+    });
   }
 
 

@@ -4,20 +4,33 @@
 #include <greville/base/with_width.h>
 #include <greville/stiffness/block_stencil.h>
 
+#include <algorithm>
+
 namespace greville
 {
   using namespace dealii;
 
   namespace
   {
-    // Lines of entries are as long as a multiple of this.
-    constexpr int vector_width = 4;
-    using Vector               = FixedSimd<double, vector_width>;
+    /**
+     * The width of the vectors that a line of @p n entries is made of: eight
+     * floats, unless they would hold much more zeros than four.
+     */
+    template <typename Number>
+    constexpr int
+    vector_width(const int n)
+    {
+      return std::is_same_v<Number, float> && (n + 7) / 8 * 8 - n < 4 ? 8 : 4;
+    }
 
+    template <typename Number>
     constexpr int
     padded(const int n)
     {
-      return (n + vector_width - 1) / vector_width * vector_width;
+      constexpr auto round_up = [](const int m, const int width) {
+        return (m + width - 1) / width * width;
+      };
+      return round_up(n, vector_width<Number>(n));
     }
   } // namespace
 
@@ -27,13 +40,14 @@ namespace greville
   void
   BlockStencil<dim, Number>::reinit(const StencilMatrix<dim> &stencil)
   {
-    places    = &stencil;
-    length    = 2 * stencil.space().degree() + 1;
-    n_lines   = Utilities::fixed_power<dim - 1>(length);
-    line_size = padded(length * dim);
-    row_size  = std::size_t(n_lines) * dim * line_size;
-    n_rows    = 0;
-    row_of    = ZeroedArray<std::size_t>(stencil.size());
+    const unsigned int p = stencil.space().degree();
+    places               = &stencil;
+    length               = 2 * p + 1;
+    n_lines              = Utilities::fixed_power<dim - 1>(length) / 2 + 1;
+    line_size            = padded<Number>(length * dim);
+    first_of_line        = p * dim;
+    row_size             = std::size_t(n_lines) * dim * line_size;
+    row_of               = ZeroedArray<std::size_t>(stencil.size());
     values.clear();
   }
 
@@ -43,7 +57,7 @@ namespace greville
   void
   BlockStencil<dim, Number>::clear()
   {
-    n_rows = 0;
+    std::size_t n_rows = 0;
     places->for_each_row([&](const unsigned int i) { row_of[i] = n_rows++; });
     values.assign(n_rows * row_size, 0.);
   }
@@ -51,26 +65,13 @@ namespace greville
 
 
   template <int dim, typename Number>
-  template <typename OtherNumber>
-  void
-  BlockStencil<dim, Number>::copy(const BlockStencil<dim, OtherNumber> &other)
-  {
-    Assert(places == other.places, ExcInternalError());
-    n_rows = other.n_rows;
-    places->for_each_row(
-      [&](const unsigned int i) { row_of[i] = other.row_of[i]; });
-    values.assign(other.values.begin(), other.values.end());
-  }
-
-
-
-  template <int dim, typename Number>
   void
   BlockStencil<dim, Number>::add_cell(const unsigned int cell,
-                                      const double      *cell_values)
+                                      const Number      *cell_values,
+                                      const unsigned int stride)
   {
     with_order(places->space().degree(), [&](const auto n) {
-      add_cell_of_order<decltype(n)::value>(cell, cell_values);
+      add_cell_of_order<decltype(n)::value>(cell, cell_values, stride);
     });
   }
 
@@ -80,32 +81,48 @@ namespace greville
   template <int n>
   void
   BlockStencil<dim, Number>::add_cell_of_order(const unsigned int cell,
-                                               const double      *from)
+                                               const Number      *from,
+                                               const unsigned int stride)
   {
-    constexpr int length = 2 * n - 1;
-    constexpr int n_z    = dim == 3 ? n : 1;
-    constexpr int n_all  = n * n * n_z;
+    constexpr int length      = 2 * n - 1;
+    constexpr int n_of_line   = length * dim;
+    constexpr int size        = padded<Number>(n_of_line);
+    constexpr int n_z         = dim == 3 ? n : 1;
+    constexpr int n_functions = n * n * n_z;
+
+    // Block (i, k), and whether it is the transpose of a stored one.
+    const Number *blocks[dim][dim];
+    for (int i = 0, block = 0; i < dim; ++i)
+      for (int k = i; k < dim; ++k, ++block)
+        blocks[i][k] = blocks[k][i] =
+          from + std::size_t(block) * n_functions * stride;
 
     for (int a_z = 0, a = 0; a_z < n_z; ++a_z)
       for (int a_y = 0; a_y < n; ++a_y)
         for (int a_x = 0; a_x < n; ++a_x, ++a)
           {
             Number *entries = row(places->cell_place(cell, a_x, a_z * n + a_y));
-            for (int i = 0; i < dim; ++i)
-              for (int k = 0; k < dim; ++k)
-                for (int b_z = 0, b = 0; b_z < n_z; ++b_z)
-                  for (int b_y = 0; b_y < n; ++b_y, b += n)
+            for (int b_z = a_z, b_line = (a / n) * n; b_z < n_z; ++b_z)
+              for (int b_y = b_z == a_z ? a_y : 0; b_y < n; ++b_y, b_line += n)
+                {
+                  const int k_line = (b_z - a_z) * length + b_y - a_y;
+                  const int first  = k_line == 0 ? a_x : 0;
+                  for (int i = 0; i < dim; ++i)
                     {
-                      const int number =
-                        (dim == 3 ? b_z - a_z + n - 1 : 0) * length + b_y -
-                        a_y + n - 1;
-                      Number *to =
-                        entries + line(number, i) + (n - 1 - a_x) * dim + k;
-                      const double *values =
-                        from + ((a * dim + i) * dim + k) * n_all + b;
-                      for (int b_x = 0; b_x < n; ++b_x)
-                        to[b_x * dim] += values[b_x];
+                      Number *to = entries + (k_line * dim + i) * size +
+                                   (n - 1 - a_x) * dim;
+                      for (int b_x = first; b_x < n; ++b_x)
+                        for (int k = 0; k < dim; ++k)
+                          {
+                            const int    b = b_line + b_x;
+                            const Number value =
+                              i <= k ? blocks[i][k][a * stride + b]
+                                     : blocks[i][k][b * stride + a];
+                            to[b_x * dim + k] +=
+                              b == a ? Number(0.5) * value : value;
+                          }
                     }
+                }
           }
   }
 
@@ -116,15 +133,17 @@ namespace greville
   BlockStencil<dim, Number>::add(const double              factor,
                                  const StencilMatrix<dim> &scalar)
   {
-    std::vector<double> stencil(n_lines * length);
+    std::vector<double> stencil((2 * n_lines - 1) * length);
+    const double       *half = stencil.data() + (n_lines - 1) * length;
     places->for_each_row([&](const unsigned int i) {
       scalar.get_row(i, stencil.data());
       Number *entries = row(i);
       for (unsigned int k = 0; k < n_lines; ++k)
-        for (unsigned int c = 0; c < dim; ++c)
-          for (unsigned int x = 0; x < length; ++x)
+        for (unsigned int x = k == 0 ? length / 2 : 0; x < length; ++x)
+          for (unsigned int c = 0; c < dim; ++c)
             entries[line(k, c) + x * dim + c] +=
-              factor * stencil[k * length + x];
+              (k == 0 && x == length / 2 ? 0.5 : 1.) * factor *
+              half[k * length + x];
     });
   }
 
@@ -135,8 +154,9 @@ namespace greville
   BlockStencil<dim, Number>::diagonal_block(StencilMatrix<dim> &scalar,
                                             const unsigned int components) const
   {
-    std::vector<double> stencil(n_lines * length);
-    unsigned int        n = 0;
+    std::vector<double> stencil((2 * n_lines - 1) * length);
+    double             *half = stencil.data() + (n_lines - 1) * length;
+    unsigned int        n    = 0;
     for (unsigned int c = 0; c < dim; ++c)
       n += (components >> c) & 1;
     places->for_each_row([&](const unsigned int i) {
@@ -148,7 +168,8 @@ namespace greville
             for (unsigned int c = 0; c < dim; ++c)
               if ((components >> c) & 1)
                 sum += entries[line(k, c) + x * dim + c];
-            stencil[k * length + x] = sum / n;
+            half[k * length + x] =
+              (k == 0 && x == length / 2 ? 2. : 1.) * sum / n;
           }
       scalar.set_row(i, stencil.data());
     });
@@ -157,18 +178,8 @@ namespace greville
 
 
   template <int dim, typename Number>
-  double
-  BlockStencil<dim, Number>::diagonal(const unsigned int place,
-                                      const unsigned int c) const
-  {
-    return row(place)[line(n_lines / 2, c) + length / 2 * dim + c];
-  }
-
-
-
-  template <int dim, typename Number>
   void
-  BlockStencil<dim, Number>::vmult(double *y, const double *x) const
+  BlockStencil<dim, Number>::vmult(Number *y, const Number *x) const
   {
     with_order(places->space().degree(),
                [&](const auto n) { multiply<decltype(n)::value>(y, x); });
@@ -179,52 +190,69 @@ namespace greville
   template <int dim, typename Number>
   template <int n>
   void
-  BlockStencil<dim, Number>::multiply(double *y, const double *x) const
+  BlockStencil<dim, Number>::multiply(Number *y, const Number *x) const
   {
     constexpr int p         = n - 1;
-    constexpr int lines     = dim == 3 ? (2 * p + 1) * (2 * p + 1) : 2 * p + 1;
-    constexpr int n_vectors = padded((2 * p + 1) * dim) / vector_width;
-    std::size_t   number    = 0;
+    constexpr int length    = 2 * p + 1;
+    constexpr int lines     = (dim == 3 ? length * length : length) / 2 + 1;
+    constexpr int width     = vector_width<Number>(length * dim);
+    constexpr int n_vectors = padded<Number>(length * dim) / width;
+    using Vector            = FixedSimd<Number, width>;
+
+    places->for_each_segment(
+      [&](const unsigned int begin, const unsigned int end, const auto &) {
+        std::fill(y + std::size_t(begin) * dim,
+                  y + std::size_t(end) * dim,
+                  Number(0.));
+      });
+    const Number *entries = values.data();
     places->for_each_segment([&](const unsigned int begin,
                                  const unsigned int end,
                                  const auto        &distance) {
       std::ptrdiff_t distances[lines];
       for (int k = 0; k < lines; ++k)
-        distances[k] = std::ptrdiff_t(distance(k) - p) * dim;
-      for (unsigned int i = begin; i < end; ++i, ++number)
+        distances[k] = std::ptrdiff_t(distance(lines - 1 + k) - p) * dim;
+      for (unsigned int i = begin; i < end; ++i)
         {
-          const Number *entries = values.data() + number * row_size;
-          const double *x_i     = x + std::size_t(i) * dim;
-          Vector        sums[dim];
+          const Number *x_i = x + std::size_t(i) * dim;
+          Number       *y_i = y + std::size_t(i) * dim;
+          Vector        own[dim], sums[dim];
           for (int c = 0; c < dim; ++c)
-            sums[c] = 0.;
+            {
+              own[c]  = x_i[c];
+              sums[c] = Number(0.);
+            }
           for (int k = 0; k < lines; ++k)
             {
-              const double *x_k = x_i + distances[k];
-              Vector        from[n_vectors];
-#pragma GCC unroll 8
+              const Number *x_k = x_i + distances[k];
+              Number       *y_k = y_i + distances[k];
+#pragma GCC unroll 10
               for (int v = 0; v < n_vectors; ++v)
-                from[v] = load<Vector>(x_k + v * vector_width);
+                {
+                  const Vector from = load<Vector>(x_k + v * width);
+                  Vector       to   = load<Vector>(y_k + v * width);
 #pragma GCC unroll 3
-              for (int c = 0; c < dim; ++c)
-#pragma GCC unroll 8
-                for (int v = 0; v < n_vectors; ++v, entries += vector_width)
-                  sums[c] += load<Vector>(entries) * from[v];
+                  for (int c = 0; c < dim; ++c)
+                    {
+                      const Vector entry =
+                        load<Vector>(entries + (c * n_vectors + v) * width);
+                      sums[c] += entry * from;
+                      to += entry * own[c];
+                    }
+                  store(to, y_k + v * width);
+                }
+              entries += dim * n_vectors * width;
             }
           for (int c = 0; c < dim; ++c)
-            y[std::size_t(i) * dim + c] = reduce(sums[c]);
+            y_i[c] += reduce(sums[c]);
         }
     });
   }
 
 
 
-  template class BlockStencil<2>;
-  template class BlockStencil<3>;
+  template class BlockStencil<2, double>;
+  template class BlockStencil<3, double>;
   template class BlockStencil<2, float>;
   template class BlockStencil<3, float>;
-  template void
-  BlockStencil<2, float>::copy(const BlockStencil<2> &);
-  template void
-  BlockStencil<3, float>::copy(const BlockStencil<3> &);
 } // namespace greville

@@ -35,7 +35,6 @@ namespace greville
     extended_mass.reinit(space);
     block.reinit(extended_mass);
     blocks.reinit(extended_mass.matrix());
-    single_blocks.reinit(extended_mass.matrix());
   }
 
 
@@ -93,7 +92,6 @@ namespace greville
   {
     if (mass_factor != 0.)
       blocks.add(mass_factor, extended_mass.matrix());
-    has_single_blocks = false;
 
     // Those of extended B-splines without what extended functions add.
     result             = 0.;
@@ -127,32 +125,15 @@ namespace greville
 
 
   template <int dim>
-  void
-  TangentLevel<dim>::vmult_in_cycle(VectorType       &dst,
-                                    const VectorType &src) const
-  {
-    if (!has_single_blocks)
-      single_blocks.copy(blocks);
-    has_single_blocks = true;
-    multiply(dst, src, single_blocks);
-  }
-
-
-
-  template <int dim>
   template <typename Number>
   void
-  TangentLevel<dim>::multiply(VectorType                      &dst,
-                              const VectorType                &src,
-                              const BlockStencil<dim, Number> &matrix) const
+  TangentLevel<dim>::multiply(
+    VectorType                                            &dst,
+    const VectorType                                      &src,
+    const std::function<void(Number *y, const Number *x)> &product) const
   {
     extended_mass.unknowns().read(source, src, dim);
-    extended_mass.unknowns().multiply(result,
-                                      source,
-                                      dim,
-                                      [&](double *y, const double *x) {
-                                        matrix.vmult(y, x);
-                                      });
+    extended_mass.unknowns().multiply(result, source, dim, product);
     extended_mass.unknowns().write(dst, result, dim);
     for (const unsigned int f : inactive_functions)
       for (unsigned int c = 0; c < dim; ++c)
@@ -295,4 +276,24 @@ namespace greville
 
   template class TangentLevel<2>;
   template class TangentLevel<3>;
+  template void
+  TangentLevel<2>::multiply(
+    VectorType &,
+    const VectorType &,
+    const std::function<void(double *, const double *)> &) const;
+  template void
+  TangentLevel<3>::multiply(
+    VectorType &,
+    const VectorType &,
+    const std::function<void(double *, const double *)> &) const;
+  template void
+  TangentLevel<2>::multiply(
+    VectorType &,
+    const VectorType &,
+    const std::function<void(float *, const float *)> &) const;
+  template void
+  TangentLevel<3>::multiply(
+    VectorType &,
+    const VectorType &,
+    const std::function<void(float *, const float *)> &) const;
 } // namespace greville

@@ -29,7 +29,7 @@ namespace greville
      */
     template <int dim>
     std::vector<std::vector<Block<dim>>>
-    extended_blocks(const BlockStencil<dim>          &blocks,
+    extended_blocks(const BlockStencil<dim, float>   &blocks,
                     const ExtendedMass<dim>          &extended,
                     const std::vector<unsigned char> &held,
                     const std::vector<unsigned char> &held_unknowns)
@@ -42,27 +42,37 @@ namespace greville
         held_at[place] = held[f];
 
       std::vector<std::vector<Block<dim>>> rows(n);
+      const auto                           add =
+        [&](const unsigned int i, const unsigned int j, const auto &entry_of) {
+          extended.unknowns().for_each_unknown(
+            i, [&](const unsigned int u, const double weight_u) {
+              const unsigned int held_i = held_at[i] | held_unknowns[u];
+              extended.unknowns().for_each_unknown(
+                j, [&](const unsigned int v, const double weight_v) {
+                  const unsigned int held_j = held_at[j] | held_unknowns[v];
+                  Block<dim>         entry;
+                  entry.column = v;
+                  for (unsigned int c = 0; c < dim; ++c)
+                    for (unsigned int d = 0; d < dim; ++d)
+                      entry.values[c * dim + d] =
+                        ((held_i >> c) & 1) || ((held_j >> d) & 1)
+                          ? 0.
+                          : weight_u * weight_v * entry_of(c, d);
+                  rows[u].push_back(entry);
+                });
+            });
+        };
       extended.matrix().for_each_row([&](const unsigned int i) {
-        extended.unknowns().for_each_unknown(
-          i, [&](const unsigned int u, const double weight_u) {
-            const unsigned int held_i = held_at[i] | held_unknowns[u];
-            blocks.for_each_block(
-              i, [&](const unsigned int j, const double *block) {
-                extended.unknowns().for_each_unknown(
-                  j, [&](const unsigned int v, const double weight_v) {
-                    const unsigned int held_j = held_at[j] | held_unknowns[v];
-                    Block<dim>         entry;
-                    entry.column = v;
-                    for (unsigned int c = 0; c < dim; ++c)
-                      for (unsigned int d = 0; d < dim; ++d)
-                        entry.values[c * dim + d] =
-                          ((held_i >> c) & 1) || ((held_j >> d) & 1)
-                            ? 0.
-                            : weight_u * weight_v * block[c * dim + d];
-                    rows[u].push_back(entry);
-                  });
-              });
-          });
+        blocks.for_each_block(i,
+                              [&](const unsigned int j, const double *block) {
+                                add(i, j, [&](const int c, const int d) {
+                                  return block[c * dim + d];
+                                });
+                                if (j != i)
+                                  add(j, i, [&](const int c, const int d) {
+                                    return block[d * dim + c];
+                                  });
+                              });
       });
       for (auto &row : rows)
         {

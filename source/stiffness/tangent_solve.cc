@@ -23,12 +23,12 @@ namespace greville
       for (VectorType &component : *field)
         space().initialize_vector(component);
     extend(direction, src);
-    sums.back().clear();
+    sums.clear();
     if (windows)
       {
         windows->read(direction, window_buffer);
         for (const auto &of_cell : domains)
-          sums.back().add_change(of_cell.first, of_cell.second, window_buffer);
+          sums.add_change(of_cell.first, of_cell.second, window_buffer);
       }
     std::vector<TrialPoint<dim>> trials;
     for (const ProjectedBody<dim> &body : projected_bodies)
@@ -52,10 +52,10 @@ namespace greville
                                 {},
                                 {}});
             });
-            sums.back().add_force(cell, trials);
+            sums.add_force(cell, trials);
           }
       }
-    sums.back().take_force(force);
+    sums.take_force(force);
     VectorType rows;
     initialize(rows);
     restrict(rows, force, nullptr);
@@ -116,7 +116,7 @@ namespace greville
           {
             n_wasted = *result.iterations;
             for (TangentSystem *system : used)
-              system->set_up(system->has_levels);
+              system->set_up();
             used.clear();
           }
         else

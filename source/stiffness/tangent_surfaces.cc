@@ -10,13 +10,10 @@ namespace greville
 
   template <int dim>
   void
-  TangentSurfaces<dim>::reinit(
-    const OrderHierarchy<dim>              &orders,
-    const std::vector<TangentLevel<dim> *> &new_levels)
+  TangentSurfaces<dim>::reinit(const OrderHierarchy<dim> &orders)
   {
-    levels = new_levels;
-    sums.resize(levels.size());
-    for (unsigned int l = 0; l < levels.size(); ++l)
+    sums.resize(orders.n_levels());
+    for (unsigned int l = 0; l < sums.size(); ++l)
       sums[l].reinit(orders[l]);
     trial_surfaces.reinit(orders.finest());
     comm = orders.finest().communicator();
@@ -48,9 +45,7 @@ namespace greville
           sums.back().add_force(cell, points);
           if (!with_stiffness)
             return;
-          for (unsigned int l = 0; l < levels.size(); ++l)
-            levels[l]->stiffness().add_cell(cell,
-                                            sums[l].stiffness(cell, points));
+          stiff.emplace_back(cell, points);
           double of_cell = 0.;
           for (const TrialSurfacePoint<dim> &point : points)
             {
@@ -167,11 +162,34 @@ namespace greville
         if (of_cell == 0.)
           return;
         square += of_cell * of_cell;
-        for (unsigned int l = 0; l < levels.size(); ++l)
-          levels[l]->stiffness().add_cell(cell,
-                                          sums[l].stiffness(cell, points));
+        stiff.emplace_back(cell, points);
       });
     scale_of_points = std::sqrt(Utilities::MPI::sum(square, comm));
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSurfaces<dim>::assemble(TangentLevel<dim> &level,
+                                 const unsigned int number)
+  {
+    const unsigned int n =
+      Utilities::fixed_power<dim>(level.space().degree() + 1);
+    for (const auto &[cell, points] : stiff)
+      level.stiffness().add_cell(cell, sums[number].stiffness(cell, points), n);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSurfaces<dim>::add_product(double                   *y,
+                                    const double             *x,
+                                    const StencilMatrix<dim> &places)
+  {
+    for (const auto &[cell, points] : stiff)
+      sums.back().add_product(y, x, places, cell, points);
   }
 
 

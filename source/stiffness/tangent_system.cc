@@ -23,23 +23,26 @@ namespace greville
     , lump(lump)
     , orders(orders)
     , transfers(orders.n_levels())
-    , sums(orders.n_levels())
+    , tables(orders.n_levels())
     , projection(projection)
     , windows(windows)
   {
     filling.reinit(orders.finest(), {}, windows != nullptr);
     trial.reinit(orders.finest(), windows);
-    std::vector<TangentLevel<dim> *> all;
+    sums.reinit(orders.finest(), windows);
+    tangents.reinit(orders.finest());
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
       {
         transfers[l].reinit(orders[l]);
-        sums[l].reinit(orders[l],
-                       l + 1 == orders.n_levels() ? windows : nullptr);
+        tables[l].reinit(orders[l]);
         levels.push_back(std::make_unique<TangentLevel<dim>>(
           orders[l], held ? held(orders[l]) : std::vector<unsigned char>()));
-        all.push_back(levels.back().get());
       }
-    of_surfaces.reinit(orders, all);
+    levels.back()->set_product(
+      [this](double *y, const double *x) { multiply_at_places(y, x); });
+    if (space().degree() == 1)
+      entries.reinit(levels.back()->mass());
+    of_surfaces.reinit(orders);
   }
 
 
@@ -154,11 +157,14 @@ namespace greville
     std::string problem;
     // Sums of both moduli of K, and of the squares of the first one of cells.
     std::vector<double> sums_of_moduli(3);
-    sums.back().clear();
+    sums.clear();
     if (with_stiffness)
       {
-        for (auto &level : levels)
-          level->begin_tangent();
+        bool are_symmetric = stress == StepStress::end && !projection;
+        for (const TrialBody<dim> &body : bodies)
+          are_symmetric =
+            are_symmetric && body.material->has_symmetric_tangent();
+        tangents.clear(are_symmetric);
         of_surfaces.clear_stiffness();
         if (projection)
           displacement = u;
@@ -167,8 +173,6 @@ namespace greville
       }
     for (const TrialBody<dim> &body : bodies)
       {
-        const bool is_symmetric = body.material->has_symmetric_tangent() &&
-                                  stress == StepStress::end && !projection;
         PointReport        report;
         ProjectedBody<dim> projected{body.points,
                                      share_of_volume_stiffness(
@@ -180,37 +184,36 @@ namespace greville
         // A law may throw on one process, and all go on with the next body.
         try
           {
-            report = trial.evaluate(
-              *body.points,
-              *body.material,
-              u,
-              dt,
-              body.time,
-              body.strength_reduction,
-              stress,
-              with_stiffness,
-              projection ? projected.J_hat.data() : nullptr,
-              [&](const unsigned int cell, auto &points) {
-                sums.back().add_force(cell, points);
-                if (!with_stiffness)
-                  return;
-                auto of_cell = sum_moduli<dim>(points);
-                sums_of_moduli[2] += of_cell[0] * of_cell[0];
-                if (projection)
-                  {
-                    for (TrialPoint<dim> &point : points)
-                      projected.derivatives.push_back(
-                        take_volume_stiffness(point, projected.share));
-                    of_cell = sum_moduli<dim>(points);
-                  }
-                sums_of_moduli[0] += of_cell[0];
-                sums_of_moduli[1] += of_cell[1];
-                if (windows && windows->reaches(cell))
-                  domains.emplace_back(cell, points);
-                for (unsigned int l = 0; l < levels.size(); ++l)
-                  levels[l]->stiffness().add_cell(
-                    cell, sums[l].stiffness(cell, points, is_symmetric));
-              });
+            report =
+              trial.evaluate(*body.points,
+                             *body.material,
+                             u,
+                             dt,
+                             body.time,
+                             body.strength_reduction,
+                             stress,
+                             with_stiffness,
+                             projection ? projected.J_hat.data() : nullptr,
+                             [&](const unsigned int cell, auto &points) {
+                               sums.add_force(cell, points);
+                               if (!with_stiffness)
+                                 return;
+                               auto of_cell = sum_moduli<dim>(points);
+                               sums_of_moduli[2] += of_cell[0] * of_cell[0];
+                               if (projection)
+                                 {
+                                   for (TrialPoint<dim> &point : points)
+                                     projected.derivatives.push_back(
+                                       take_volume_stiffness(point,
+                                                             projected.share));
+                                   of_cell = sum_moduli<dim>(points);
+                                 }
+                               sums_of_moduli[0] += of_cell[0];
+                               sums_of_moduli[1] += of_cell[1];
+                               if (windows && windows->reaches(cell))
+                                 domains.emplace_back(cell, points);
+                               tangents.add(cell, points);
+                             });
           }
         catch (const std::exception &error)
           {
@@ -224,7 +227,7 @@ namespace greville
         if (with_stiffness && projection)
           projected_bodies.push_back(std::move(projected));
       }
-    sums.back().take_force(force);
+    sums.take_force(force);
     if (with_stiffness)
       {
         Utilities::MPI::sum(sums_of_moduli,
@@ -274,11 +277,10 @@ namespace greville
 
   template <int dim>
   bool
-  TangentSystem<dim>::is_reusable(const double mass_factor,
-                                  const bool   with_levels) const
+  TangentSystem<dim>::is_reusable(const double mass_factor) const
   {
     constexpr double much = 2.;
-    return multigrid && parameters.reuse > 0 && has_levels == with_levels &&
+    return multigrid && parameters.reuse > 0 &&
            excess_iterations <= parameters.reuse &&
            mass_factor <= much * mass_factor_of_set_up &&
            mass_factor_of_set_up <= much * mass_factor;
@@ -335,12 +337,36 @@ namespace greville
 
   template <int dim>
   void
-  TangentSystem<dim>::set_up(const bool with_levels)
+  TangentSystem<dim>::assemble(const unsigned int l)
   {
+    TangentLevel<dim> &level = *levels[l];
+    level.begin_tangent();
+    tangents.template for_each_cell<float>(tables[l],
+                                           [&](const unsigned int cell,
+                                               const float       *values,
+                                               const unsigned int stride) {
+                                             level.stiffness().add_cell(cell,
+                                                                        values,
+                                                                        stride);
+                                           });
+    of_surfaces.assemble(level, l);
+    level.finish_tangent(mass_factor);
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::set_up()
+  {
+    assemble(levels.size() - 1);
+    bool with_levels = needs_levels(mass_factor);
     // Tangents of bodies that fail are indefinite, and some have no
     // factorization.
     try
       {
+        for (unsigned int l = 0; with_levels && l + 1 < levels.size(); ++l)
+          assemble(l);
         make_multigrid(with_levels);
       }
     catch (const ErrorOnAll &)
@@ -348,14 +374,33 @@ namespace greville
         if (!with_levels)
           throw;
         levels_fail = true;
-        set_up(false);
-        return;
+        make_multigrid(false);
       }
-    has_levels            = with_levels;
     mass_factor_of_set_up = mass_factor;
     excess_iterations     = 0.;
     is_fresh              = true;
     ++set_ups;
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::assemble_entries()
+  {
+    if (!has_entries())
+      return;
+    entries.clear();
+    tangents.template for_each_cell<double>(tables.back(),
+                                            [&](const unsigned int cell,
+                                                const double      *values,
+                                                const unsigned int stride) {
+                                              entries.add_cell(cell,
+                                                               values,
+                                                               stride);
+                                            });
+    if (mass_factor != 0.)
+      entries.add(mass_factor, finest().extended().matrix());
   }
 
 
@@ -367,26 +412,50 @@ namespace greville
   {
     symmetric   = is_symmetric;
     mass_factor = new_mass_factor;
-    levels.back()->finish_tangent(mass_factor);
-    const bool with_levels = needs_levels(mass_factor);
-    if (with_levels)
-      for (unsigned int l = 0; l + 1 < levels.size(); ++l)
-        levels[l]->finish_tangent(mass_factor);
-    if (!is_reusable(mass_factor, with_levels))
-      set_up(with_levels);
+    assemble_entries();
+    if (!is_reusable(mass_factor))
+      set_up();
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::multiply_at_places(double *y, const double *x)
+  {
+    const StencilMatrix<dim> &mass = finest().extended().matrix();
+    if (has_entries())
+      entries.vmult(y, x);
+    else
+      {
+        if (mass_factor != 0.)
+          mass.vmult(y, x, dim);
+        mass.for_each_segment(
+          [&](const unsigned int begin, const unsigned int end, const auto &) {
+            for (std::size_t k = std::size_t(begin) * dim;
+                 k < std::size_t(end) * dim;
+                 ++k)
+              y[k] = mass_factor != 0. ? mass_factor * y[k] : 0.;
+          });
+        tangents.add_product(y, x, mass);
+      }
+    of_surfaces.add_product(y, x, mass);
   }
 
 
 
   template <int dim>
   typename PMultigrid<dim>::Levels
-  TangentSystem<dim>::make_levels(const double mass_factor)
+  TangentSystem<dim>::make_levels(const double new_mass_factor)
   {
+    mass_factor = new_mass_factor;
+    forget();
+    assemble_entries();
     typename PMultigrid<dim>::Levels result;
-    for (auto &level : levels)
+    for (unsigned int l = 0; l < levels.size(); ++l)
       {
-        level->finish_tangent(mass_factor);
-        result.push_back(level.get());
+        assemble(l);
+        result.push_back(levels[l].get());
       }
     return result;
   }
@@ -442,8 +511,8 @@ namespace greville
   double
   TangentSystem<dim>::force_scale() const
   {
-    return std::sqrt(Utilities::MPI::sum(sums.back().square_of_forces(),
-                                         space().communicator()));
+    return std::sqrt(
+      Utilities::MPI::sum(sums.square_of_forces(), space().communicator()));
   }
 
 

@@ -3,6 +3,7 @@
 #ifndef greville_mass_extended_unknowns_templates_h
 #define greville_mass_extended_unknowns_templates_h
 
+#include <greville/base/with_width.h>
 #include <greville/mass/extended_unknowns.h>
 
 namespace greville
@@ -100,6 +101,134 @@ namespace greville
   ExtendedUnknowns<dim>::n_owned_functions() const
   {
     return places->space().owned_functions().size();
+  }
+
+
+
+  namespace internal
+  {
+    /**
+     * to[c] += factor * from[c].
+     */
+    template <int width, typename Number>
+    inline void
+    add_columns(double *to, const double factor, const Number *from)
+    {
+      for (int c = 0; c < width; ++c)
+        to[c] += factor * from[c];
+    }
+
+    template <int width, typename To, typename From>
+    inline void
+    copy_columns(To *to, const From *from)
+    {
+      for (int c = 0; c < width; ++c)
+        to[c] = To(from[c]);
+    }
+  } // namespace internal
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  ExtendedUnknowns<dim>::zero_held(Number            *values,
+                                   const unsigned int width) const
+  {
+    for (const auto &entry : held_places)
+      for (unsigned int c = 0; c < width; ++c)
+        if ((entry.second >> (c % dim)) & 1)
+          values[std::size_t(entry.first) * width + c] = 0.;
+  }
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  ExtendedUnknowns<dim>::expand(Number            *values,
+                                const double      *x,
+                                const unsigned int width) const
+  {
+    with_width(width, [&](const auto w) {
+      constexpr int n = decltype(w)::value;
+      for (unsigned int u = 0; u < unknowns.size(); ++u)
+        if (unknowns[u] != dealii::numbers::invalid_unsigned_int)
+          internal::copy_columns<n>(values + std::size_t(unknowns[u]) * n,
+                                    x + std::size_t(u) * n);
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        {
+          double sum[n] = {};
+          for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
+               ++e)
+            internal::add_columns<n>(
+              sum,
+              extended_entries[e].weight,
+              x + std::size_t(extended_entries[e].unknown) * n);
+          internal::copy_columns<n>(values + std::size_t(extended[k]) * n, sum);
+        }
+    });
+  }
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  ExtendedUnknowns<dim>::collect(double            *y,
+                                 const Number      *values,
+                                 const unsigned int width) const
+  {
+    with_width(width, [&](const auto w) {
+      constexpr int n = decltype(w)::value;
+      for (unsigned int u = 0; u < unknowns.size(); ++u)
+        if (unknowns[u] != dealii::numbers::invalid_unsigned_int)
+          internal::copy_columns<n>(y + std::size_t(u) * n,
+                                    values + std::size_t(unknowns[u]) * n);
+        else
+          for (int c = 0; c < n; ++c)
+            y[std::size_t(u) * n + c] = 0.;
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1]; ++e)
+          internal::add_columns<n>(y +
+                                     std::size_t(extended_entries[e].unknown) *
+                                       n,
+                                   extended_entries[e].weight,
+                                   values + std::size_t(extended[k]) * n);
+    });
+  }
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  ExtendedUnknowns<dim>::multiply(
+    VectorType                                          &y,
+    VectorType                                          &x,
+    const unsigned int                                   width,
+    const std::function<void(Number *, const Number *)> &product) const
+  {
+    Number *at_places, *of_rows;
+    if constexpr (std::is_same_v<Number, float>)
+      {
+        at_places = single_x.data();
+        of_rows   = single_y.data();
+      }
+    else
+      {
+        at_places = place_x.data();
+        of_rows   = place_y.data();
+      }
+    x.update_ghost_values();
+    expand(at_places, x.begin(), width);
+    zero_held(at_places, width);
+    product(of_rows, at_places);
+    zero_held(of_rows, width);
+    collect(y.begin(), of_rows, width);
+    y.compress(dealii::VectorOperation::add);
+    zero_held_unknowns(y, width);
+    x.zero_out_ghost_values();
   }
 } // namespace greville
 

@@ -159,7 +159,7 @@ namespace greville
               const std::vector<TrialSurfacePoint<dim>> &points);
 
     /**
-     * Add what stiffness() leaves out in a cell that reaches its neighbours:
+     * Add what PointTangents leave out in a cell that reaches its neighbours:
      * the product of a field with the derivative of the force of means over
      * domains, less that of gradients at points. @p u is the buffer of
      * CellWindows::read().
@@ -185,26 +185,30 @@ namespace greville
     take_force(VectorField<dim> &force) const;
 
     /**
-     * The matrix of a cell with entries as BlockStencil::add_cell() takes them.
-     * Where the derivatives are @p symmetric (A_ijkl = A_klij), half of it is
-     * summed up. Gradients are those at the points.
+     * What loads on surfaces contribute to the stiffness, minus their
+     * derivative: the symmetric part of the matrix of a cell, as
+     * BlockStencil::add_cell() takes it with a stride of n.
      */
-    const double *
-    stiffness(const unsigned int                  cell,
-              const std::vector<TrialPoint<dim>> &points,
-              const bool                          symmetric);
-
-    /**
-     * Likewise what loads on surfaces contribute: minus their derivative.
-     */
-    const double *
+    const float *
     stiffness(const unsigned int                         cell,
               const std::vector<TrialSurfacePoint<dim>> &points);
+
+    /**
+     * Add all of it times a vector on the places of a matrix on the space, dim
+     * components each.
+     */
+    void
+    add_product(double                                    *y,
+                const double                              *x,
+                const StencilMatrix<dim>                  &places,
+                const unsigned int                         cell,
+                const std::vector<TrialSurfacePoint<dim>> &points);
 
   private:
     SpacePolynomials<dim>   tables;
     const CellWindows<dim> *windows = nullptr;
-    std::vector<double>     sums, window_sums, matrix, work;
+    std::vector<double>     sums, window_sums;
+    std::vector<float>      matrix;
     double                  square = 0.;
   };
 } // namespace greville

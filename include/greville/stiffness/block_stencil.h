@@ -8,16 +8,18 @@
 namespace greville
 {
   /**
-   * The part of a matrix of dim x dim blocks @f$ B_{ij} @f$ that the cells of
-   * this process contribute, for functions with @f$ |i_d - j_d| \le p @f$ in
-   * each direction d: a stiffness matrix, symmetric or not. A row of blocks is
-   * a full stencil of @f$ (2 p + 1)^\text{dim} @f$ of them, without column
-   * numbers, on the places of a StencilMatrix.
+   * The part of a symmetric matrix of dim x dim blocks @f$ B_{ij} @f$ that the
+   * cells of this process contribute, for functions with @f$ |i_d - j_d| \le p
+   * @f$ in each direction d: a stiffness matrix. Of a row of blocks, which is a
+   * stencil of @f$ (2 p + 1)^\text{dim} @f$ of them, the half with j >= i in
+   * lexicographic order is stored, without column numbers, on the places of a
+   * StencilMatrix; of the block on the diagonal, half of each entry.
    *
    * Vectors on places are interleaved: component c of place i is entry i * dim
-   * + c. They are double; entries are Numbers, double or float.
+   * + c. They have the precision of the entries: double, or float for
+   * preconditioners.
    */
-  template <int dim, typename Number = double>
+  template <int dim, typename Number>
   class BlockStencil
   {
   public:
@@ -34,20 +36,15 @@ namespace greville
     clear();
 
     /**
-     * Have the entries of another matrix on the same places.
-     */
-    template <typename OtherNumber>
-    void
-    copy(const BlockStencil<dim, OtherNumber> &other);
-
-    /**
      * Add the matrix of an owned cell with n = (p + 1)^dim functions, numbered
-     * as in SplineSpace::cell_functions(): entry (a, i; b, k) of component i of
-     * function a and component k of function b is values[((a * dim + i) * dim +
-     * k) * n + b].
+     * as in SplineSpace::cell_functions(). Blocks of components i <= k follow
+     * each other, (0, 0), (0, 1), ..., (1, 1), ...: entry (a, i; b, k) of
+     * function a and function b is values[(block * n + a) * stride + b].
      */
     void
-    add_cell(const unsigned int cell, const double *values);
+    add_cell(const unsigned int cell,
+             const Number      *values,
+             const unsigned int stride);
 
     /**
      * Add @p factor times a scalar matrix on the same places to all diagonal
@@ -58,8 +55,7 @@ namespace greville
 
     /**
      * Set a scalar matrix to the diagonal block of a component, or to the mean
-     * of those of several @p components (bits), for each of which it stands:
-     * that of i and j >= i.
+     * of those of several @p components (bits), for each of which it stands.
      */
     void
     diagonal_block(StencilMatrix<dim> &scalar,
@@ -67,20 +63,24 @@ namespace greville
 
     /**
      * y = B x, with x zero at all places without a row. Some numbers behind a
-     * place that a row reaches are read, and have to be finite.
+     * place that a row reaches are read and written, with what they have: they
+     * have to be finite.
      */
     void
-    vmult(double *y, const double *x) const;
+    vmult(Number *y, const Number *x) const;
 
     /**
      * The diagonal entry of component c at a place.
      */
     double
-    diagonal(const unsigned int place, const unsigned int c) const;
+    diagonal(const unsigned int place, const unsigned int c) const
+    {
+      return 2. * row(place)[first_of_line + c * line_size + c];
+    }
 
     /**
-     * Call visit(j, block) for all places j of row @p i with a block that is
-     * not zero, block[c * dim + d].
+     * Call visit(j, block) for all places j >= i of row @p i with a block that
+     * is not zero, block[c * dim + d].
      */
     template <typename Visit>
     void
@@ -92,24 +92,23 @@ namespace greville
     std::size_t
     memory_consumption() const
     {
-      return n_rows * row_size * sizeof(Number);
+      return values.capacity() * sizeof(Number);
     }
 
   private:
-    template <int, typename>
-    friend class BlockStencil;
+    template <int n>
+    void
+    add_cell_of_order(const unsigned int cell,
+                      const Number      *values,
+                      const unsigned int stride);
 
     template <int n>
     void
-    add_cell_of_order(const unsigned int cell, const double *values);
-
-    template <int n>
-    void
-    multiply(double *y, const double *x) const;
+    multiply(Number *y, const Number *x) const;
 
     /**
      * The entries of component c in the line number @p k of the neighbours of a
-     * row: (2 p + 1) * dim of them, [x][d].
+     * row, from its own one on: (2 p + 1) * dim of them, [x][d].
      */
     std::size_t
     line(const unsigned int k, const unsigned int c) const
@@ -129,13 +128,13 @@ namespace greville
       return values.data() + row_of[place] * row_size;
     }
 
-    const StencilMatrix<dim> *places    = nullptr;
-    unsigned int              length    = 0; // 2 p + 1, blocks of a line
-    unsigned int              n_lines   = 0;
-    unsigned int              line_size = 0; // with zeros, for full vectors
-    std::size_t               row_size  = 0; // [line][c][x][d]
-    std::size_t               n_rows    = 0;
-    ZeroedArray<std::size_t>  row_of; // by place
+    const StencilMatrix<dim> *places        = nullptr;
+    unsigned int              length        = 0; // 2 p + 1, blocks of a line
+    unsigned int              n_lines       = 0; // of the half
+    unsigned int              line_size     = 0; // with zeros, for full vectors
+    unsigned int              first_of_line = 0; // of the block on the diagonal
+    std::size_t               row_size      = 0; // [line][c][x][d]
+    ZeroedArray<std::size_t>  row_of;            // by place
     std::vector<Number>       values;
   };
 
@@ -147,16 +146,19 @@ namespace greville
   BlockStencil<dim, Number>::for_each_block(const unsigned int i,
                                             const Visit       &visit) const
   {
-    const Number *entries = row(i);
-    double        block[dim * dim];
-    unsigned int  k = 0, x = 0;
+    const Number      *entries = row(i);
+    const unsigned int middle  = (2 * n_lines - 1) / 2;
+    double             block[dim * dim];
+    unsigned int       k = 0, x = 0;
     places->for_each_place(i, [&](const unsigned int j, const std::size_t) {
-      bool is_zero = true;
-      for (unsigned int c = 0; c < dim; ++c)
+      const bool is_stored = k >= middle && j >= i;
+      bool       is_zero   = true;
+      for (unsigned int c = 0; is_stored && c < dim; ++c)
         for (unsigned int d = 0; d < dim; ++d)
           {
-            block[c * dim + d] = entries[line(k, c) + x * dim + d];
-            is_zero            = is_zero && block[c * dim + d] == 0.;
+            block[c * dim + d] =
+              (i == j ? 2. : 1.) * entries[line(k - middle, c) + x * dim + d];
+            is_zero = is_zero && block[c * dim + d] == 0.;
           }
       if (++x == length)
         {

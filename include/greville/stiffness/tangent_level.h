@@ -8,6 +8,8 @@
 #include <greville/multigrid/level_operator.h>
 #include <greville/stiffness/block_stencil.h>
 
+#include <functional>
+
 namespace greville
 {
   /**
@@ -18,6 +20,10 @@ namespace greville
    * the space. Coefficients can be held, component by component: rows and
    * columns of A are then zero but for the diagonal, as are those of functions
    * that are inactive or extended.
+   *
+   * The level has the entries of the symmetric part in single precision, for
+   * smoothers, cycles and factorizations. The products of vmult() are those of
+   * set_product() where there is one.
    */
   template <int dim>
   class TangentLevel : public LevelOperator<dim>
@@ -62,7 +68,7 @@ namespace greville
     void
     begin_tangent();
 
-    BlockStencil<dim> &
+    BlockStencil<dim, float> &
     stiffness()
     {
       return blocks;
@@ -111,18 +117,32 @@ namespace greville
       return dim;
     }
 
+    /**
+     * Let vmult() be E^T B E in double precision with the products y = B x of
+     * vectors on the places of mass().
+     */
+    void
+    set_product(const std::function<void(double *y, const double *x)> &product)
+    {
+      exact_product = product;
+    }
+
     void
     vmult(VectorType &dst, const VectorType &src) const override
     {
-      multiply(dst, src, blocks);
+      if (exact_product)
+        multiply<double>(dst, src, exact_product);
+      else
+        vmult_in_cycle(dst, src);
     }
 
-    /**
-     * With the entries in single precision, of which the first call makes a
-     * copy.
-     */
     void
-    vmult_in_cycle(VectorType &dst, const VectorType &src) const override;
+    vmult_in_cycle(VectorType &dst, const VectorType &src) const override
+    {
+      multiply<float>(dst, src, [&](float *y, const float *x) {
+        blocks.vmult(y, x);
+      });
+    }
 
     /**
      * y = M~_e x.
@@ -190,9 +210,10 @@ namespace greville
 
     template <typename Number>
     void
-    multiply(VectorType                      &dst,
-             const VectorType                &src,
-             const BlockStencil<dim, Number> &matrix) const;
+    multiply(
+      VectorType                                            &dst,
+      const VectorType                                      &src,
+      const std::function<void(Number *y, const Number *x)> &product) const;
 
     /**
      * A solve for @p n_components from the given one on; @p dst may be @p src.
@@ -213,14 +234,13 @@ namespace greville
               const unsigned int       components,
               PartitionedCholesky     &factors) const;
 
-    const SplineSpace<dim>          &spline_space;
-    const std::vector<unsigned char> held;
-    Extension<dim>                   spline_extension;
-    DensityWeights<dim>              mass_weights;
-    ExtendedMass<dim>                extended_mass;
-    BlockStencil<dim>                blocks;
-    mutable BlockStencil<dim, float> single_blocks;
-    mutable bool                     has_single_blocks = false;
+    const SplineSpace<dim>                       &spline_space;
+    const std::vector<unsigned char>              held;
+    Extension<dim>                                spline_extension;
+    DensityWeights<dim>                           mass_weights;
+    ExtendedMass<dim>                             extended_mass;
+    BlockStencil<dim, float>                      blocks;
+    std::function<void(double *, const double *)> exact_product;
 
     // A diagonal block of A or their mean, with the unknowns of the mass.
     mutable ExtendedMass<dim> block;

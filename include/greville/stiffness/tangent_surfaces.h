@@ -14,8 +14,8 @@ namespace greville
 {
   /**
    * What forces on surfaces give to a TangentSystem: forces on the grid, and
-   * their stiffness on all levels, which TangentLevel::begin_tangent() has
-   * begun.
+   * their stiffness, which is applied point by point, and whose symmetric part
+   * is assembled for preconditioners.
    */
   template <int dim>
   class TangentSurfaces
@@ -25,18 +25,14 @@ namespace greville
     using Action = std::function<void(const ConstPointRef<dim> p,
                                       const SurfaceState<dim> &state)>;
 
-    /**
-     * The @p levels, from the coarsest to the finest, and their spaces are kept
-     * by reference.
-     */
+    /// The spaces are kept by reference.
     void
-    reinit(const OrderHierarchy<dim>              &orders,
-           const std::vector<TangentLevel<dim> *> &levels);
+    reinit(const OrderHierarchy<dim> &orders);
 
     /**
      * Collective. The force of loads on @p surfaces for the displacement @p u.
-     * If @p with_stiffness, add their stiffness to that of the levels. Returns
-     * whether all derivatives are symmetric; true without them.
+     * If @p with_stiffness, their stiffness is added. Returns whether all
+     * derivatives are symmetric; true without them.
      */
     bool
     add(const std::vector<LoadedSurface<dim>> &surfaces,
@@ -67,18 +63,27 @@ namespace greville
 
     /**
      * Collective. Add the stiffness of such points against displacements, N / m
-     * (2D: N / m^2), to that of the levels.
+     * (2D: N / m^2).
      */
     void
     add_stiffness(const std::vector<const MaterialPoints<dim> *> &surfaces,
                   const std::vector<dealii::Tensor<2, dim>>      &stiffness);
 
-    /// The levels have begun anew, without stiffness of points.
+    /// Begin anew, without stiffness.
     void
     clear_stiffness()
     {
+      stiff.clear();
       scale_of_points = 0.;
     }
+
+    /// Add the stiffness to that of a level, counted from the coarsest one.
+    void
+    assemble(TangentLevel<dim> &level, const unsigned int number);
+
+    /// y += K x on the places of the finest level.
+    void
+    add_product(double *y, const double *x, const StencilMatrix<dim> &places);
 
     /**
      * The Euclidean norm of what the cells give to the stiffness of forces that
@@ -91,11 +96,13 @@ namespace greville
     }
 
   private:
-    std::vector<TangentLevel<dim> *> levels;
-    std::vector<TrialSums<dim>>      sums; // by level
-    TrialSurfaces<dim>               trial_surfaces;
-    MPI_Comm                         comm           = MPI_COMM_NULL;
-    double                           scale_of_loads = 0., scale_of_points = 0.;
+    std::vector<TrialSums<dim>> sums; // by level
+    TrialSurfaces<dim>          trial_surfaces;
+    // Points with stiffness, cell by cell.
+    std::vector<std::pair<unsigned int, std::vector<TrialSurfacePoint<dim>>>>
+             stiff;
+    MPI_Comm comm           = MPI_COMM_NULL;
+    double   scale_of_loads = 0., scale_of_points = 0.;
   };
 } // namespace greville
 

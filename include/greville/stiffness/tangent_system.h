@@ -4,6 +4,7 @@
 #define greville_stiffness_tangent_system_h
 
 #include <greville/linear_algebra/solve_result.h>
+#include <greville/points/point_tangents.h>
 #include <greville/points/volume_projection.h>
 #include <greville/stiffness/tangent_level.h>
 #include <greville/stiffness/tangent_parameters.h>
@@ -17,11 +18,13 @@ namespace greville
   /**
    * The linear systems of implicit steps on extended B-splines,
    * @f[ E^T (c \tilde M + K) E \, x = E^T b, @f]
-   * with the stiffness K of points in a TrialStep. Krylov methods are
-   * preconditioned by p-multigrid: PMultigrid on one TangentLevel for each
-   * order. All levels get the stiffness from the same points. The set-up of a
-   * preconditioner (factorizations, eigenvalues, algebraic multigrid) serves
-   * following systems, too, as long as it pays.
+   * with the stiffness K of points in a TrialStep. K is applied as the points
+   * have it (PointTangents), but for symmetric tangents of order 1, whose
+   * entries are assembled: there they cost less than a few products. Krylov
+   * methods are preconditioned by p-multigrid: PMultigrid on one TangentLevel
+   * for each order, assembled in single precision from the same points. The
+   * set-up of a preconditioner (entries, factorizations, eigenvalues, coarse
+   * levels) serves following systems, too, as long as it pays.
    *
    * A VolumeProjection couples functions beyond their stencils. K then resists
    * changes of volume not much more than shear, and serves the preconditioner;
@@ -58,6 +61,10 @@ namespace greville
                   const bool                 lump,
                   VolumeProjection<dim>     *projection = nullptr,
                   CellWindows<dim>          *windows    = nullptr);
+
+    TangentSystem(const TangentSystem &) = delete;
+    TangentSystem &
+    operator=(const TangentSystem &) = delete;
 
     const SplineSpace<dim> &
     space() const
@@ -241,12 +248,30 @@ namespace greville
     /// Whether the set-up of the last operator is good for one with this mass
     /// factor.
     bool
-    is_reusable(const double mass_factor, const bool with_levels) const;
+    is_reusable(const double mass_factor) const;
 
-    /// Collective. The preconditioner; the smoother alone where there is none
-    /// with coarse levels.
+    /// Collective. Make the entries of a level, for the mass factor.
     void
-    set_up(const bool with_levels);
+    assemble(const unsigned int level);
+
+    /// Whether products take the entries of c M~ + K.
+    bool
+    has_entries() const
+    {
+      return space().degree() == 1 && tangents.is_symmetric();
+    }
+
+    void
+    assemble_entries();
+
+    /// y = (c M~ + K) x on the places of the finest level.
+    void
+    multiply_at_places(double *y, const double *x);
+
+    /// Collective. The preconditioner of the operator; the smoother alone where
+    /// there is none with coarse levels, or where these do not pay.
+    void
+    set_up();
 
     /// Collective. Likewise, without the second try.
     void
@@ -264,8 +289,11 @@ namespace greville
     CellFilling<dim>                                filling;
     std::vector<PointTransfer<dim>>                 transfers;
     std::vector<std::unique_ptr<TangentLevel<dim>>> levels;
-    std::vector<TrialSums<dim>>                     sums;
+    TrialSums<dim>                                  sums;
+    std::vector<SpacePolynomials<dim>>              tables; // by level
     TrialStep<dim>                                  trial;
+    PointTangents<dim>                              tangents;
+    BlockStencil<dim, double>                       entries; // of order 1
     TangentSurfaces<dim>                            of_surfaces;
     std::unique_ptr<PMultigrid<dim>>                multigrid;
     bool                                            symmetric = true;
@@ -283,7 +311,7 @@ namespace greville
     double                force_of_strain = 0.;
 
     // Of the set-up; iterations are those for a tenth of the residual.
-    bool         has_levels = false, is_fresh = false;
+    bool         is_fresh              = false;
     bool         levels_fail           = false; // for these unknowns
     double       mass_factor_of_set_up = 0.;
     double       mass_factor           = 0.; // of the operator

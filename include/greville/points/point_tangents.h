@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_point_tangents_h
+#define greville_points_point_tangents_h
+
+#include <greville/mass/stencil_matrix.h>
+#include <greville/points/trial_step.h>
+
+#include <functional>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The derivative of the internal force of a TrialStep as the points have it:
+   * @f[
+   *   C_{iJkL} = V_n \frac{\partial P_{iJ}}{\partial f_{kL}}, \qquad
+   *   (K u)_{ai} = \sum_p \partial_J N_a \, C_{iJkL} \, \partial_L u_k .
+   * @f]
+   * It is applied point by point, and its matrices of cells are made from it,
+   * for spaces of any order on the same mesh. Points are stored in groups of
+   * four, cell by cell: position, and C as a matrix of pairs (iJ) and (kL), of
+   * which symmetric ones have the upper half, 45 numbers in 3D.
+   */
+  template <int dim>
+  class PointTangents
+  {
+  public:
+    /**
+     * The space of products; it is kept by reference.
+     */
+    void
+    reinit(const SplineSpace<dim> &space);
+
+    /**
+     * Forget the points. All that follow are @p symmetric, or all of them are
+     * stored in full.
+     */
+    void
+    clear(const bool symmetric);
+
+    bool
+    is_symmetric() const
+    {
+      return symmetric;
+    }
+
+    /**
+     * Add points of an owned cell with their derivatives.
+     */
+    void
+    add(const unsigned int cell, const std::vector<TrialPoint<dim>> &points);
+
+    /**
+     * y += K x for vectors on the places of a matrix on the space, dim
+     * components each.
+     */
+    void
+    add_product(double                   *y,
+                const double             *x,
+                const StencilMatrix<dim> &places) const;
+
+    /**
+     * What for_each_cell() gives: the symmetric part of the matrix of a cell,
+     * as BlockStencil::add_cell() takes it.
+     */
+    template <typename Number>
+    using CellAction = std::function<void(const unsigned int cell,
+                                          const Number      *values,
+                                          const unsigned int stride)>;
+
+    /**
+     * Call @p action for all cells, some of them several times, with a matrix
+     * on the space of the @p tables, in double or single precision.
+     */
+    template <typename Number>
+    void
+    for_each_cell(const SpacePolynomials<dim> &tables,
+                  const CellAction<Number>    &action) const;
+
+    /**
+     * Bytes of the points on this process.
+     */
+    std::size_t
+    memory_consumption() const
+    {
+      return numbers.capacity() * sizeof(double);
+    }
+
+  private:
+    struct CellPoints
+    {
+      unsigned int cell;
+      unsigned int n_points;
+      std::size_t  first; // number
+    };
+
+    /// Numbers of a point.
+    unsigned int
+    n_numbers() const
+    {
+      constexpr unsigned int n = dim * dim;
+      return dim + (symmetric ? n * (n + 1) / 2 : n * n);
+    }
+
+    template <int n, bool is_symmetric>
+    void
+    multiply(double                   *y,
+             const double             *x,
+             const StencilMatrix<dim> &places) const;
+
+    SpacePolynomials<dim>   tables;
+    bool                    symmetric = true;
+    std::vector<CellPoints> cells;
+    std::vector<double>     numbers; // [cell][group][number][lane]
+  };
+} // namespace greville
+
+#endif

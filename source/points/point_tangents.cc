@@ -1,0 +1,467 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/points/point_tangents.h>
+
+#include "gradients.h"
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace internal;
+
+  namespace
+  {
+    /**
+     * The place of entry (r, s), r <= s, in the upper half of a matrix of pairs
+     * of directions.
+     */
+    template <int dim>
+    constexpr int
+    upper(const int r, const int s)
+    {
+      constexpr int n = dim * dim;
+      return r * n - r * (r - 1) / 2 + s - r;
+    }
+
+
+
+    /**
+     * V dP_iJ / df_kL.
+     */
+    template <int dim>
+    void
+    pull_back(const TrialPoint<dim> &point, double (&C)[dim * dim][dim * dim])
+    {
+      // [i][j][k][L], then [i][J][k][L].
+      double B[dim][dim][dim][dim];
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          for (int k = 0; k < dim; ++k)
+            for (int L = 0; L < dim; ++L)
+              {
+                double sum = 0.;
+                for (int l = 0; l < dim; ++l)
+                  sum += point.A[i][j][k][l] * point.map[L][l];
+                B[i][j][k][L] = point.volume * sum;
+              }
+      for (int i = 0; i < dim; ++i)
+        for (int J = 0; J < dim; ++J)
+          {
+            double *row = C[i * dim + J];
+            std::fill_n(row, dim * dim, 0.);
+            for (int j = 0; j < dim; ++j)
+              for (int s = 0; s < dim * dim; ++s)
+                row[s] += point.map[J][j] * (&B[i][j][0][0])[s];
+          }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  PointTangents<dim>::reinit(const SplineSpace<dim> &space)
+  {
+    tables.reinit(space);
+    clear(true);
+  }
+
+
+
+  template <int dim>
+  void
+  PointTangents<dim>::clear(const bool are_symmetric)
+  {
+    symmetric = are_symmetric;
+    cells.clear();
+    numbers.clear();
+  }
+
+
+
+  template <int dim>
+  void
+  PointTangents<dim>::add(const unsigned int                  cell,
+                          const std::vector<TrialPoint<dim>> &points)
+  {
+    const std::size_t  first    = numbers.size();
+    const unsigned int n_groups = (points.size() + simd_width - 1) / simd_width;
+    const std::size_t  size     = std::size_t(n_numbers()) * simd_width;
+    cells.push_back({cell, static_cast<unsigned int>(points.size()), first});
+    numbers.resize(first + n_groups * size, 0.);
+    for (unsigned int q = 0; q < points.size(); ++q)
+      {
+        double *to =
+          numbers.data() + first + q / simd_width * size + q % simd_width;
+        const auto put = [&](const double value) {
+          *to = value;
+          to += simd_width;
+        };
+        for (int d = 0; d < dim; ++d)
+          put(points[q].x[d]);
+        double C[dim * dim][dim * dim];
+        pull_back<dim>(points[q], C);
+        for (int r = 0; r < dim * dim; ++r)
+          for (int s = symmetric ? r : 0; s < dim * dim; ++s)
+            put(C[r][s]);
+      }
+    // Lanes without a point have no C, and a position in the cell.
+    for (unsigned int q = points.size(); q < n_groups * simd_width; ++q)
+      for (int d = 0; d < dim; ++d)
+        numbers[first + (n_groups - 1) * size + d * simd_width +
+                q % simd_width] = points[0].x[d];
+  }
+
+
+
+  namespace
+  {
+    /**
+     * Gradients of the functions of a cell at a group of points, row by row in
+     * x: those of the sums over a row, and those that belong to a divergence.
+     */
+    template <int dim, int n>
+    struct GroupGradients : ShapeValues<dim, n, Simd>
+    {
+      /**
+       * Call action(number of the row, factors of the row for derivatives in
+       * each direction).
+       */
+      template <typename Action>
+      inline __attribute__((always_inline)) void
+      for_each_row(const Action &action) const
+      {
+        const auto &N = this->N, &dN = this->dN;
+#pragma GCC unroll 6
+        for (int z = 0; z < (dim == 3 ? n : 1); ++z)
+#pragma GCC unroll 6
+          for (int y = 0; y < n; ++y)
+            {
+              Simd factors[dim];
+              factors[0] = N[1][y];
+              factors[1] = dN[1][y];
+              if constexpr (dim == 3)
+                {
+                  factors[2] = N[1][y] * dN[2][z];
+                  factors[0] *= N[2][z];
+                  factors[1] *= N[2][z];
+                }
+              action(z * n + y, factors);
+            }
+      }
+
+      /**
+       * H_ij = d_j u_i, with u[function * dim + i].
+       */
+      inline __attribute__((always_inline)) void
+      gradient(const double *u, Simd (&H)[dim * dim]) const
+      {
+        for (Simd &entry : H)
+          entry = 0.;
+        for_each_row([&](const int row, const Simd *factors) {
+          const double *c = u + row * n * dim;
+#pragma GCC unroll 3
+          for (int i = 0; i < dim; ++i)
+            {
+              Simd value = this->N[0][0] * c[i], slope = this->dN[0][0] * c[i];
+#pragma GCC unroll 6
+              for (int x = 1; x < n; ++x)
+                {
+                  value += this->N[0][x] * c[x * dim + i];
+                  slope += this->dN[0][x] * c[x * dim + i];
+                }
+              H[i * dim] += factors[0] * slope;
+#pragma GCC unroll 3
+              for (int j = 1; j < dim; ++j)
+                H[i * dim + j] += factors[j] * value;
+            }
+        });
+      }
+
+      /**
+       * sums[function * dim + i] += T_ij d_j N.
+       */
+      inline __attribute__((always_inline)) void
+      add_divergence(const Simd (&T)[dim * dim], Simd *sums) const
+      {
+        for_each_row([&](const int row, const Simd *factors) {
+          Simd *to = sums + row * n * dim;
+#pragma GCC unroll 3
+          for (int i = 0; i < dim; ++i)
+            {
+              const Simd along  = factors[0] * T[i * dim];
+              Simd       across = factors[1] * T[i * dim + 1];
+              if constexpr (dim == 3)
+                across += factors[2] * T[i * dim + 2];
+#pragma GCC unroll 6
+              for (int x = 0; x < n; ++x)
+                to[x * dim + i] +=
+                  this->N[0][x] * across + this->dN[0][x] * along;
+            }
+        });
+      }
+    };
+
+
+
+    /**
+     * T = C H.
+     */
+    template <int dim, bool symmetric>
+    inline __attribute__((always_inline)) void
+    apply(const double *C, const Simd (&H)[dim * dim], Simd (&T)[dim * dim])
+    {
+      constexpr int n = dim * dim;
+      for (Simd &entry : T)
+        entry = 0.;
+#pragma GCC unroll 9
+      for (int r = 0; r < n; ++r)
+#pragma GCC unroll 9
+        for (int s = symmetric ? r : 0; s < n; ++s)
+          {
+            const Simd entry = load(
+              C + (symmetric ? upper<dim>(r, s) : r * n + s) * int(simd_width));
+            T[r] += entry * H[s];
+            if (symmetric && s > r)
+              T[s] += entry * H[r];
+          }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  template <int n, bool is_symmetric>
+  void
+  PointTangents<dim>::multiply(double                   *y,
+                               const double             *x,
+                               const StencilMatrix<dim> &places) const
+  {
+    constexpr int     n_lines  = dim == 3 ? n * n : n;
+    constexpr int     n_values = n_lines * n * dim;
+    constexpr int     n_padded = (n_values + 3) / 4 * 4;
+    const std::size_t size     = std::size_t(n_numbers()) * simd_width;
+    for (const CellPoints &points : cells)
+      {
+        const CellGeometry<dim, n> geometry(tables, points.cell);
+        double                     u[n_values];
+        std::size_t                lines[n_lines];
+        for (int line = 0; line < n_lines; ++line)
+          {
+            lines[line] =
+              std::size_t(places.cell_place(points.cell, 0, line)) * dim;
+            std::copy_n(x + lines[line], n * dim, u + line * n * dim);
+          }
+        Simd sums[n_padded];
+        for (Simd &sum : sums)
+          sum = 0.;
+        const double *group = numbers.data() + points.first;
+        for (unsigned int q = 0; q < points.n_points; q += simd_width)
+          {
+            Simd position[dim], H[dim * dim], T[dim * dim];
+            load_numbers<dim>(group, 0, position);
+            GroupGradients<dim, n> shape;
+            shape.template evaluate<true>(geometry, position);
+            shape.gradient(u, H);
+            apply<dim, is_symmetric>(group + dim * simd_width, H, T);
+            shape.add_divergence(T, sums);
+            group += size;
+          }
+        double force[n_padded];
+        for (int k = 0; k < n_padded; k += 4)
+          store(reduce_four(sums + k), force + k);
+        for (int line = 0; line < n_lines; ++line)
+          for (int k = 0; k < n * dim; ++k)
+            y[lines[line] + k] += force[line * n * dim + k];
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  PointTangents<dim>::add_product(double                   *y,
+                                  const double             *x,
+                                  const StencilMatrix<dim> &places) const
+  {
+    with_order(tables.space->degree(), [&](const auto size) {
+      constexpr int n = decltype(size)::value;
+      if (symmetric)
+        multiply<n, true>(y, x, places);
+      else
+        multiply<n, false>(y, x, places);
+    });
+  }
+
+
+
+  namespace
+  {
+    /**
+     * The symmetric part of the matrix of a cell, block by block of components
+     * i <= k, on vectors of functions.
+     */
+    template <int dim, int n, typename Number>
+    class CellStiffness
+    {
+    public:
+      static constexpr int n_functions = power(n, dim);
+      static constexpr int width =
+        n_functions < 8 || std::is_same_v<Number, double> ? 4 : 8;
+      static constexpr int stride = (n_functions + width - 1) / width * width;
+      static constexpr int size   = dim * (dim + 1) / 2 * n_functions * stride;
+
+      /**
+       * The sum over points, with C_iJkL at [lane] = C[iJ][kL][lane] of groups.
+       */
+      template <bool symmetric>
+      void
+      sum_up(const CellGeometry<dim, n> &geometry,
+             const double               *group,
+             const unsigned int          n_points,
+             const std::size_t           group_size,
+             Number                     *matrix)
+      {
+        std::fill_n(matrix, size, Number(0.));
+        for (unsigned int first = 0; first < n_points; first += n_together)
+          {
+            for (int q = 0; q < n_together; ++q)
+              load(geometry, group + q, q);
+            const double *C     = group + dim * n_together;
+            Number       *block = matrix;
+            for (int i = 0; i < dim; ++i)
+              for (int k = i; k < dim; ++k)
+                {
+                  for (int q = 0; q < n_together; ++q)
+                    contract<symmetric>(C + q, i, k, q);
+                  add(block);
+                  block += n_functions * stride;
+                }
+            group += group_size;
+          }
+      }
+
+    private:
+      // As many sums stay in registers until they are added.
+      static constexpr int n_together = simd_width;
+
+      using Vector = FixedSimd<Number, width>;
+
+      void
+      load(const CellGeometry<dim, n> &geometry,
+           const double               *numbers,
+           const int                   q)
+      {
+        Point<dim> x;
+        for (int d = 0; d < dim; ++d)
+          x[d] = numbers[d * n_together];
+        const Gradients<dim, n> at(geometry, x);
+        for (int l = 0; l < dim; ++l)
+          for (int a = 0; a < n_functions; ++a)
+            gradients[q][l][a] = at.values[l][a];
+      }
+
+      /**
+       * C_iJkL d_J N_a.
+       */
+      template <bool symmetric>
+      void
+      contract(const double *C, const int i, const int k, const int q)
+      {
+        const auto entry = [&](const int r, const int s) {
+          if constexpr (symmetric)
+            return C[upper<dim>(std::min(r, s), std::max(r, s)) * n_together];
+          else
+            return 0.5 * (C[(r * dim * dim + s) * n_together] +
+                          C[(s * dim * dim + r) * n_together]);
+        };
+        for (int L = 0; L < dim; ++L)
+          {
+            Number of_pair[dim];
+            for (int J = 0; J < dim; ++J)
+              of_pair[J] = entry(i * dim + J, k * dim + L);
+            for (int a = 0; a < stride; ++a)
+              {
+                Number sum = 0.;
+                for (int J = 0; J < dim; ++J)
+                  sum += of_pair[J] * gradients[q][J][a];
+                factors[q][L][a] = sum;
+              }
+          }
+      }
+
+      void
+      add(Number *block) const
+      {
+        for (int first = 0; first < stride; first += width)
+          {
+            Vector at[n_together][dim];
+            for (int q = 0; q < n_together; ++q)
+              for (int l = 0; l < dim; ++l)
+                at[q][l] = greville::load<Vector>(&gradients[q][l][first]);
+            Number *row = block + first;
+            for (int a = 0; a < n_functions; ++a, row += stride)
+              {
+                Vector sum = greville::load<Vector>(row);
+#pragma GCC unroll 4
+                for (int q = 0; q < n_together; ++q)
+#pragma GCC unroll 3
+                  for (int l = 0; l < dim; ++l)
+                    sum += factors[q][l][a] * at[q][l];
+                store(sum, row);
+              }
+          }
+      }
+
+      // [point][direction][function], with zeros behind the functions.
+      Number gradients[n_together][dim][stride] = {};
+      Number factors[n_together][dim][stride]   = {};
+    };
+  } // namespace
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  PointTangents<dim>::for_each_cell(const SpacePolynomials<dim> &of_space,
+                                    const CellAction<Number>    &action) const
+  {
+    const std::size_t size = std::size_t(n_numbers()) * simd_width;
+    with_order(of_space.space->degree(), [&](const auto order) {
+      constexpr int n   = decltype(order)::value;
+      using Stiffness   = CellStiffness<dim, n, Number>;
+      const auto matrix = std::make_unique<Number[]>(Stiffness::size);
+      const auto sums   = std::make_unique<Stiffness>();
+      for (const CellPoints &points : cells)
+        {
+          const CellGeometry<dim, n> geometry(of_space, points.cell);
+          const double              *group = numbers.data() + points.first;
+          if (symmetric)
+            sums->template sum_up<true>(
+              geometry, group, points.n_points, size, matrix.get());
+          else
+            sums->template sum_up<false>(
+              geometry, group, points.n_points, size, matrix.get());
+          action(points.cell, matrix.get(), Stiffness::stride);
+        }
+    });
+  }
+
+
+
+  template class PointTangents<2>;
+  template class PointTangents<3>;
+  template void
+  PointTangents<2>::for_each_cell(const SpacePolynomials<2> &,
+                                  const CellAction<float> &) const;
+  template void
+  PointTangents<3>::for_each_cell(const SpacePolynomials<3> &,
+                                  const CellAction<float> &) const;
+  template void
+  PointTangents<2>::for_each_cell(const SpacePolynomials<2> &,
+                                  const CellAction<double> &) const;
+  template void
+  PointTangents<3>::for_each_cell(const SpacePolynomials<3> &,
+                                  const CellAction<double> &) const;
+} // namespace greville
