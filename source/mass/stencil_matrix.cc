@@ -5,6 +5,7 @@
 #include <greville/mass/stencil_matrix.h>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 
 namespace greville
@@ -327,14 +328,125 @@ namespace greville
 
 
 
+  namespace
+  {
+    /**
+     * The products of a row and of its column, line by line: x_i is that of the
+     * row, and the sum that of its products.
+     */
+    template <int width>
+    class LineOfEntries
+    {
+    public:
+      LineOfEntries(const double *x_i)
+        : own(load<Vector>(x_i))
+        , sum(0.)
+      {}
+
+      /**
+       * sum += m x, y += m^T x_i for @p size entries that follow each other.
+       */
+      template <int size>
+      inline __attribute__((always_inline)) void
+      multiply(const double *entries, const double *x, double *y)
+      {
+#pragma GCC unroll 11
+        for (int k = 0; k < size; ++k)
+          {
+            const Vector entry = entries[k];
+            sum += entry * load<Vector>(x + k * width);
+            store(load<Vector>(y + k * width) + entry * own, y + k * width);
+          }
+      }
+
+      void
+      add_to(double *y_i, const double diagonal) const
+      {
+        store(load<Vector>(y_i) + sum + diagonal * own, y_i);
+      }
+
+    private:
+      using Vector = FixedSimd<double, width>;
+
+      const Vector own;
+      Vector       sum;
+    };
+
+
+
+    /**
+     * Three numbers at each place fill vectors of four one after another, so
+     * that a line is loaded and stored once. Lanes beyond it get zero.
+     */
+    template <>
+    class LineOfEntries<3>
+    {
+    public:
+      LineOfEntries(const double *x_i)
+      {
+        for (int r = 0; r < 3; ++r)
+          {
+            sums[r] = Vector{};
+            own[r] = Vector{x_i[r], x_i[(r + 1) % 3], x_i[(r + 2) % 3], x_i[r]};
+          }
+      }
+
+      template <int size>
+      inline __attribute__((always_inline)) void
+      multiply(const double *entries, const double *x, double *y)
+      {
+        multiply<size, 0>(entries, x, y);
+      }
+
+      void
+      add_to(double *y_i, const double diagonal) const
+      {
+        double sum[3] = {};
+        for (int r = 0; r < 3; ++r)
+          for (int lane = 0; lane < 4; ++lane)
+            sum[(r + lane) % 3] += sums[r][lane];
+        for (int c = 0; c < 3; ++c)
+          y_i[c] += sum[c] + diagonal * own[0][c];
+      }
+
+    private:
+      typedef double Vector __attribute__((vector_size(32)));
+
+      template <int size, int first>
+      inline __attribute__((always_inline)) void
+      multiply(const double *entries, const double *x, double *y)
+      {
+        if constexpr (first < 3 * size)
+          {
+            constexpr int r = first % 3, k = first / 3;
+            const double  next = k + 1 < size ? entries[k + 1] : 0.;
+            const Vector  here = {entries[k], entries[k], entries[k], 0.},
+                         ahead = {0., next, next, next},
+                         m     = __builtin_shufflevector(
+                           here, ahead, 0, r < 2 ? 1 : 5, r < 1 ? 2 : 6, 7);
+            Vector from, to;
+            std::memcpy(&from, x + first, sizeof(Vector));
+            std::memcpy(&to, y + first, sizeof(Vector));
+            sums[r] += m * from;
+            to += m * own[r];
+            std::memcpy(y + first, &to, sizeof(Vector));
+            multiply<size, first + 4>(entries, x, y);
+          }
+      }
+
+      // Those of vectors that begin with component r.
+      Vector own[3], sums[3];
+    };
+  } // namespace
+
+
+
   template <int dim>
   template <int n, int width>
   void
   StencilMatrix<dim>::multiply(double *y, const double *x) const
   {
-    // Three numbers fill the fourth lane with zero, and leave what is there.
-    constexpr int lanes  = width == 3 ? 4 : width;
-    using Vector         = FixedSimd<double, lanes>;
+    using Line           = LineOfEntries<width>;
     constexpr int p      = n - 1;
     constexpr int length = 2 * p + 1;
 
@@ -342,10 +454,6 @@ namespace greville
       std::fill(y + std::size_t(segment.begin) * width,
                 y + std::size_t(segment.end) * width,
                 0.);
-
-    const auto add_to = [](double *address, const Vector &value) {
-      store(load<Vector>(address) + value, address);
-    };
     const unsigned int n_lines = neighbor_lines.size();
     int                distances[length * length];
     for (const Segment &segment : segments)
@@ -358,35 +466,14 @@ namespace greville
             const double *row = values.data() + std::size_t(i) * half;
             const double *x_i = x + std::size_t(i) * width;
             double       *y_i = y + std::size_t(i) * width;
-            Vector        own = load<Vector>(x_i);
-            if constexpr (lanes > width)
-              own[width] = 0.;
-            Vector sum = row[0] * own, sum_ahead = 0.;
-#pragma GCC unroll 5
-            for (int k = 1; k < n; ++k)
-              {
-                const Vector entry = row[k];
-                sum += entry * load<Vector>(x_i + k * width);
-                add_to(y_i + k * width, entry * own);
-              }
-            row += n;
-            for (unsigned int line = 0; line < n_ahead; ++line)
-              {
-                const double *x_j = x_i + distances[line];
-                double       *y_j = y_i + distances[line];
-#pragma GCC unroll 11
-                for (int k = 0; k < length; ++k)
-                  {
-                    const Vector entry = row[k];
-                    sum_ahead += entry * load<Vector>(x_j + k * width);
-                    add_to(y_j + k * width, entry * own);
-                  }
-                row += length;
-              }
-            sum += sum_ahead;
-            if constexpr (lanes > width)
-              sum[width] = 0.;
-            add_to(y_i, sum);
+            Line          line(x_i);
+            line.template multiply<p>(row + 1, x_i + width, y_i + width);
+            const double *entries = row + n;
+            for (unsigned int k = 0; k < n_ahead; ++k, entries += length)
+              line.template multiply<length>(entries,
+                                             x_i + distances[k],
+                                             y_i + distances[k]);
+            line.add_to(y_i, row[0]);
           }
       }
   }
