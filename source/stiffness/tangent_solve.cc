@@ -167,7 +167,6 @@ namespace greville
       },
       x,
       b);
-    if(getenv("DBG")) std::cerr << "mass " << *result.iterations << std::endl;
     // Round-off may leave more where points spread thinly.
     constexpr double negligible = 1e-9;
     result.converged = result.converged || result.reduction < negligible;
