@@ -51,7 +51,8 @@ namespace greville
       double        force[dim][n_functions] = {};
       for (const TrialPoint<dim> &point : points)
         {
-          const Gradients<dim, n> gradients(geometry, point.x);
+          const auto              shape = evaluated(geometry, point.x);
+          const Gradients<dim, n> gradients(shape);
           for (int i = 0; i < dim; ++i)
             for (int J = 0; J < dim; ++J)
               {
@@ -59,6 +60,14 @@ namespace greville
                 for (int a = 0; a < n_functions; ++a)
                   force[i][a] += P * gradients.values[J][a];
               }
+          if (point.hoop.radius > 0.)
+            {
+              const double P = point.volume * point.hoop.P / point.hoop.radius;
+              double       values[n_functions];
+              shape.multiply(values);
+              for (int a = 0; a < n_functions; ++a)
+                force[0][a] += P * values[a];
+            }
         }
       double square = 0.;
       for (int a = 0; a < n_functions; ++a)
@@ -215,6 +224,57 @@ namespace greville
   namespace
   {
     /**
+     * Add to the stiffness of a cell what f_zz of axisymmetric points has of
+     * it.
+     */
+    template <int dim, int n>
+    void
+    add_hoop_stiffness(const CellGeometry<dim, n>         &geometry,
+                       const std::vector<TrialPoint<dim>> &points,
+                       double                             *matrix)
+    {
+      constexpr int n_functions = power(n, dim);
+      const auto    at          = [&](const int a, const int i, const int k) {
+        return matrix + ((a * dim + i) * dim + k) * n_functions;
+      };
+      for (const TrialPoint<dim> &point : points)
+        {
+          const auto              shape = evaluated(geometry, point.x);
+          const Gradients<dim, n> gradients(shape);
+          const Tensor<2, dim>    of = point.hoop.of * transpose(point.map);
+          const Tensor<2, dim>    by = point.hoop.by * transpose(point.map);
+          double                  h[n_functions];       // df_zz by u_r
+          double                  dP[dim][n_functions]; // of P_zz, by u_k
+          shape.multiply(h);
+          for (int b = 0; b < n_functions; ++b)
+            h[b] /= point.hoop.radius;
+          for (int k = 0; k < dim; ++k)
+            for (int b = 0; b < n_functions; ++b)
+              {
+                dP[k][b] = k == 0 ? point.hoop.A * h[b] : 0.;
+                for (int L = 0; L < dim; ++L)
+                  dP[k][b] += of[k][L] * gradients.values[L][b];
+              }
+          for (int a = 0; a < n_functions; ++a)
+            {
+              for (int k = 0; k < dim; ++k)
+                for (int b = 0; b < n_functions; ++b)
+                  at(a, 0, k)[b] += point.volume * h[a] * dP[k][b];
+              for (int i = 0; i < dim; ++i)
+                {
+                  double factor = 0.;
+                  for (int J = 0; J < dim; ++J)
+                    factor += point.volume * by[i][J] * gradients.values[J][a];
+                  for (int b = 0; b < n_functions; ++b)
+                    at(a, i, 0)[b] += factor * h[b];
+                }
+            }
+        }
+    }
+
+
+
+    /**
      * Let @p add(geometry, point, force) add the forces of points on the window
      * of a cell, and return the sum of their squares.
      */
@@ -257,6 +317,25 @@ namespace greville
           values[i][j] = volume * T[i][j];
       shape.add_divergence(values, force);
     }
+
+
+
+    /**
+     * Add @p factor V P_zz N / r to the component r, in axisymmetry.
+     */
+    template <int dim, typename Shape>
+    void
+    add_hoop(const Shape           &shape,
+             const TrialPoint<dim> &point,
+             const double           P,
+             const double           factor,
+             double                *force)
+    {
+      if (point.hoop.radius == 0.)
+        return;
+      double values[dim] = {factor * point.volume * P / point.hoop.radius};
+      shape.add_values(values, force);
+    }
   } // namespace
 
 
@@ -276,10 +355,9 @@ namespace greville
             points,
             window_sums.data(),
             [&](const TrialPoint<dim> &point, double *force) {
-              add_divergence<dim>(evaluated(geometry, point.x, point.domain),
-                                  point.volume,
-                                  point.P,
-                                  force);
+              const auto shape = evaluated(geometry, point.x, point.domain);
+              add_divergence<dim>(shape, point.volume, point.P, force);
+              add_hoop<dim>(shape, point, point.hoop.P, 1., force);
             });
           return;
         }
@@ -312,14 +390,25 @@ namespace greville
                 evaluated(geometry,
                           point.x,
                           at_point ? Tensor<1, dim>() : point.domain);
-              double H[dim][dim];
-              shape.gradient(in_window, H);
+              double values[dim], H[dim][dim];
+              shape.template evaluate_field<true>(in_window, values, H);
               // dP_iJ = map_Jj A_ijkl map_Ll H_kL.
               const Tensor<2, dim> df = Tensor<2, dim>(H) * point.map;
               Tensor<2, dim>       dP;
               for (unsigned int i = 0; i < dim; ++i)
                 for (unsigned int j = 0; j < dim; ++j)
                   dP[i][j] = scalar_product(point.A[i][j], df);
+              if (point.hoop.radius > 0.)
+                {
+                  const double df_hoop = values[0] / point.hoop.radius;
+                  dP += df_hoop * point.hoop.by;
+                  add_hoop<dim>(shape,
+                                point,
+                                point.hoop.A * df_hoop +
+                                  scalar_product(point.hoop.of, df),
+                                at_point ? -1. : 1.,
+                                force);
+                }
               add_divergence<dim>(shape,
                                   at_point ? -point.volume : point.volume,
                                   dP * transpose(point.map),
@@ -362,6 +451,8 @@ namespace greville
                                               points,
                                               work,
                                               matrix.data());
+      if (!points.empty() && points[0].hoop.radius > 0.)
+        add_hoop_stiffness<dim, n>(geometry, points, matrix.data());
     });
     return matrix.data();
   }
