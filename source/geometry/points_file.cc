@@ -118,10 +118,13 @@ namespace greville
                  const double                                 density,
                  const std::vector<std::vector<std::string>> &wanted,
                  const bool                                   at_reference,
+                 const bool                                   is_axisymmetric,
                  const SplineSpace<dim>                      &space)
   {
     const auto              &lattice     = space.lattice();
-    const std::string        volume_unit = dim == 2 ? "m^2" : "m^3";
+    const std::string        volume_unit = dim == 3          ? "m^3"
+                                           : is_axisymmetric ? "m^3 per radian"
+                                                             : "m^2";
     PointsOfFile<dim>        result;
     Columns                  columns;
     std::vector<std::string> header;
@@ -129,6 +132,8 @@ namespace greville
     double                   sum = 0., grid_volume = 1.;
     for (unsigned int d = 0; d < dim; ++d)
       grid_volume *= lattice.upper(d) - lattice.lower(d);
+    if (is_axisymmetric)
+      grid_volume *= 0.5 * (lattice.lower(0) + lattice.upper(0));
 
     const auto read_header = [&](const CsvLine &line) {
       const std::string &where = line.where, &text = line.text;
@@ -251,6 +256,11 @@ namespace greville
           reference[d] -= number(columns.displacement[d]);
       if (at_reference)
         place = reference;
+      AssertThrow(!is_axisymmetric || std::min(point.x[0], reference[0]) > 0.,
+                  ExcMessage(row.where +
+                             "the point lies on the axis of symmetry, or "
+                             "beyond, in <" +
+                             row.text + ">: its x has to be positive."));
       for (unsigned int d = 0; d < dim; ++d)
         AssertThrow(place[d] >= lattice.lower(d) &&
                       place[d] <= lattice.upper(d),

@@ -17,6 +17,8 @@ namespace greville
   void
   SimulationParameters::check() const
   {
+    if (grid.is_axisymmetric())
+      check_axisymmetry();
     const unsigned int dim   = general.dimension;
     const auto         needs = [&](const std::size_t  size,
                            const std::string &name,
@@ -276,6 +278,8 @@ namespace greville
                       " or more, so that none meets itself."));
       }
     check_mass_name(scheme.mass, "Scheme/Mass");
+    if (grid.is_axisymmetric())
+      check_axisymmetry_of_stage();
     if (scheme.is_total_lagrangian())
       check_total_lagrangian();
     if (scheme.averages_over_domains())

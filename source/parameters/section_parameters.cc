@@ -57,6 +57,15 @@ namespace greville
       "Order p of the B-splines: the degree of their polynomials. In "
       "isogeometric analysis the order is the degree plus one; here it is the "
       "degree. Unit: none.");
+    add_parameter(prm,
+                  "Geometry",
+                  geometry,
+                  Selection("plane strain|axisymmetric"))(
+      "Of 2D files. Axisymmetric: x is the distance r from the axis, along "
+      "which y runs; volumes, masses, forces and energies are those per "
+      "radian. "
+      "A grid that begins at x = 0 begins at the axis, at which 'Walls/Left' "
+      "holds the radial component whatever else it does.");
     add_parameter(prm, "Per body", per_body)(
       "With total Lagrangian steps: each body has fields of its own on the "
       "part of the grid around it, so that bodies may be close to one another. "

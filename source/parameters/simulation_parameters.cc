@@ -319,6 +319,7 @@ namespace greville
     for (std::string &mass : sweep.masses)
       if (mass == "auto")
         mass = default_mass(scheme);
+    make_axis();
     make_rigid_walls();
     check();
     check_friction(walls, lines, "");
@@ -405,6 +406,20 @@ namespace greville
                   walls.velocity[w] = "";
               }
       }
+  }
+
+
+
+  void
+  SimulationParameters::make_axis()
+  {
+    if (!grid.has_axis())
+      return;
+    for (StageParameters &stage : stages)
+      if (stage.walls.type[0] == "free")
+        stage.walls.type[0] = "sliding";
+    if (walls.type[0] == "free")
+      walls.type[0] = "sliding";
   }
 
 

@@ -176,13 +176,17 @@ namespace greville
              MaterialPoint                 &state,
              const Material                &material,
              const VectorExpression<dim>   &displacement,
-             const std::array<double, dim> &steps)
+             const std::array<double, dim> &steps,
+             const bool                     is_axisymmetric)
     {
       if (displacement.is_zero())
         return;
       state.increment =
         unit_symmetric_tensor<3>() + gradient_of<dim>(displacement, x, steps);
+      const double radius = x[0];
       x += displacement(x);
+      if (is_axisymmetric)
+        state.increment[2][2] = x[0] / radius;
       state.F = state.increment * state.F;
       state.J *= determinant(state.increment);
       state.dt = 0.; // it has no rate
@@ -405,6 +409,10 @@ namespace greville
         {
           const PlacedPoint<dim> &point = new_points[k];
           std::fill(values.begin(), values.end(), 0.);
+          // Files have volumes per radian, and placed points areas.
+          const double volume =
+            point.volume *
+            (file.names.empty() ? layout.thickness(point.image) : 1.);
           MaterialPoint state;
           Point<dim>    x          = point.image;
           double        J_of_shape = 1.;
@@ -426,7 +434,12 @@ namespace greville
                 for (unsigned int d = 0; d < dim; ++d)
                   for (unsigned int e = 0; e < dim; ++e)
                     p[layout.initial_F + d * dim + e] = state.F[d][e];
-              displace<dim>(x, state, material, displacement, small_steps);
+              displace<dim>(x,
+                            state,
+                            material,
+                            displacement,
+                            small_steps,
+                            layout.is_axisymmetric());
             }
           catch (const std::exception &error)
             {
@@ -467,15 +480,21 @@ namespace greville
                   p[affine->first + d * dim + e] = C[d][e];
             }
           p.mass()    = file_mass >= 0 ? file.value(k, file_mass)
-                                       : material.density * point.volume;
-          p.volume0() = point.volume / J_of_shape;
+                                       : material.density * volume;
+          p.volume0() = volume / J_of_shape;
           p.J()       = state.J;
           p.id()      = double(point.id);
           p.set_F(state.F);
+          if (layout.is_axisymmetric())
+            p[layout.radius0] = p.position(0) / p.F(2, 2);
           if (layout.projected_J != 0)
             p[layout.projected_J] = state.J;
           if (layout.domain != 0)
-            set_domain(p, layout, lattice, parameters, point.volume);
+            set_domain(p,
+                       layout,
+                       lattice,
+                       parameters,
+                       volume / layout.thickness(point.image));
           store_material_point<dim>(state, p, layout);
           body.points.insert(point.cell, make_array_view(values));
         }
@@ -519,6 +538,7 @@ namespace greville
                                      body.material->density,
                                      groups_of_file<dim>(*body.material),
                                      layout.is_total_lagrangian(),
+                                     layout.is_axisymmetric(),
                                      space);
         insert_points(body, file.points, file, section, gravity, layers);
       },

@@ -129,24 +129,6 @@ namespace greville
           u[a * n_fields + k] =
             buffer[std::size_t(cell.functions[a]) * n_fields + k];
     }
-
-
-
-    /**
-     * The gradient of a field with the coefficients @p u of a window, averaged
-     * over the domain of a point.
-     */
-    template <int dim, int n>
-    inline dealii::Tensor<2, dim>
-    mean_gradient(const WindowGeometry<dim, n> &cell,
-                  const dealii::Point<dim>     &x,
-                  const dealii::Tensor<1, dim> &domain,
-                  const double                 *u)
-    {
-      double H[dim][dim];
-      evaluated(cell, x, domain).gradient(u, H);
-      return dealii::Tensor<2, dim>(H);
-    }
   } // namespace internal
 } // namespace greville
 

@@ -83,6 +83,23 @@ namespace greville
 
 
     /**
+     * The value of a field with these coefficients of one component.
+     */
+    template <int dim, int n>
+    double
+    value_of_component(const ShapeValues<dim, n, double> &shape,
+                       const double                      *coefficients)
+    {
+      double values[power(n, dim)], sum = 0.;
+      shape.multiply(values);
+      for (int a = 0; a < power(n, dim); ++a)
+        sum += coefficients[a] * values[a];
+      return sum;
+    }
+
+
+
+    /**
      * The inverse of the deformation of a point since the initial
      * configuration, in 2D in the plane.
      */

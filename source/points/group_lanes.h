@@ -57,20 +57,23 @@ namespace greville
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
           points.F[3 * i + j] = number(Layout::F + Layout::F_index(i, j));
-      points.F[8] = number(Layout::F + Layout::F_index(2, 2));
-      points.J    = number(Layout::J);
+      points.F[8]         = number(Layout::F + Layout::F_index(2, 2));
+      const bool is_plane = dim == 2 && !layout.is_axisymmetric();
+      points.J            = number(Layout::J);
       if (layout.projected_J != 0)
         {
           const Lanes J     = number(layout.projected_J);
           const Lanes ratio = J / points.J;
           Lanes       factor;
           for (unsigned int lane = 0; lane < n_lanes; ++lane)
-            factor[lane] = lane < count ? (dim == 2 ? std::sqrt(ratio[lane])
+            factor[lane] = lane < count ? (is_plane ? std::sqrt(ratio[lane])
                                                     : std::cbrt(ratio[lane]))
                                         : 1.;
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
               points.F[3 * i + j] *= factor;
+          if (dim == 2 && !is_plane)
+            points.F[8] *= factor;
           points.J = J;
           for (unsigned int lane = count; lane < n_lanes; ++lane)
             points.J[lane] = 1.;
@@ -108,8 +111,9 @@ namespace greville
 
 
     /**
-     * The points of a group as the material sees them, and back. Returns
-     * whether all of the @p count points are all right.
+     * The points of a group as the material sees them, and back. The increment
+     * of F_zz is for 2D. Returns whether all of the @p count points are all
+     * right.
      */
     template <int dim>
     inline bool
@@ -117,6 +121,7 @@ namespace greville
                     const unsigned int   g,
                     const unsigned int   count,
                     const Lanes (&increment)[dim][dim],
+                    const Lanes            &hoop_increment,
                     const PointUpdate<dim> &update)
     {
       const PointLayout<dim> &layout = points.layout();
@@ -129,6 +134,8 @@ namespace greville
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
               lanes.increment[3 * i + j] = increment[i][j];
+          if (dim == 2)
+            lanes.increment[8] = hoop_increment;
           lanes.dt                 = update.step;
           lanes.strength_reduction = update.strength_reduction;
           update.material->update_lanes(lanes);
@@ -150,6 +157,8 @@ namespace greville
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
               state.increment[i][j] = increment[i][j][lane];
+          if (dim == 2)
+            state.increment[2][2] = hoop_increment[lane];
         }
       update.material->update(dealii::ArrayView<MaterialPoint>(states, count));
 

@@ -156,6 +156,8 @@ namespace greville
       multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells()));
     for (unsigned int d = 0; d < dim; ++d)
       p.position(d) = p[point_layout.basis_position + d] = center[d];
+    if (point_layout.is_axisymmetric())
+      p[point_layout.radius0] = center[0];
     p.set_F(unit_symmetric_tensor<3>());
     p.J() = 1.;
   }

@@ -169,9 +169,14 @@ namespace greville
                  [](const Ref p, const unsigned int) { return p.mass(); });
       add_scalar("volume",
                  [](const Ref p, const unsigned int) { return p.volume(); });
-      add_scalar("size", [](const Ref p, const unsigned int) {
-        return std::pow(p.volume(), 1. / dim);
-      });
+      fields.push_back(
+        {"size",
+         {"size"},
+         false,
+         [](const Ref        p,
+            const Body<dim> &body,
+            const unsigned int,
+            double *values) { values[0] = p.extent(body.points.layout()); }});
       add_scalar("process",
                  [process](const Ref, const unsigned int) { return process; });
       return fields;

@@ -63,16 +63,18 @@ namespace greville
   PointTangents<dim>::reinit(const SplineSpace<dim> &space)
   {
     tables.reinit(space);
-    clear(true);
+    clear(true, false);
   }
 
 
 
   template <int dim>
   void
-  PointTangents<dim>::clear(const bool are_symmetric)
+  PointTangents<dim>::clear(const bool are_symmetric,
+                            const bool are_axisymmetric)
   {
-    symmetric = are_symmetric;
+    symmetric    = are_symmetric;
+    axisymmetric = are_axisymmetric;
     cells.clear();
     numbers.clear();
   }
@@ -99,10 +101,11 @@ namespace greville
         };
         for (int d = 0; d < dim; ++d)
           put(points[q].x[d]);
-        double C[dim * dim][dim * dim];
+        double C[dim * dim + 1][dim * dim + 1];
         pull_back<dim>(points[q], C);
-        for (int r = 0; r < dim * dim; ++r)
-          for (int s = symmetric ? r : 0; s < dim * dim; ++s)
+        const int n = dim * dim + (axisymmetric ? 1 : 0);
+        for (int r = 0; r < n; ++r)
+          for (int s = symmetric ? r : 0; s < n; ++s)
             put(C[r][s]);
       }
     // Lanes without a point have no C, and a position in the cell.
@@ -118,14 +121,16 @@ namespace greville
   {
     /**
      * Gradients of the functions of a cell at a group of points, row by row in
-     * x: those of the sums over a row, and those that belong to a divergence.
+     * x, of all pairs.
      */
-    template <int dim, int n>
+    template <int dim, int n, bool with_hoop>
     struct GroupGradients : ShapeValues<dim, n, Simd>
     {
+      static constexpr int n_pairs = dim * dim + (with_hoop ? 1 : 0);
+
       /**
        * Call action(number of the row, factors of the row for derivatives in
-       * each direction).
+       * each direction; for that along x it is the one for values as well).
        */
       template <typename Action>
       inline __attribute__((always_inline)) void
@@ -154,7 +159,7 @@ namespace greville
        * H_ij = d_j u_i, with u[function * dim + i].
        */
       inline __attribute__((always_inline)) void
-      gradient(const double *u, Simd (&H)[dim * dim]) const
+      gradient(const double *u, Simd (&H)[n_pairs]) const
       {
         for (Simd &entry : H)
           entry = 0.;
@@ -174,6 +179,9 @@ namespace greville
 #pragma GCC unroll 3
               for (int j = 1; j < dim; ++j)
                 H[i * dim + j] += factors[j] * value;
+              if constexpr (with_hoop)
+                if (i == 0)
+                  H[dim * dim] += factors[0] * value;
             }
         });
       }
@@ -182,7 +190,7 @@ namespace greville
        * sums[function * dim + i] += T_ij d_j N.
        */
       inline __attribute__((always_inline)) void
-      add_divergence(const Simd (&T)[dim * dim], Simd *sums) const
+      add_divergence(const Simd (&T)[n_pairs], Simd *sums) const
       {
         for_each_row([&](const int row, const Simd *factors) {
           Simd *to = sums + row * n * dim;
@@ -193,6 +201,9 @@ namespace greville
               Simd       across = factors[1] * T[i * dim + 1];
               if constexpr (dim == 3)
                 across += factors[2] * T[i * dim + 2];
+              if constexpr (with_hoop)
+                if (i == 0)
+                  across += factors[0] * T[dim * dim];
 #pragma GCC unroll 6
               for (int x = 0; x < n; ++x)
                 to[x * dim + i] +=
@@ -207,11 +218,10 @@ namespace greville
     /**
      * T = C H.
      */
-    template <int dim, bool symmetric>
+    template <int n, bool symmetric>
     inline __attribute__((always_inline)) void
-    apply(const double *C, const Simd (&H)[dim * dim], Simd (&T)[dim * dim])
+    apply(const double *C, const Simd (&H)[n], Simd (&T)[n])
     {
-      constexpr int n = dim * dim;
       for (Simd &entry : T)
         entry = 0.;
 #pragma GCC unroll 9
@@ -219,8 +229,8 @@ namespace greville
 #pragma GCC unroll 9
         for (int s = symmetric ? r : 0; s < n; ++s)
           {
-            const Simd entry = load(
-              C + (symmetric ? upper<dim>(r, s) : r * n + s) * int(simd_width));
+            const Simd entry =
+              load(C + entry_of<n, symmetric>(r, s) * int(simd_width));
             T[r] += entry * H[s];
             if (symmetric && s > r)
               T[s] += entry * H[r];
@@ -231,7 +241,7 @@ namespace greville
 
 
   template <int dim>
-  template <int n, bool is_symmetric>
+  template <int n, bool is_symmetric, bool with_hoop>
   void
   PointTangents<dim>::multiply(double                   *y,
                                const double             *x,
@@ -258,12 +268,13 @@ namespace greville
         const double *group = numbers.data() + points.first;
         for (unsigned int q = 0; q < points.n_points; q += simd_width)
           {
-            Simd position[dim], H[dim * dim], T[dim * dim];
+            using Shape = GroupGradients<dim, n, with_hoop>;
+            Simd position[dim], H[Shape::n_pairs], T[Shape::n_pairs];
             load_numbers<dim>(group, 0, position);
-            GroupGradients<dim, n> shape;
+            Shape shape;
             shape.template evaluate<true>(geometry, position);
             shape.gradient(u, H);
-            apply<dim, is_symmetric>(group + dim * simd_width, H, T);
+            apply<Shape::n_pairs, is_symmetric>(group + dim * simd_width, H, T);
             shape.add_divergence(T, sums);
             group += size;
           }
@@ -286,10 +297,19 @@ namespace greville
   {
     with_order(tables.space->degree(), [&](const auto size) {
       constexpr int n = decltype(size)::value;
+      if constexpr (dim == 2)
+        if (axisymmetric)
+          {
+            if (symmetric)
+              multiply<n, true, true>(y, x, places);
+            else
+              multiply<n, false, true>(y, x, places);
+            return;
+          }
       if (symmetric)
-        multiply<n, true>(y, x, places);
+        multiply<n, true, false>(y, x, places);
       else
-        multiply<n, false>(y, x, places);
+        multiply<n, false, false>(y, x, places);
     });
   }
 
@@ -301,7 +321,7 @@ namespace greville
      * The symmetric part of the matrix of a cell, block by block of components
      * i <= k, on vectors of functions.
      */
-    template <int dim, int n, typename Number>
+    template <int dim, int n, typename Number, bool with_hoop>
     class CellStiffness
     {
     public:
@@ -344,6 +364,9 @@ namespace greville
     private:
       // As many sums stay in registers until they are added.
       static constexpr int n_together = simd_width;
+      // Derivatives, and values for f_zz.
+      static constexpr int n_directions = dim + (with_hoop ? 1 : 0);
+      static constexpr int n_pairs      = dim * dim + (with_hoop ? 1 : 0);
 
       using Vector = FixedSimd<Number, width>;
 
@@ -355,10 +378,12 @@ namespace greville
         Point<dim> x;
         for (int d = 0; d < dim; ++d)
           x[d] = numbers[d * n_together];
-        const Gradients<dim, n> at(geometry, x);
+        const ValuesAndGradients<dim, n> at(geometry, x);
         for (int l = 0; l < dim; ++l)
           for (int a = 0; a < n_functions; ++a)
-            gradients[q][l][a] = at.values[l][a];
+            gradients[q][l][a] = at.gradients.values[l][a];
+        for (int a = 0; a < n_functions && with_hoop; ++a)
+          gradients[q][n_directions - 1][a] = at.values[a];
       }
 
       /**
@@ -368,22 +393,31 @@ namespace greville
       void
       contract(const double *C, const int i, const int k, const int q)
       {
-        const auto entry = [&](const int r, const int s) {
-          if constexpr (symmetric)
-            return C[upper<dim>(std::min(r, s), std::max(r, s)) * n_together];
-          else
-            return 0.5 * (C[(r * dim * dim + s) * n_together] +
-                          C[(s * dim * dim + r) * n_together]);
+        // Only the component r has the pair of f_zz.
+        const auto pair_of = [](const int component, const int direction) {
+          return direction < dim  ? component * dim + direction
+                 : component == 0 ? dim * dim
+                                  : -1;
         };
-        for (int L = 0; L < dim; ++L)
+        const auto entry = [&](const int r, const int s) {
+          if (r < 0 || s < 0)
+            return 0.;
+          if constexpr (symmetric)
+            return C[entry_of<n_pairs, true>(std::min(r, s), std::max(r, s)) *
+                     n_together];
+          else
+            return 0.5 * (C[entry_of<n_pairs, false>(r, s) * n_together] +
+                          C[entry_of<n_pairs, false>(s, r) * n_together]);
+        };
+        for (int L = 0; L < n_directions; ++L)
           {
-            Number of_pair[dim];
-            for (int J = 0; J < dim; ++J)
-              of_pair[J] = entry(i * dim + J, k * dim + L);
+            Number of_pair[n_directions];
+            for (int J = 0; J < n_directions; ++J)
+              of_pair[J] = entry(pair_of(i, J), pair_of(k, L));
             for (int a = 0; a < stride; ++a)
               {
                 Number sum = 0.;
-                for (int J = 0; J < dim; ++J)
+                for (int J = 0; J < n_directions; ++J)
                   sum += of_pair[J] * gradients[q][J][a];
                 factors[q][L][a] = sum;
               }
@@ -395,9 +429,9 @@ namespace greville
       {
         for (int first = 0; first < stride; first += width)
           {
-            Vector at[n_together][dim];
+            Vector at[n_together][n_directions];
             for (int q = 0; q < n_together; ++q)
-              for (int l = 0; l < dim; ++l)
+              for (int l = 0; l < n_directions; ++l)
                 at[q][l] = greville::load<Vector>(&gradients[q][l][first]);
             Number *row = block + first;
             for (int a = 0; a < n_functions; ++a, row += stride)
@@ -406,7 +440,7 @@ namespace greville
 #pragma GCC unroll 4
                 for (int q = 0; q < n_together; ++q)
 #pragma GCC unroll 3
-                  for (int l = 0; l < dim; ++l)
+                  for (int l = 0; l < n_directions; ++l)
                     sum += factors[q][l][a] * at[q][l];
                 store(sum, row);
               }
@@ -414,8 +448,8 @@ namespace greville
       }
 
       // [point][direction][function], with zeros behind the functions.
-      Number gradients[n_together][dim][stride] = {};
-      Number factors[n_together][dim][stride]   = {};
+      Number gradients[n_together][n_directions][stride] = {};
+      Number factors[n_together][n_directions][stride]   = {};
     };
   } // namespace
 
@@ -427,16 +461,19 @@ namespace greville
   PointTangents<dim>::for_each_cell(const SpacePolynomials<dim> &of_space,
                                     const CellAction<Number>    &action) const
   {
-    const std::size_t size = std::size_t(n_numbers()) * simd_width;
-    with_order(of_space.space->degree(), [&](const auto order) {
-      constexpr int n   = decltype(order)::value;
-      using Stiffness   = CellStiffness<dim, n, Number>;
+    const std::size_t size  = std::size_t(n_numbers()) * simd_width;
+    const auto        visit = [&](const auto order, const auto hoop) {
+      using Stiffness   = CellStiffness<dim,
+                                      decltype(order)::value,
+                                      Number,
+                                      decltype(hoop)::value>;
       const auto matrix = std::make_unique<Number[]>(Stiffness::size);
       const auto sums   = std::make_unique<Stiffness>();
       for (const CellPoints &points : cells)
         {
-          const CellGeometry<dim, n> geometry(of_space, points.cell);
-          const double              *group = numbers.data() + points.first;
+          const CellGeometry<dim, decltype(order)::value> geometry(of_space,
+                                                                   points.cell);
+          const double *group = numbers.data() + points.first;
           if (symmetric)
             sums->template sum_up<true>(
               geometry, group, points.n_points, size, matrix.get());
@@ -445,6 +482,15 @@ namespace greville
               geometry, group, points.n_points, size, matrix.get());
           action(points.cell, matrix.get(), Stiffness::stride);
         }
+    };
+    with_order(of_space.space->degree(), [&](const auto order) {
+      if constexpr (dim == 2)
+        if (axisymmetric)
+          {
+            visit(order, std::true_type());
+            return;
+          }
+      visit(order, std::false_type());
     });
   }
 

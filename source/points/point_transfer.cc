@@ -86,7 +86,6 @@ namespace greville
     std::vector<double>                            &result) const
   {
     constexpr double largest_expansion = 1.5;
-    const double     cell_volume       = tables.space->lattice().cell_volume();
     result.assign(tables.space->owned_cells().size(), 0.);
     for (const MaterialPoints<dim> *points : bodies)
       for (std::size_t c = 0; c < points->cells().size(); ++c)
@@ -112,7 +111,9 @@ namespace greville
                       Simd(largest_expansion));
               sum += volume;
             }
-          result[cell] += reduce(sum) / cell_volume;
+          result[cell] +=
+            reduce(sum) /
+            cell_volume<dim>(*tables.space, cell, points->layout());
         }
   }
 

@@ -116,50 +116,67 @@ namespace greville
                        const double                *window_source,
                        double                      *window_target)
     {
-      using Layout                    = PointLayout<dim>;
-      constexpr int      n_z          = dim == 3 ? n : 1;
-      const bool         total        = points.layout().is_total_lagrangian();
-      const unsigned int initial_F    = points.layout().initial_F;
+      using Layout             = PointLayout<dim>;
+      constexpr int      n_z   = dim == 3 ? n : 1;
+      const bool         total = points.layout().is_total_lagrangian();
+      const bool         is_axisymmetric = points.layout().is_axisymmetric();
+      const unsigned int initial_F       = points.layout().initial_F;
       const double       wave_modulus = stiffness.lambda + 2. * stiffness.shear;
       const double       inverse =
         wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
-      // The stress, times the volume, of a gradient.
-      const auto stress_of =
-        [&](const double *group, Simd(&H)[dim][dim], Simd(&stress)[dim][dim]) {
-          const Simd volume = load(group + Layout::volume0 * simd_width) *
-                              load(group + Layout::J * simd_width);
-          const Simd scale =
-            load(group + Layout::wave_modulus * simd_width) * inverse;
-          const Simd lambda =
-            volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
-          const Simd shear =
-            volume * (scale * stiffness.shear + stiffness.viscous_shear);
+      // The stress, times the volume, of a gradient, and of the radial value
+      // the force on values.
+      const auto stress_of = [&](const double *group,
+                                 Simd(&H)[dim][dim],
+                                 Simd &hoop,
+                                 Simd(&stress)[dim][dim]) {
+        const Simd volume = load(group + Layout::volume0 * simd_width) *
+                            load(group + Layout::J * simd_width);
+        const Simd scale =
+          load(group + Layout::wave_modulus * simd_width) * inverse;
+        const Simd lambda =
+          volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
+        const Simd shear =
+          volume * (scale * stiffness.shear + stiffness.viscous_shear);
 
-          Simd inverse[dim][dim];
-          if (total)
+        // An axisymmetric point has the further strain u_r / r, whose stress
+        // acts on values.
+        Simd radius = 1.;
+        if (is_axisymmetric)
+          {
+            radius = load(group + Layout::position * simd_width);
+            hoop   = hoop / radius;
+          }
+        Simd inverse[dim][dim];
+        if (total)
+          {
+            Simd reference[dim][dim];
+            std::copy_n(H[0], dim * dim, reference[0]);
+            load_inverse_F<dim>(group, initial_F, inverse);
+            multiply<dim>(reference, inverse, H);
+          }
+        Simd trace = H[0][0];
+        for (int i = 1; i < dim; ++i)
+          trace += H[i][i];
+        if (is_axisymmetric)
+          {
+            trace += hoop;
+            hoop = (2. * shear * hoop + lambda * trace) / radius;
+          }
+        for (int i = 0; i < dim; ++i)
+          for (int j = 0; j < dim; ++j)
             {
-              Simd reference[dim][dim];
-              std::copy_n(H[0], dim * dim, reference[0]);
-              load_inverse_F<dim>(group, initial_F, inverse);
-              multiply<dim>(reference, inverse, H);
+              stress[i][j] = shear * (H[i][j] + H[j][i]);
+              if (i == j)
+                stress[i][j] += lambda * trace;
             }
-          Simd trace = H[0][0];
-          for (int i = 1; i < dim; ++i)
-            trace += H[i][i];
-          for (int i = 0; i < dim; ++i)
-            for (int j = 0; j < dim; ++j)
-              {
-                stress[i][j] = shear * (H[i][j] + H[j][i]);
-                if (i == j)
-                  stress[i][j] += lambda * trace;
-              }
-          if (total)
-            {
-              Simd sigma[dim][dim];
-              std::copy_n(stress[0], dim * dim, sigma[0]);
-              multiply_transposed<dim>(sigma, inverse, stress);
-            }
-        };
+        if (total)
+          {
+            Simd sigma[dim][dim];
+            std::copy_n(stress[0], dim * dim, sigma[0]);
+            multiply_transposed<dim>(sigma, inverse, stress);
+          }
+      };
       const auto product = [&](const double              *group,
                                const ShapeValues<dim, n> &shape,
                                const double              *u,
@@ -184,7 +201,7 @@ namespace greville
               }
         };
 
-        Simd H[dim][dim];
+        Simd H[dim][dim], hoop = 0.; // u_r, and then the force on values
         for (auto &row : H)
           for (Simd &entry : row)
             entry = 0.;
@@ -207,9 +224,11 @@ namespace greville
               for (int j = 1; j < dim; ++j)
                 H[i][j] += factors[j] * values[i];
             }
+          if (is_axisymmetric)
+            hoop += factors[0] * values[0];
         });
         Simd stress[dim][dim];
-        stress_of(group, H, stress);
+        stress_of(group, H, hoop, stress);
         for_each_row([&](const int first, const Simd *factors) {
           for (int i = 0; i < dim; ++i)
             {
@@ -217,6 +236,8 @@ namespace greville
               Simd       across = factors[1] * stress[i][1];
               if constexpr (dim == 3)
                 across += factors[2] * stress[i][2];
+              if (is_axisymmetric && i == 0)
+                across += factors[0] * hoop;
               for (int a = 0; a < n; ++a)
                 sums[first + a * dim + i] +=
                   shape.dN[0][a] * along + shape.N[0][a] * across;
@@ -236,9 +257,15 @@ namespace greville
                                    const double              *u,
                                    Simd                      *sums) {
                                  Simd H[dim][dim], stress[dim][dim];
-                                 shape.gradient(u, H);
-                                 stress_of(group, H, stress);
+                                 Simd values[dim];
+                                 shape.template evaluate_field<true>(u,
+                                                                     values,
+                                                                     H);
+                                 Simd hoop[dim] = {values[0]};
+                                 stress_of(group, H, hoop[0], stress);
                                  shape.add_divergence(stress, sums);
+                                 if (is_axisymmetric)
+                                   shape.add_values(hoop, sums);
                                });
     }
 

@@ -63,7 +63,8 @@ namespace greville
       constexpr int      n_fields    = first_force + (with_force ? dim : 0);
       constexpr int      n_z         = dim == 3 ? n : 1;
       const bool         total       = points.layout().is_total_lagrangian();
-      const unsigned int initial_F   = points.layout().initial_F;
+      const bool         is_axisymmetric = points.layout().is_axisymmetric();
+      const unsigned int initial_F       = points.layout().initial_F;
       using OfWindow = Sums<int(with_momentum) + int(with_force),
                             with_force ? int(with_momentum) : -1>;
       SeenFunctions<dim, n> functions(points, tables, windows);
@@ -126,6 +127,14 @@ namespace greville
                         ? m * load(group +
                                    (field_of_load->first + i) * simd_width)
                         : Simd(0.);
+                  // - V sigma_zz N / r, whatever the configuration of N is.
+                  if (is_axisymmetric)
+                    load_force[0] -=
+                      volume *
+                      load(group +
+                           (Layout::stress + Layout::stress_index(2, 2)) *
+                             simd_width) /
+                      load(group + Layout::position * simd_width);
                 }
 
               if (windows)

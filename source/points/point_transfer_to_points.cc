@@ -96,6 +96,26 @@ namespace greville
 
 
     /**
+     * Set F_zz of a group of axisymmetric points to r / radius0, where r is
+     * their radius and a further @p way, and return by how much it grows.
+     */
+    template <int dim>
+    Simd
+    stretch_hoop(const PointLayout<dim> &layout, double *group, const Simd &way)
+    {
+      using Layout = PointLayout<dim>;
+      double *const F =
+        group + (Layout::F + Layout::F_index(2, 2)) * simd_width;
+      const Simd before = load(F);
+      const Simd after  = (load(group + Layout::position * simd_width) + way) /
+                         load(group + layout.radius0 * simd_width);
+      store(after, F);
+      return after / before;
+    }
+
+
+
+    /**
      * Give the sums of a row the velocities, and with APIC the affine matrices
      * C from number @p first_affine on and the diagonals D, of a group between
      * those that it has and new ones.
@@ -165,9 +185,10 @@ namespace greville
       Simd           momentum[dim];
       Simd           smallest_J = report.sums.smallest_J, largest_J = 0.;
       std::fill_n(momentum, dim, Simd(0.));
-      const bool         total       = points.layout().is_total_lagrangian();
-      const unsigned int initial_F   = points.layout().initial_F;
-      const unsigned int projected_J = points.layout().projected_J;
+      const bool         total = points.layout().is_total_lagrangian();
+      const bool         is_axisymmetric = points.layout().is_axisymmetric();
+      const unsigned int initial_F       = points.layout().initial_F;
+      const unsigned int projected_J     = points.layout().projected_J;
       // Nothing behind the mass is read where nothing deforms, and nothing
       // behind F without fields.
       const unsigned int n_read =
@@ -376,6 +397,16 @@ namespace greville
               if constexpr (Kind::deform)
                 {
                   Simd increment[dim][dim], F[dim][dim], new_F[dim][dim];
+                  // Of F_zz: 1 in plane strain, else that to r / radius0.
+                  Simd hoop_increment = 1.;
+                  if (is_axisymmetric)
+                    hoop_increment =
+                      stretch_hoop<dim>(points.layout(),
+                                        group,
+                                        Kind::move
+                                          ? Simd(0.)
+                                          : update.step * lane_is_used *
+                                              fields[first_gradient]);
                   if (total)
                     {
                       Simd reference[dim][dim];
@@ -402,6 +433,8 @@ namespace greville
                           increment[0][2] * increment[1][0] * increment[2][1] -
                           increment[0][2] * increment[1][1] * increment[2][0] -
                           increment[0][0] * increment[1][2] * increment[2][1];
+                  if (is_axisymmetric)
+                    det *= hoop_increment;
                   const Simd J = det * load(group + Layout::J * simd_width);
                   store(J, group + Layout::J * simd_width);
                   Simd used_J                      = J;
@@ -420,17 +453,24 @@ namespace greville
                             after[lane] = *projected++;
                           const double ratio =
                             after[lane] / before[lane] / det[lane];
-                          factor[lane] =
-                            dim == 2 ? std::sqrt(ratio) : std::cbrt(ratio);
+                          factor[lane] = dim == 2 && !is_axisymmetric
+                                           ? std::sqrt(ratio)
+                                           : std::cbrt(ratio);
                         }
+                      if (is_axisymmetric)
+                        hoop_increment *= factor;
                       store(after, address);
                       for (int i = 0; i < dim; ++i)
                         for (int j = 0; j < dim; ++j)
                           increment[i][j] *= factor;
                     }
 
-                  if ((update.material &&
-                       !update_material(points, g, count, increment, update)) ||
+                  if ((update.material && !update_material(points,
+                                                           g,
+                                                           count,
+                                                           increment,
+                                                           hoop_increment,
+                                                           update)) ||
                       !all_of(used_J > 0.))
                     report_bad_point(points, cell, g, count, report);
 

@@ -38,6 +38,8 @@ namespace greville
       offset.J() = 1.;
       if (points.layout().projected_J != 0)
         result[points.layout().projected_J] = 1.;
+      if (points.layout().is_axisymmetric())
+        result[points.layout().radius0] = center[0];
       return result;
     }
   } // namespace

@@ -117,10 +117,12 @@ namespace greville
     const auto &positions = neighbors.positions();
     const auto &extents   = space.lattice().n_cells();
 
-    const double        cell_volume = space.lattice().cell_volume();
-    std::vector<double> filling(positions.size(), 0.);
+    const PointLayout<dim> &layout      = points.layout();
+    const double            cell_volume = space.lattice().cell_volume();
+    std::vector<double>     filling(positions.size(), 0.);
     points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
-      filling[cell] += p.volume() / cell_volume;
+      filling[cell] +=
+        p.volume() / layout.thickness(p.position()) / cell_volume;
     });
     neighbors.exchange(filling);
 
@@ -178,6 +180,12 @@ namespace greville
     Layout                  to;
     if (has_load)
       to.add("load", dim);
+    if (from.is_axisymmetric())
+      to.add_radius0();
+    // All densities of axisymmetric points are those per area.
+    const auto volume_of = [&](const ConstPointRef<dim> p) {
+      return p.volume() / from.thickness(p.position());
+    };
     const unsigned int from_load = has_load ? from.first("load") : 0;
     const unsigned int to_load   = has_load ? to.first("load") : 0;
     result.reinit(space, to);
@@ -212,13 +220,13 @@ namespace greville
               for (unsigned int d = 0; d < dim; ++d)
                 t[d] = (p.position(d) - center[d]) / lattice.cell_size(d);
               positions.push_back(t);
-              volume += p.volume();
+              volume += volume_of(p);
             }
 
         // Values of the quantities at the points, per volume, and their means.
         const auto field = [&](const ConstPointRef<dim> p,
                                const unsigned int       f) {
-          const double V   = p.volume();
+          const double V   = volume_of(p);
           const double rho = p.mass() / V;
           if (f == 0)
             return rho;
@@ -244,7 +252,7 @@ namespace greville
             for (const ConstPointRef<dim> p : members)
               for (unsigned int f = 0; f < n_fields; ++f)
                 coefficients(f, n_psi) +=
-                  field(p, f) * p.volume() / cell_volume;
+                  field(p, f) * volume_of(p) / cell_volume;
             // With positions and values relative to their means, the
             // constant is fitted as well.
             std::vector<double> mean_psi(n_psi, 0.), mean_field(n_fields, 0.);
@@ -319,6 +327,8 @@ namespace greville
               if (has_load)
                 for (unsigned int d = 0; d < dim; ++d)
                   values[to_load + d] = p[from_load + d];
+              if (to.is_axisymmetric())
+                values[to.radius0] = p[from.radius0];
               result.insert(cell, make_array_view(values));
             }
         else
@@ -344,6 +354,10 @@ namespace greville
                 result_point.volume0() = quadrature.weight(q) * cell_volume;
                 result_point.J()       = 1.;
                 result_point.mass()    = fields[0] * result_point.volume0();
+                result_point.volume0() *=
+                  from.thickness(result_point.position());
+                if (to.is_axisymmetric())
+                  values[to.radius0] = result_point.position(0);
                 for (unsigned int d = 0; d < dim; ++d)
                   result_point.velocity(d) = fields[1 + d] / fields[0];
                 for (unsigned int k = 0; k < n_stress; ++k)

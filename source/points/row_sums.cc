@@ -95,8 +95,10 @@ namespace greville
       }
 
     // In 3D a tangent bounds the cubic root: (2 s + V / s^2) / 3 for any s.
-    const Lanes V = V0 * lanes_at(group + Layout::J * n_lanes);
-    Lanes       half;
+    Lanes V = V0 * lanes_at(group + Layout::J * n_lanes);
+    if (points.layout().is_axisymmetric())
+      V /= x[0];
+    Lanes half;
     if constexpr (dim == 2)
       half = 0.5 * sqrt(V);
     else

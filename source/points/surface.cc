@@ -24,6 +24,8 @@ namespace greville
     state.x        = p.position();
     state.F        = p.matrix(PointLayout<dim>::F);
     state.velocity = p.velocity();
+    // Material points in contact have their present area.
+    state.is_axisymmetric = layout.is_axisymmetric() && !layout.find("radius");
     if (const PointField *normal = layout.find("normal"))
       state.normal = p.vector(normal->first);
     return state;
@@ -86,6 +88,8 @@ namespace greville
       layout.basis_position = body.points.layout().basis_position;
       layout.add("load", dim);
       layout.add("normal", dim);
+      if (body.points.layout().is_axisymmetric())
+        layout.add_radius0();
       if (is_of_points)
         for (const std::string field : {"radius", "last_radius"})
           layout.add(field, 1);
@@ -158,7 +162,12 @@ namespace greville
                 p.velocity(d)  = v[d];
                 p[normal + d]  = point.normal[d];
               }
-            p.mass() = point.area;
+            if (layout.is_axisymmetric())
+              {
+                p[layout.radius0] = point.x[0];
+                F[2][2]           = x[0] / point.x[0];
+              }
+            p.mass() = point.area * layout.thickness(point.x);
             p.J()    = determinant(F);
             p.id()   = double(point.id);
             p.set_F(F);

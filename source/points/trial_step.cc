@@ -41,12 +41,26 @@ namespace greville
                    const MaterialPoint   &end,
                    const MaterialTangent *D)
     {
-      const double         det     = determinant(f);
+      auto                &hoop    = trial.hoop;
+      const double         det     = determinant(f) * hoop.f;
       const Tensor<2, dim> inverse = invert(f);
       const Tensor<2, dim> sigma   = det * in_plane<dim>(end.stress);
       trial.P                      = sigma * transpose(inverse);
+      hoop.P                       = det * end.stress[2][2] / hoop.f;
       if (!D)
         return;
+      if (hoop.radius > 0.)
+        {
+          const double factor = det / hoop.f;
+          hoop.A              = factor / hoop.f * (*D)[2][2][2][2];
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int j = 0; j < dim; ++j)
+              {
+                const double diagonal = i == j ? end.stress[2][2] : 0.;
+                hoop.of[i][j]         = factor * ((*D)[2][2][i][j] + diagonal);
+                hoop.by[i][j] = factor * ((*D)[i][j][2][2] + end.stress[i][j]);
+              }
+        }
       trial.map = inverse;
       if constexpr (dim == 3)
         {
@@ -103,6 +117,7 @@ namespace greville
     make_energy_consistent(TrialPoint<dim>      &trial,
                            const Tensor<2, dim> &f,
                            const Tensor<2, dim> &stress_before,
+                           const double          hoop_stress_before,
                            const double          change_of_energy,
                            const bool            with_tangent)
     {
@@ -113,13 +128,26 @@ namespace greville
       const Tensor<2, dim> grad    = f - one;
       const Tensor<2, dim> strain =
         0.5 * (grad + transpose(grad) + transpose(grad) * grad);
-      Tensor<2, dim> S      = 0.5 * (stress_before + end);
-      const double   square = scalar_product(strain, strain);
+      Tensor<2, dim> S = 0.5 * (stress_before + end);
+      // The zz entries of an axisymmetric point.
+      auto        &hoop        = trial.hoop;
+      const double hoop_strain = 0.5 * (hoop.f * hoop.f - 1.);
+      const double hoop_end    = hoop.P / hoop.f;
+      const double hoop_middle = 0.5 * (1. + hoop.f);
+      double       hoop_S      = 0.5 * (hoop_stress_before + hoop_end);
+      const double square =
+        scalar_product(strain, strain) + hoop_strain * hoop_strain;
       // The correction is of the order of the square of the strain, and
       // round-off of the energy over the strain: smaller strains do without.
       constexpr double smallest = 6e-6; // the third root of round-off
       if (square > smallest * smallest)
-        S += ((change_of_energy - scalar_product(S, strain)) / square) * strain;
+        {
+          const double factor = (change_of_energy - scalar_product(S, strain) -
+                                 hoop_S * hoop_strain) /
+                                square;
+          S += factor * strain;
+          hoop_S += factor * hoop_strain;
+        }
       if (with_tangent)
         {
           // dP = df S / 2 + middle dS, dS = f^-1 (dP_end - df S_end) / 2.
@@ -136,9 +164,17 @@ namespace greville
                       sum += map[i][m] * dP_end[m][J][k][L];
                     trial.A[i][J][k][L] = sum;
                   }
+          if (hoop.radius > 0.)
+            {
+              const double hoop_map = 0.5 * hoop_middle / hoop.f;
+              hoop.A  = 0.5 * hoop_S + hoop_map * (hoop.A - hoop_end);
+              hoop.of = hoop_map * (hoop.of * transpose(trial.map));
+              hoop.by = map * (hoop.by * transpose(trial.map));
+            }
           trial.map = one;
         }
       trial.P = middle * S;
+      hoop.P  = hoop_middle * hoop_S;
     }
 
 
@@ -197,7 +233,7 @@ namespace greville
       for (unsigned int i = 0; i < n && with_tangent; ++i, A += n)
         for (unsigned int j = 0; j < n; ++j)
           sums[j] += A[j];
-      double sum = 0.;
+      double sum = trial.hoop.P + trial.hoop.A;
       for (unsigned int j = 0; j < n; ++j)
         sum += sums[j];
       return std::isfinite(sum);
@@ -259,20 +295,30 @@ namespace greville
             trial.x                = p.basis_position(layout);
             trial.volume           = p.volume();
             Tensor<2, dim> f;
+            double         radial = 0.; // displacement of axisymmetric points
             if (window)
               {
-                trial.domain = domain_of_point(points, p);
-                f            = unit_symmetric_tensor<dim>() +
-                    mean_gradient(*window, trial.x, trial.domain, in_window);
+                trial.domain     = domain_of_point(points, p);
+                const auto shape = evaluated(*window, trial.x, trial.domain);
+                double     values[dim], H[dim][dim];
+                shape.template evaluate_field<true>(in_window, values, H);
+                f      = unit_symmetric_tensor<dim>() + Tensor<2, dim>(H);
+                radial = values[0];
               }
             else
-              f =
-                increment_of_point<dim, n>(p,
-                                           layout,
-                                           Gradients<dim, n>(geometry, trial.x),
-                                           coefficients,
-                                           1.);
-            const double theta = determinant(f);
+              {
+                const auto shape = evaluated(geometry, trial.x);
+                f                = increment_of_point<dim, n>(
+                  p, layout, Gradients<dim, n>(shape), coefficients, 1.);
+                if (layout.is_axisymmetric())
+                  radial = value_of_component(shape, coefficients[0]);
+              }
+            if (layout.is_axisymmetric())
+              {
+                trial.hoop.radius = radius_of_F<dim>(p, layout);
+                trial.hoop.f = (p.position(0) + radial) / trial.hoop.radius;
+              }
+            const double theta = determinant(f) * trial.hoop.f;
             state              = MaterialPoint();
             load_material_point<dim>(p, layout, state);
             state.dt                 = dt;
@@ -281,13 +327,17 @@ namespace greville
             for (int i = 0; i < dim; ++i)
               for (int j = 0; j < dim; ++j)
                 state.increment[i][j] = f[i][j];
+            if (layout.is_axisymmetric())
+              state.increment[2][2] = trial.hoop.f;
             const double J_before = state.J;
             state.J               = p.J() * theta;
             if (layout.projected_J != 0)
               {
                 if (J_hat)
                   state.J = *J_hat++;
-                scale_volume<dim>(state.increment, state.J / J_before / theta);
+                scale_volume<dim>(state.increment,
+                                  state.J / J_before / theta,
+                                  layout);
               }
             state.F              = state.increment * state.F;
             increments[n_points] = f;
@@ -307,7 +357,7 @@ namespace greville
               material.tangents(ArrayView<const MaterialPoint>(states.data(),
                                                                states.size()),
                                 make_array_view(tangents),
-                                dim);
+                                layout.is_axisymmetric() ? 3 : dim);
             }
           unsigned int k = 0;
           points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
@@ -328,12 +378,13 @@ namespace greville
                 make_energy_consistent<dim>(trial,
                                             increments[k],
                                             in_plane<dim>(before.stress),
+                                            before.stress[2][2],
                                             change,
                                             with_tangents);
               }
             if (layout.is_total_lagrangian())
               pull_back<dim>(trial, inverse_F<dim>(p, layout), with_tangents);
-            const double J = p.J() * determinant(increments[k]);
+            const double J = p.J() * determinant(increments[k]) * trial.hoop.f;
             if (!(J > 0.) || !is_finite(trial, with_tangents))
               report_bad_point<dim>(p, J, report);
             ++k;

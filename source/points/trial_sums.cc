@@ -49,7 +49,8 @@ namespace greville
       double        force[dim][n_functions] = {};
       for (const TrialPoint<dim> &point : points)
         {
-          const Gradients<dim, n> gradients(geometry, point.x);
+          const auto              shape = evaluated(geometry, point.x);
+          const Gradients<dim, n> gradients(shape);
           for (int i = 0; i < dim; ++i)
             for (int J = 0; J < dim; ++J)
               {
@@ -57,6 +58,14 @@ namespace greville
                 for (int a = 0; a < n_functions; ++a)
                   force[i][a] += P * gradients.values[J][a];
               }
+          if (point.hoop.radius > 0.)
+            {
+              const double P = point.volume * point.hoop.P / point.hoop.radius;
+              double       values[n_functions];
+              shape.multiply(values);
+              for (int a = 0; a < n_functions; ++a)
+                force[0][a] += P * values[a];
+            }
         }
       double square = 0.;
       for (int a = 0; a < n_functions; ++a)
@@ -116,6 +125,25 @@ namespace greville
           values[i][j] = volume * T[i][j];
       shape.add_divergence(values, force);
     }
+
+
+
+    /**
+     * Add @p factor V P_zz N / r to the component r, in axisymmetry.
+     */
+    template <int dim, typename Shape>
+    void
+    add_hoop(const Shape           &shape,
+             const TrialPoint<dim> &point,
+             const double           P,
+             const double           factor,
+             double                *force)
+    {
+      if (point.hoop.radius == 0.)
+        return;
+      double values[dim] = {factor * point.volume * P / point.hoop.radius};
+      shape.add_values(values, force);
+    }
   } // namespace
 
 
@@ -135,10 +163,9 @@ namespace greville
             points,
             window_sums.data(),
             [&](const TrialPoint<dim> &point, double *force) {
-              add_divergence<dim>(evaluated(geometry, point.x, point.domain),
-                                  point.volume,
-                                  point.P,
-                                  force);
+              const auto shape = evaluated(geometry, point.x, point.domain);
+              add_divergence<dim>(shape, point.volume, point.P, force);
+              add_hoop<dim>(shape, point, point.hoop.P, 1., force);
             });
           return;
         }
@@ -171,14 +198,25 @@ namespace greville
                 evaluated(geometry,
                           point.x,
                           at_point ? Tensor<1, dim>() : point.domain);
-              double H[dim][dim];
-              shape.gradient(in_window, H);
+              double values[dim], H[dim][dim];
+              shape.template evaluate_field<true>(in_window, values, H);
               // dP_iJ = map_Jj A_ijkl map_Ll H_kL.
               const Tensor<2, dim> df = Tensor<2, dim>(H) * point.map;
               Tensor<2, dim>       dP;
               for (unsigned int i = 0; i < dim; ++i)
                 for (unsigned int j = 0; j < dim; ++j)
                   dP[i][j] = scalar_product(point.A[i][j], df);
+              if (point.hoop.radius > 0.)
+                {
+                  const double df_hoop = values[0] / point.hoop.radius;
+                  dP += df_hoop * point.hoop.by;
+                  add_hoop<dim>(shape,
+                                point,
+                                point.hoop.A * df_hoop +
+                                  scalar_product(point.hoop.of, df),
+                                at_point ? -1. : 1.,
+                                force);
+                }
               add_divergence<dim>(shape,
                                   at_point ? -point.volume : point.volume,
                                   dP * transpose(point.map),

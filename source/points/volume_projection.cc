@@ -36,9 +36,11 @@ namespace greville
     double
     initial_J(const ConstPointRef<dim> p, const PointLayout<dim> &layout)
     {
-      return layout.initial_F == 0
-               ? 1.
-               : p.J() * determinant(inverse_F<dim>(p, layout));
+      if (layout.initial_F == 0)
+        return 1.;
+      const double hoop =
+        layout.is_axisymmetric() ? p.reference(0) / p.position(0) : 1.;
+      return p.J() * determinant(inverse_F<dim>(p, layout)) * hoop;
     }
   } // namespace
 
@@ -219,10 +221,18 @@ namespace greville
                 changes[i][a] = w[dim];
             }
         points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-          const Gradients<dim, n> gradients(geometry, p.basis_position(layout));
+          const auto shape = evaluated(geometry, p.basis_position(layout));
+          const Gradients<dim, n> gradients(shape);
           const Tensor<2, dim>    f =
             increment_of_point<dim, n>(p, layout, gradients, coefficients, dt);
           J.push_back(p.J() * determinant(f));
+          double radius = 0.; // of axisymmetric points
+          if (layout.is_axisymmetric())
+            {
+              radius =
+                p.position(0) + dt * value_of_component(shape, coefficients[0]);
+              J.back() *= radius / radius_of_F<dim>(p, layout);
+            }
           if (!with_direction)
             return;
           // The trace of df f^-1; 1 + df is the increment of the direction.
@@ -231,6 +241,8 @@ namespace greville
                                            p, layout, gradients, changes, 1.),
                                          transpose(inverse)) -
                           trace(inverse));
+          if (layout.is_axisymmetric())
+            rates.back() += value_of_component(shape, changes[0]) / radius;
           J.back() *= rates.back();
         });
       }

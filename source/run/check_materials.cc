@@ -4,6 +4,7 @@
 #include <greville/base/parameters.h>
 #include <greville/boundary/loads.h>
 #include <greville/materials/umat.h>
+#include <greville/parameters/unit_of_sums.h>
 #include <greville/run/check_materials.h>
 
 #include <cmath>
@@ -349,8 +350,8 @@ namespace greville
                     "Body " + body.name +
                     "', whose initial stress by 'K0' "
                     "counts bodies with a 'K0' and a 'Shape' only: " +
-                    rounded(above.second * first_gravity.norm()) +
-                    (dim == 2 ? " N / m" : " N") +
+                    rounded(above.second * first_gravity.norm()) + ' ' +
+                    unit_of_sums("N", dim, parameters.grid) +
                     " are not in balance. A quasi-static stage finds the "
                     "equilibrium, or 'Stress' gives the stress of both.");
               }

@@ -186,15 +186,27 @@ namespace greville
         return ensemble.first().state();
       }
 
+      bool
+      is_axisymmetric() const
+      {
+        return parameters.grid.is_axisymmetric();
+      }
+
       /**
        * Mass and volume, which show shapes and units that are not meant.
        */
       void
       print_bodies()
       {
-        out << "  body             "
-            << (dim == 2 ? "  mass, kg/m" : "    mass, kg")
-            << (dim == 2 ? "     area, m^2" : "   volume, m^3") << '\n';
+        out << "  body             " << std::right << std::setw(13)
+            << (dim == 3            ? "mass, kg"
+                : is_axisymmetric() ? "mass, kg/rad"
+                                    : "mass, kg/m")
+            << std::setw(14)
+            << (dim == 3            ? "volume, m^3"
+                : is_axisymmetric() ? "vol., m^3/rad"
+                                    : "area, m^2")
+            << '\n';
         for (const Body<dim> &body : ensemble.bodies())
           {
             double mass = 0., volume = 0.;
@@ -218,9 +230,14 @@ namespace greville
       {
         if (parameters.general.surface_loads.empty())
           return;
-        out << "  surface load     "
-            << (dim == 2 ? "   length, m" : "   area, m^2")
-            << (dim == 2 ? "   force, N/m" : "   force, N") << '\n';
+        out << "  surface load     " << std::right << std::setw(12)
+            << (dim == 3            ? "area, m^2"
+                : is_axisymmetric() ? "area, m^2/rad"
+                                    : "length, m")
+            << (dim == 3            ? "   force, N"
+                : is_axisymmetric() ? "   force, N/rad"
+                                    : "   force, N/m")
+            << '\n';
         for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
           {
             const Simulation<dim>  &part = ensemble.part(k);

@@ -251,7 +251,7 @@ namespace greville
       {
         body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
           const double x = p.position(0);
-          const double y = p.position(1) + 0.5 * std::pow(p.volume(), 1. / dim);
+          const double y = p.position(1) + 0.5 * p.extent(body.points.layout());
           for (unsigned int k = 0; k < surface.size(); ++k)
             if (std::abs(x - surface[k][0]) <= 0.5 * h)
               heights[k] = std::max(heights[k], y);
@@ -305,7 +305,7 @@ namespace greville
     for (const Body<dim> &body : bodies)
       body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
         if (is_wrong(p))
-          area += p.volume0();
+          area += p.volume0() / body.points.layout().thickness(p.reference());
       });
     return Utilities::MPI::sum(area, comm) / length;
   }

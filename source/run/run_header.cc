@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/parameters/unit_of_sums.h>
 #include <greville/run/run_header.h>
 
 #include <algorithm>
@@ -186,8 +187,8 @@ namespace greville
     const Loads<dim> loads(parameters);
     const double     weight = Utilities::MPI::sum(mass, comm) *
                           loads.gravity(first.state().time).norm();
-    out << "  initial state: " << std::setprecision(3) << force
-        << (dim == 2 ? " N / m" : " N") << " are not in balance";
+    out << "  initial state: " << std::setprecision(3) << force << ' '
+        << unit_of_sums("N", dim, parameters.grid) << " are not in balance";
     if (weight > 0.)
       out << ", " << 100. * force / weight << " % of the weight";
     out << "\n\n";

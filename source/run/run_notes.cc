@@ -140,13 +140,21 @@ namespace greville
   std::string
   unit_of(const std::string &file,
           const std::string &column,
-          const unsigned int dim)
+          const unsigned int dim,
+          const bool         is_axisymmetric)
   {
     for (const ColumnUnit &candidate : units)
       if (file == candidate.file && is_one_of(column, candidate.begin))
-        return dim == 2 ? candidate.unit_2d : candidate.unit;
+        {
+          const std::string unit = candidate.unit, unit_2d = candidate.unit_2d;
+          if (dim == 3 || unit == unit_2d)
+            return unit;
+          return is_axisymmetric ? unit + " / rad" : unit_2d;
+        }
     // Probes have fields of points.
-    return file == "probes.csv" ? unit_of("points.pvd", column, dim) : "";
+    return file == "probes.csv"
+             ? unit_of("points.pvd", column, dim, is_axisymmetric)
+             : "";
   }
 
 
@@ -270,10 +278,11 @@ namespace greville
 
 
   void
-  RunNotes::write_units(const unsigned int                        dim,
-                        const std::vector<std::string>           &columns,
-                        const std::vector<std::string>           &probes,
-                        const std::vector<std::string>           &fields,
+  RunNotes::write_units(const unsigned int              dim,
+                        const bool                      is_axisymmetric,
+                        const std::vector<std::string> &columns,
+                        const std::vector<std::string> &probes,
+                        const std::vector<std::string> &fields,
                         const std::map<std::string, std::string> &history)
   {
     std::ostringstream text;
@@ -284,7 +293,7 @@ namespace greville
         text << file << ',' << name << ','
              << (file == "points.pvd" && history.count(name) > 0
                    ? history.at(name)
-                   : unit_of(file, name, dim))
+                   : unit_of(file, name, dim, is_axisymmetric))
              << '\n';
     };
     add("statistics.csv", columns);

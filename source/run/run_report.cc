@@ -4,6 +4,7 @@
 
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
+#include <greville/parameters/unit_of_sums.h>
 #include <greville/run/simulation_run.h>
 
 #include <algorithm>
@@ -167,7 +168,7 @@ namespace greville
       out << std::setprecision(3)
           << "  numerical loss of energy: " << 100. * summary.relative_loss
           << " % of the largest energy or work (" << summary.numerical_loss
-          << (dim == 2 ? " J / m)" : " J)") << '\n';
+          << ' ' << unit_of_sums("J", dim, parameters.grid) << ")\n";
     print_errors(out, "displacement", summary.errors.displacement);
     print_errors(out, "velocity", summary.errors.velocity);
     print_errors(out, "stress", summary.errors.stress);

@@ -128,7 +128,12 @@ namespace greville
       for (const std::string &name : body.material->state_names())
         if (!body.material->state_unit(name).empty())
           history[name] = body.material->state_unit(name);
-    notes.write_units(dim, columns(), probes.columns(), fields, history);
+    notes.write_units(dim,
+                      parameters.grid.is_axisymmetric(),
+                      columns(),
+                      probes.columns(),
+                      fields,
+                      history);
     for (const Body<dim> &body : ensemble.bodies())
       n_points += body.n_points;
     first_step = common().n_steps;

@@ -275,17 +275,12 @@ namespace greville
           const auto         &layout     = surface.points.layout();
           const unsigned int  slip       = layout.first("slip"),
                              before      = layout.first("before");
-          const unsigned int      normal = layout.first("normal");
           const PointField *const radius = layout.find("radius");
           surface.points.for_each(
             [&](const unsigned int, ConstPointRef<dim> p) {
               ContactPoint<dim> &point = points.emplace_back();
               point.side               = side;
-              SurfaceState<dim> at;
-              at.x      = p.position();
-              at.F      = p.matrix(PointLayout<dim>::F);
-              at.normal = p.vector(normal);
-              set_place(point, p, at, radius);
+              set_place(point, p, surface_state<dim>(p, layout), radius);
               point.slip = p.vector(slip);
               if (state.step > 0.)
                 point.motion = point.x - Point<dim>(p.vector(before));

@@ -31,15 +31,6 @@ namespace greville
 
 
 
-    template <int dim>
-    double
-    spacing_of(const double volume)
-    {
-      return dim == 2 ? std::sqrt(volume) : std::cbrt(volume);
-    }
-
-
-
     /**
      * A material point that may be one of the outermost layer.
      */
@@ -115,8 +106,11 @@ namespace greville
           p.velocity(d)                 = from.velocity(d);
         }
       p.id()   = from.id();
-      p.mass() = std::pow(candidate.spacing, dim - 1);
-      p.J()    = 1.;
+      p.mass() = std::pow(candidate.spacing, dim - 1) *
+                 layout.thickness(from.position());
+      if (layout.is_axisymmetric())
+        p[layout.radius0] = from.position(0);
+      p.J() = 1.;
       p.set_F(unit_symmetric_tensor<3>());
       return row;
     }
@@ -220,9 +214,9 @@ namespace greville
     for (const Place &place : contact.sides[0])
       body_of(place).points.for_each(
         [&](const unsigned int, const ConstPointRef<dim> p) {
-          largest = std::max(largest, p.volume());
+          largest = std::max(largest, p.extent(body_of(place).points.layout()));
         });
-    largest = spacing_of<dim>(Utilities::MPI::max(largest, comm));
+    largest = Utilities::MPI::max(largest, comm);
     for (Place &place : contact.sides[0])
       {
         MaterialPoints<dim>        &all  = body_of(place).points;
@@ -239,12 +233,13 @@ namespace greville
               cell.distance - p.position().distance(cell.center);
             if (distance > largest)
               return;
-            const double spacing = spacing_of<dim>(p.volume());
+            const double spacing = p.extent(all.layout());
             if (distance > spacing)
               return;
             ContactPoint<dim> &point = points.emplace_back();
             point.x                  = p.position();
-            point.area               = std::pow(spacing, dim - 1);
+            point.area =
+              std::pow(spacing, dim - 1) * all.layout().thickness(p.position());
             candidates.push_back({p, cell.cell, spacing});
           });
         ends.push_back(points.size());

@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
+#include <greville/parameters/unit_of_sums.h>
 #include <greville/steps/contact.h>
 #include <greville/steps/implicit_steps.h>
 
@@ -152,7 +153,9 @@ namespace greville
     static const char *names = "xyz";
     const auto &is_held      = system.finest().extended().unknowns().has_held();
     std::string free;
-    for (unsigned int d = 0; d < dim; ++d)
+    // Rings resist radial motion.
+    for (unsigned int d = parameters.grid.is_axisymmetric() ? 1 : 0; d < dim;
+         ++d)
       if (!is_held[d])
         free += (free.empty() ? "" : ", ") + std::string(1, names[d]);
     if (!free.empty())
@@ -187,8 +190,8 @@ namespace greville
         const auto i =
           multi_index<dim>(space.owned_functions()[place], space.n_functions());
         std::ostringstream message;
-        message << "; the largest residual, " << all
-                << (dim == 2 ? " N / m" : " N") << ", is at (";
+        message << "; the largest residual, " << all << ' '
+                << unit_of_sums("N", dim, parameters.grid) << ", is at (";
         for (unsigned int d = 0; d < dim; ++d)
           message << (d == 0 ? "" : ", ")
                   << space.knots(d).greville_abscissa(i[d]);

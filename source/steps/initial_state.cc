@@ -58,8 +58,6 @@ namespace greville
     check_overlap(const std::vector<Body<dim>> &bodies,
                   const SplineSpace<dim>       &space)
     {
-      const double cell_volume = space.lattice().cell_volume();
-
       // Fractions of cells: where the bodies before fill more than what this
       // one leaves, two of them are in the same place.
       const unsigned int  n_cells = space.owned_cells().size();
@@ -69,7 +67,7 @@ namespace greville
           const auto &points = bodies[b].points;
           std::fill(own.begin(), own.end(), 0.);
           points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
-            own[cell] += p.volume() / cell_volume;
+            own[cell] += p.volume() / cell_volume(space, cell, points.layout());
           });
           std::string message;
           for (unsigned int cell = 0; cell < n_cells; ++cell)
@@ -106,9 +104,8 @@ namespace greville
       // Volumes in both of two bodies are errors above these parts of a cell,
       // and of the smaller body.
       constexpr double    most_of_cell = 0.4, most_of_body = 0.5;
-      const double        cell_volume = space.lattice().cell_volume();
-      const std::size_t   n_bodies    = bodies.size();
-      const unsigned int  n_cells     = space.owned_cells().size();
+      const std::size_t   n_bodies = bodies.size();
+      const unsigned int  n_cells  = space.owned_cells().size();
       std::vector<double> common(n_bodies * n_bodies, 0.), volumes(n_bodies);
       std::vector<double> largest(common);
       std::vector<unsigned int> cells(common.size(), 0);
@@ -169,7 +166,10 @@ namespace greville
           {
             const std::size_t pair = a * n_bodies + b;
             if (largest[pair] > 0. && message.empty() &&
-                (largest[pair] > most_of_cell * cell_volume ||
+                (largest[pair] >
+                   most_of_cell * cell_volume(space,
+                                              cells[pair],
+                                              bodies[a].points.layout()) ||
                  common[pair] >
                    most_of_body * std::min(volumes[a], volumes[b])))
               message =
@@ -289,6 +289,8 @@ namespace greville
             layout.add_projected_J();
           if (parameters.scheme.averages_over_domains())
             layout.add_domain();
+          if (parameters.grid.is_axisymmetric())
+            layout.add_radius0();
         }
     }
   } // namespace

@@ -41,16 +41,23 @@ namespace greville
                                                  body.J_hat,
                                                  body.share)
                                  .data();
-        const Tensor<2, dim> *derivative = body.derivatives.data();
+        const Tensor<2, dim>   *derivative = body.derivatives.data();
+        const double           *of_hoop    = body.hoop_derivatives.data();
+        const PointLayout<dim> &layout     = points.layout();
         for (const unsigned int cell : points.cells())
           {
             trials.clear();
             points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-              trials.push_back({p.basis_position(points.layout()),
-                                p.volume(),
-                                *change++ * *derivative++,
-                                {},
-                                {}});
+              TrialPoint<dim> &trial = trials.emplace_back();
+              trial.x                = p.basis_position(layout);
+              trial.volume           = p.volume();
+              trial.P                = *change * *derivative++;
+              if (layout.is_axisymmetric())
+                {
+                  trial.hoop.radius = radius_of_F<dim>(p, layout);
+                  trial.hoop.P      = *change * *of_hoop++;
+                }
+              ++change;
             });
             sums.add_force(cell, trials);
           }

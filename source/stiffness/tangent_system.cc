@@ -107,24 +107,41 @@ namespace greville
 
 
     /**
-     * The derivative of P of a point by the logarithm of J hat: that of an even
-     * expansion, 1 / dim in each direction, without what it does to f. Leave a
-     * @p share of it in the derivative by f.
+     * Append the derivative of P of a point by the logarithm of J hat: that of
+     * an even expansion, 1 / dim in each direction (1 / 3 in axisymmetry),
+     * without what it does to f. Leave a share of it in the derivative by f.
      */
     template <int dim>
-    Tensor<2, dim>
-    take_volume_stiffness(TrialPoint<dim> &point, const double share)
+    void
+    take_volume_stiffness(TrialPoint<dim> &point, ProjectedBody<dim> &projected)
     {
-      Tensor<2, dim> D =
-        (1. - dim) / dim * point.P * invert(transpose(point.map));
+      auto          &hoop            = point.hoop;
+      const bool     is_axisymmetric = hoop.radius > 0.;
+      const double   rest            = 1. - projected.share;
+      const double   n               = is_axisymmetric ? 3 : dim;
+      Tensor<2, dim> D = (1. - n) / n * point.P * invert(transpose(point.map));
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
           {
-            D[i][j] += trace(point.A[i][j]) / dim;
+            D[i][j] += trace(point.A[i][j]) / n;
+            if (is_axisymmetric)
+              {
+                D[i][j] += hoop.f * hoop.by[i][j] / n;
+                hoop.by[i][j] -= rest * D[i][j] / hoop.f;
+              }
             for (unsigned int k = 0; k < dim; ++k)
-              point.A[i][j][k][k] -= (1. - share) * D[i][j];
+              point.A[i][j][k][k] -= rest * D[i][j];
           }
-      return D * transpose(point.map);
+      if (is_axisymmetric)
+        {
+          const double of_hoop =
+            (1. - n) / n * hoop.P + (trace(hoop.of) + hoop.f * hoop.A) / n;
+          for (unsigned int k = 0; k < dim; ++k)
+            hoop.of[k][k] -= rest * of_hoop;
+          hoop.A -= rest * of_hoop / hoop.f;
+          projected.hoop_derivatives.push_back(of_hoop);
+        }
+      projected.derivatives.push_back(D * transpose(point.map));
     }
 
 
@@ -164,7 +181,9 @@ namespace greville
         for (const TrialBody<dim> &body : bodies)
           are_symmetric =
             are_symmetric && body.material->has_symmetric_tangent();
-        tangents.clear(are_symmetric);
+        tangents.clear(are_symmetric,
+                       !bodies.empty() &&
+                         bodies[0].points->layout().is_axisymmetric());
         of_surfaces.clear_stiffness();
         if (projection)
           displacement = u;
@@ -177,6 +196,7 @@ namespace greville
         ProjectedBody<dim> projected{body.points,
                                      share_of_volume_stiffness(
                                        body.material->moduli()),
+                                     {},
                                      {},
                                      {}};
         if (projection)
@@ -203,9 +223,7 @@ namespace greville
                                if (projection)
                                  {
                                    for (TrialPoint<dim> &point : points)
-                                     projected.derivatives.push_back(
-                                       take_volume_stiffness(point,
-                                                             projected.share));
+                                     take_volume_stiffness(point, projected);
                                    of_cell = sum_moduli<dim>(points);
                                  }
                                sums_of_moduli[0] += of_cell[0];

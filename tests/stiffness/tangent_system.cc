@@ -287,6 +287,43 @@ test_main()
           .with("Scheme", {"Formulation = updated Lagrangian"}));
     }
 
+  // At the axis, and away from it.
+  const auto axisymmetric = [](const Text &text) {
+    return text.with("Grid", {"Geometry = axisymmetric"});
+  };
+  for (const std::string model :
+       {"linear-elastic", "neo-hookean", "von-mises", "mohr-coulomb"})
+    for (const unsigned int p : {1, 2, 3})
+      for (const std::string shape :
+           {"ball(0, 0, 0.53)", "box(0.21, 0, 0.73, 0.83)"})
+        {
+          Text text = axisymmetric(column_2d(8, p))
+                        .with("Body body",
+                              {"Shape = " + shape, "Clip at the grid = true"})
+                        .with("Material solid", {"Model = " + model});
+          if (model == "von-mises")
+            text = text.with("Material solid", {"Yield stress = 1"});
+          if (model == "mohr-coulomb")
+            text = text.with("Material solid", {"Cohesion = 1"});
+          check_derivative<2>("axisymmetric, " + model +
+                                ", p = " + std::to_string(p) + ", " + shape,
+                              text);
+        }
+  check_derivative<2>("axisymmetric, total Lagrangian",
+                      axisymmetric(
+                        deformed(column_2d(8, 2), "3 * x; x * y - 0.2 * y")));
+  for (const std::string projection : {"order p-1", "coarse mesh"})
+    check_derivative<2>("axisymmetric, " + projection,
+                        axisymmetric(projected(column_2d(8, 2),
+                                               "3 * x; x * y - 0.2 * y",
+                                               projection)));
+  check_range("axisymmetric dome",
+              Systems<2>(axisymmetric(dome_2d(32, 2).with(
+                           "Body body", {"Shape = ball(0, 0, 0.73)"})))
+                .iterations(0.),
+              3,
+              12);
+
   for (const unsigned int n : {16, 32})
     for (const unsigned int p : {1, 2, 3})
       {

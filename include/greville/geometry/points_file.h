@@ -47,8 +47,9 @@ namespace greville
    *
    * Throws as place_points(), and where a point lies outside of the grid or in
    * the place of another one, where volumes are larger than the grid, where the
-   * columns mass, volume and density contradict each other, or where the
-   * density is more than a thousand times larger or smaller than @p density.
+   * columns mass, volume and density contradict each other, where the
+   * density is more than a thousand times larger or smaller than @p density, or
+   * where a point of an axisymmetric body lies on the axis.
    */
   template <int dim>
   PointsOfFile<dim>
@@ -57,6 +58,7 @@ namespace greville
                  const double                                 density,
                  const std::vector<std::vector<std::string>> &wanted,
                  const bool                                   at_reference,
+                 const bool                                   is_axisymmetric,
                  const SplineSpace<dim>                      &space);
 
   /**

@@ -46,7 +46,27 @@ namespace greville
     std::vector<double>       upper    = {1., 1.};
     std::vector<unsigned int> cells    = {16, 16};
     unsigned int              degree   = 2;
+    std::string               geometry = "plane strain";
     bool                      per_body = false;
+
+    /**
+     * Whether x is the distance from an axis, and quantities are those per
+     * radian.
+     */
+    bool
+    is_axisymmetric() const
+    {
+      return geometry == "axisymmetric";
+    }
+
+    /**
+     * Whether it begins at the axis.
+     */
+    bool
+    has_axis() const
+    {
+      return is_axisymmetric() && lower[0] == 0.;
+    }
 
     /**
      * The numbers of the bodies of each velocity field of the grid, in the

@@ -194,6 +194,21 @@ namespace greville
     check_body_grids() const;
 
     /**
+     * Let 'Walls/Left' slide where it is free and the axis of symmetry.
+     */
+    void
+    make_axis();
+
+    /**
+     * check() of what does not go with axisymmetry, of all stages, and of one.
+     */
+    void
+    check_axisymmetry() const;
+
+    void
+    check_axisymmetry_of_stage() const;
+
+    /**
      * check() of contacts and rigid bodies.
      */
     void

@@ -251,6 +251,23 @@ namespace greville
     mutable std::vector<unsigned int> filled_cells;
     mutable bool                      filled_cells_are_valid = false;
   };
+
+
+
+  /**
+   * The volume of owned cell number @p cell that points of a @p layout fill.
+   */
+  template <int dim>
+  inline double
+  cell_volume(const SplineSpace<dim> &space,
+              const unsigned int      cell,
+              const PointLayout<dim> &layout)
+  {
+    const Lattice<dim> &lattice = space.lattice();
+    return lattice.cell_volume() *
+           layout.thickness(lattice.cell_center(
+             multi_index<dim>(space.owned_cells()[cell], lattice.n_cells())));
+  }
 } // namespace greville
 
 #endif

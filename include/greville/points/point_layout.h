@@ -34,6 +34,8 @@ namespace greville
    *     where changes of volume are projected (VolumeProjection),
    *   "domain", dim numbers: half of the edges of the box around the point of
    *     the stress-free state over which gradients are averaged, m,
+   *   "radius0", one number: of axisymmetric points (x is the distance r from
+   *     the axis), their r in the stress-free state, m: F_zz = r / radius0,
    * and of what else somebody keeps at points (PointLoad) that there are.
    */
   template <int dim>
@@ -47,9 +49,9 @@ namespace greville
     static constexpr unsigned int position = 0;
     /// v, m / s.
     static constexpr unsigned int velocity = position + dim;
-    /// m, kg (in 2D per metre of thickness).
+    /// m, kg (in 2D per metre of thickness, or per radian).
     static constexpr unsigned int mass = velocity + dim;
-    /// V0, volume of the stress-free state, m^3 (in 2D m^2).
+    /// V0, volume of the stress-free state, m^3 (in 2D m^2, or m^3 per radian).
     static constexpr unsigned int volume0 = mass + 1;
     /// J = V / V0.
     static constexpr unsigned int J = volume0 + 1;
@@ -136,6 +138,33 @@ namespace greville
     {
       add("projected_J", 1);
       projected_J = first("projected_J");
+    }
+
+    /// "radius0", 0 where there is none: in plane strain.
+    unsigned int radius0 = 0;
+
+    void
+    add_radius0()
+    {
+      add("radius0", 1);
+      radius0 = first("radius0");
+    }
+
+    bool
+    is_axisymmetric() const
+    {
+      return dim == 2 && radius0 != 0;
+    }
+
+    /**
+     * The volume per area of the plane of coordinates at @p x: the radius of
+     * axisymmetric points, whose quantities are those per radian, else 1.
+     */
+    template <typename Position>
+    double
+    thickness(const Position &x) const
+    {
+      return is_axisymmetric() ? x[0] : 1.;
     }
 
     /// "domain", 0 where there is none.

@@ -122,6 +122,17 @@ namespace greville
       return volume0() * J();
     }
 
+    /**
+     * The extent along the axes of a square or cube of the volume; of an
+     * axisymmetric point in the plane of coordinates.
+     */
+    double
+    extent(const Layout &layout) const
+    {
+      return dim == 2 ? std::sqrt(volume() / layout.thickness(position()))
+                      : std::cbrt(volume());
+    }
+
     Number &
     wave_modulus() const
     {
@@ -228,17 +239,35 @@ namespace greville
 
 
   /**
-   * Multiply the determinant of a deformation gradient by @p ratio, in 2D
-   * without a change of thickness.
+   * Multiply the determinant of a deformation gradient by @p ratio, in plane
+   * strain without a change of thickness.
    */
   template <int dim>
   inline void
-  scale_volume(dealii::Tensor<2, 3> &F, const double ratio)
+  scale_volume(dealii::Tensor<2, 3>   &F,
+               const double            ratio,
+               const PointLayout<dim> &layout)
   {
-    const double factor = dim == 2 ? std::sqrt(ratio) : std::cbrt(ratio);
+    const bool   is_plane = dim == 2 && !layout.is_axisymmetric();
+    const double factor   = is_plane ? std::sqrt(ratio) : std::cbrt(ratio);
     for (unsigned int i = 0; i < dim; ++i)
       for (unsigned int j = 0; j < dim; ++j)
         F[i][j] *= factor;
+    if (dim == 2 && !is_plane)
+      F[2][2] *= factor;
+  }
+
+
+
+  /**
+   * The radius of an axisymmetric point, to which the increment of F_zz in a
+   * step that moves it to the radius r is relative: r over it.
+   */
+  template <int dim>
+  inline double
+  radius_of_F(const ConstPointRef<dim> p, const PointLayout<dim> &layout)
+  {
+    return p[layout.radius0] * p.F(2, 2);
   }
 
 
@@ -262,7 +291,7 @@ namespace greville
     if (layout.projected_J != 0)
       {
         point.J = p[layout.projected_J];
-        scale_volume<dim>(point.F, point.J / p.J());
+        scale_volume<dim>(point.F, point.J / p.J(), layout);
       }
     for (unsigned int d = 0; d < dim; ++d)
       point.position[d] = p.position(d);

@@ -20,7 +20,9 @@ namespace greville
    * It is applied point by point, and its matrices of cells are made from it,
    * for spaces of any order on the same mesh. Points are stored in groups of
    * four, cell by cell: position, and C as a matrix of pairs (iJ) and (kL), of
-   * which symmetric ones have the upper half, 45 numbers in 3D.
+   * which symmetric ones have the upper half, 45 numbers in 3D. Axisymmetric
+   * points have a fifth pair, that of f_zz = 1 + u_r / r, which multiplies N in
+   * place of a derivative: C has the factor 1 / r for it.
    */
   template <int dim>
   class PointTangents
@@ -34,10 +36,10 @@ namespace greville
 
     /**
      * Forget the points. All that follow are @p symmetric, or all of them are
-     * stored in full.
+     * stored in full; and all are @p axisymmetric, or none.
      */
     void
-    clear(const bool symmetric);
+    clear(const bool symmetric, const bool axisymmetric);
 
     bool
     is_symmetric() const
@@ -99,18 +101,18 @@ namespace greville
     unsigned int
     n_numbers() const
     {
-      constexpr unsigned int n = dim * dim;
+      const unsigned int n = dim * dim + (axisymmetric ? 1 : 0);
       return dim + (symmetric ? n * (n + 1) / 2 : n * n);
     }
 
-    template <int n, bool is_symmetric>
+    template <int n, bool is_symmetric, bool with_hoop>
     void
     multiply(double                   *y,
              const double             *x,
              const StencilMatrix<dim> &places) const;
 
     SpacePolynomials<dim>   tables;
-    bool                    symmetric = true;
+    bool                    symmetric = true, axisymmetric = false;
     std::vector<CellPoints> cells;
     std::vector<double>     numbers; // [cell][group][number][lane]
   };

@@ -20,10 +20,10 @@ namespace greville
   /**
    * Points on a part of the surface of a body, which move and deform with it
    * and bear one load. What is their mass for others is their initial area dA0,
-   * m^2 (in 2D m), so that sums over points take their field "load" as the
-   * force per initial area, Pa. They have no volume, no stress and no material;
-   * F is that from the initial positions, and the field "normal" the normal
-   * there, outwards.
+   * m^2 (in 2D m, or m^2 per radian), so that sums over points take their field
+   * "load" as the force per initial area, Pa. They have no volume, no stress
+   * and no material; F is that from the initial positions, and the field
+   * "normal" the normal there, outwards.
    */
   template <int dim>
   struct Surface
@@ -59,6 +59,7 @@ namespace greville
     dealii::Tensor<2, dim> F;
     /// m / s
     dealii::Tensor<1, dim> velocity;
+    bool                   is_axisymmetric = false;
 
     /**
      * The normal today times the area over the initial one: J F^-T N.
@@ -77,6 +78,8 @@ namespace greville
               const int c = (j + 1) % 3, d = (j + 2) % 3;
               result[i] += (F[a][c] * F[b][d] - F[a][d] * F[b][c]) * normal[j];
             }
+      if (is_axisymmetric)
+        result *= x[0] / X[0];
       return result;
     }
   };

@@ -31,7 +31,7 @@ namespace greville
   {
     /// Where the basis functions are taken, m.
     dealii::Point<dim> x;
-    /// Volume at the start, m^3 (in 2D m^2).
+    /// Volume at the start, m^3 (in 2D m^2, or m^3 per radian).
     double volume;
     /// The first Piola-Kirchhoff stress relative to the begin, Pa.
     dealii::Tensor<2, dim> P;
@@ -42,6 +42,23 @@ namespace greville
     /// Half of the edges of the domain over which gradients are averaged in
     /// cells that reach their neighbours (CellWindows), m.
     dealii::Tensor<1, dim> domain = {};
+
+    /**
+     * What the zz entries add in axisymmetry: f_zz = 1 + u_r / radius.
+     */
+    struct Hoop
+    {
+      /// m; 0 in plane strain, where nothing below counts.
+      double radius = 0.;
+      /// The increment, and P_zz.
+      double f = 1., P = 0.;
+      /// dP_zz / df_zz, dP_zz / df_kL = of_kl map_Ll, dP_iJ / df_zz =
+      /// map_Jj by_ij.
+      double                 A = 0.;
+      dealii::Tensor<2, dim> of, by;
+    };
+
+    Hoop hoop = {};
   };
 
 
@@ -76,6 +93,10 @@ namespace greville
    * Points of total Lagrangian steps (PointLayout::basis_position) have the
    * basis functions at X: f = 1 + grad_X u F_n^-1, and P and its derivative are
    * those times F_n^-T, which belong to gradients with respect to X.
+   *
+   * Axisymmetric points have the entry f_zz = 1 + N u_r / r_n as well (u_r / X
+   * in total Lagrangian steps gives the same), and the component r of the force
+   * gets V_n P_zz N / r_n.
    *
    * With the J hat of a VolumeProjection, the material sees it in place of J,
    * sigma is its answer, and f remains that of the motion. The derivative is

@@ -18,6 +18,8 @@ namespace greville
     double                              share;
     std::vector<double>                 J_hat;
     std::vector<dealii::Tensor<2, dim>> derivatives;
+    /// Of P_zz, in axisymmetry.
+    std::vector<double> hoop_derivatives;
   };
 
 

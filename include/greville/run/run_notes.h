@@ -72,6 +72,7 @@ namespace greville
      */
     void
     write_units(const unsigned int                        dim,
+                const bool                                is_axisymmetric,
                 const std::vector<std::string>           &columns,
                 const std::vector<std::string>           &probes,
                 const std::vector<std::string>           &fields,
@@ -96,12 +97,13 @@ namespace greville
    * The unit of a column of statistics.csv, probes.csv or newton.csv, or of a
    * field of points.pvd, grid.pvd or surface.pvd; "1" where it has none, and
    * empty where it is not known, as that of the history of a material of a
-   * program's own. In 2D sums are per metre of thickness.
+   * program's own. In 2D sums are per metre of thickness, or per radian.
    */
   std::string
   unit_of(const std::string &file,
           const std::string &column,
-          const unsigned int dim);
+          const unsigned int dim,
+          const bool         is_axisymmetric = false);
 } // namespace greville
 
 #endif

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_parameters_unit_of_sums_h
+#define greville_parameters_unit_of_sums_h
+
+#include <greville/parameters/section_parameters.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * The unit of sums over points that have the @p unit in 3D, such as "N": "N /
+   * m" in plane strain, and "N / rad" in axisymmetry.
+   */
+  inline std::string
+  unit_of_sums(const std::string    &unit,
+               const unsigned int    dim,
+               const GridParameters &grid)
+  {
+    return unit + (dim == 3 ? "" : grid.is_axisymmetric() ? " / rad" : " / m");
+  }
+} // namespace greville
+
+#endif
