@@ -12,26 +12,41 @@ namespace greville
   namespace
   {
     /**
-     * The place of entry (r, s), r <= s, in the upper half of a matrix of pairs
-     * of directions.
+     * The number of entry (r, s), r <= s if @p symmetric, of a matrix of n
+     * pairs.
      */
-    template <int dim>
+    template <int n, bool symmetric>
     constexpr int
-    upper(const int r, const int s)
+    entry_of(const int r, const int s)
     {
-      constexpr int n = dim * dim;
-      return r * n - r * (r - 1) / 2 + s - r;
+      return symmetric ? r * n - r * (r - 1) / 2 + s - r : r * n + s;
     }
 
 
 
     /**
-     * V dP_iJ / df_kL.
+     * V dP_iJ / df_kL, with the pair of f_zz last.
      */
     template <int dim>
     void
-    pull_back(const TrialPoint<dim> &point, double (&C)[dim * dim][dim * dim])
+    pull_back(const TrialPoint<dim> &point,
+              double (&C)[dim * dim + 1][dim * dim + 1])
     {
+      if (point.hoop.radius > 0.)
+        {
+          const auto          &hoop   = point.hoop;
+          const double         factor = point.volume / hoop.radius;
+          const Tensor<2, dim> of     = factor * hoop.of * transpose(point.map);
+          const Tensor<2, dim> by     = factor * hoop.by * transpose(point.map);
+          for (int i = 0; i < dim; ++i)
+            for (int j = 0; j < dim; ++j)
+              {
+                C[dim * dim][i * dim + j] = of[i][j];
+                C[i * dim + j][dim * dim] = by[i][j];
+              }
+          C[dim * dim][dim * dim] = factor / hoop.radius * hoop.A;
+        }
+
       // [i][j][k][L], then [i][J][k][L].
       double B[dim][dim][dim][dim];
       for (int i = 0; i < dim; ++i)
