@@ -128,10 +128,14 @@ namespace greville
           }
         else
           for (TangentSystem *system : used)
-            system->excess_iterations +=
-              std::max(0.,
-                       *result.iterations -
-                         digits(result) * system->first_iterations);
+            {
+              const double excess =
+                std::max(0.,
+                         *result.iterations -
+                           digits(result) * system->first_iterations);
+              system->excess_iterations += excess;
+              system->wants_entries = excess > 1.;
+            }
       }
     if (used.empty())
       result = run(parameters.max_iterations);

@@ -334,13 +334,13 @@ namespace greville
 
   template <int dim>
   void
-  TangentSystem<dim>::make_multigrid(const bool with_levels)
+  TangentSystem<dim>::make_multigrid()
   {
     PMultigridParameters             cycle    = parameters.multigrid;
     SmootherParameters               smoother = parameters.smoother;
     typename PMultigrid<dim>::Levels operators;
     choose_smoother(cycle, smoother);
-    if (!with_levels)
+    if (!has_levels)
       cycle.coarsening = "none";
     else
       for (unsigned int l = 0; l + 1 < levels.size(); ++l)
@@ -378,21 +378,22 @@ namespace greville
   TangentSystem<dim>::set_up()
   {
     assemble(levels.size() - 1);
-    bool with_levels = needs_levels(mass_factor);
+    has_levels = needs_levels(mass_factor);
     // Tangents of bodies that fail are indefinite, and some have no
     // factorization.
     try
       {
-        for (unsigned int l = 0; with_levels && l + 1 < levels.size(); ++l)
+        for (unsigned int l = 0; has_levels && l + 1 < levels.size(); ++l)
           assemble(l);
-        make_multigrid(with_levels);
+        make_multigrid();
       }
     catch (const ErrorOnAll &)
       {
-        if (!with_levels)
+        if (!has_levels)
           throw;
         levels_fail = true;
-        make_multigrid(false);
+        has_levels  = false;
+        make_multigrid();
       }
     mass_factor_of_set_up = mass_factor;
     excess_iterations     = 0.;
@@ -433,6 +434,12 @@ namespace greville
     assemble_entries();
     if (!is_reusable(mass_factor))
       set_up();
+    else if (wants_entries)
+      for (unsigned int l = has_levels ? 0 : levels.size() - 1;
+           l < levels.size();
+           ++l)
+        assemble(l);
+    wants_entries = false;
   }
 
 

@@ -24,7 +24,8 @@ namespace greville
    * methods are preconditioned by p-multigrid: PMultigrid on one TangentLevel
    * for each order, assembled in single precision from the same points. The
    * set-up of a preconditioner (entries, factorizations, eigenvalues, coarse
-   * levels) serves following systems, too, as long as it pays.
+   * levels) serves following systems, too, as long as it pays; after a system
+   * with more iterations than expected the next one has new entries.
    *
    * A VolumeProjection couples functions beyond their stencils. K then resists
    * changes of volume not much more than shear, and serves the preconditioner;
@@ -275,7 +276,7 @@ namespace greville
 
     /// Collective. Likewise, without the second try.
     void
-    make_multigrid(const bool with_levels);
+    make_multigrid();
 
     /// Collective. The smoother, where it is 'auto', and its parameters.
     void
@@ -311,7 +312,8 @@ namespace greville
     double                force_of_strain = 0.;
 
     // Of the set-up; iterations are those for a tenth of the residual.
-    bool         is_fresh              = false;
+    bool         has_levels = false, is_fresh = false;
+    bool         wants_entries         = false; // new ones, for the next system
     bool         levels_fail           = false; // for these unknowns
     double       mass_factor_of_set_up = 0.;
     double       mass_factor           = 0.; // of the operator
