@@ -90,7 +90,7 @@ namespace greville
     , fields(directory, parameters.output)
     , probes(parameters.output.probes,
              parameters.output.fields,
-             ensemble.bodies(),
+             ensemble.bodies_of_all_stages().list,
              comm)
     , notes(directory, out, comm)
     , reactions(reactions_of<dim>(parameters))
