@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Bodies and materials of the stages of a simulation.
+// The stages of a simulation, with their bodies and materials.
 
 #include <deal.II/base/utilities.h>
 
@@ -41,6 +41,43 @@ namespace greville
                              did_you_mean(name, names)));
     }
   } // namespace
+
+
+
+  void
+  SimulationParameters::enter_stage(const unsigned int stage)
+  {
+    if (stages.empty())
+      return;
+    AssertIndexRange(stage, stages.size());
+    static_cast<StageSections &>(*this) = stages[stage];
+    if (stage > 0)
+      time.start = stages[stage - 1].time.end;
+    for (const auto &[body, material] : stages[stage].material_of)
+      bodies.at(body).material = material;
+  }
+
+
+
+  bool
+  SimulationParameters::has_ramp() const
+  {
+    return stages.empty()
+             ? !time.ramp.empty()
+             : std::any_of(stages.begin(), stages.end(), [](const auto &stage) {
+                 return !stage.time.ramp.empty();
+               });
+  }
+
+
+
+  std::string
+  SimulationParameters::stage_text(const unsigned int stage) const
+  {
+    return stages.empty() ? ""
+                          : "Stage " + std::to_string(stage + 1) + " (" +
+                              stages[stage].name + "): ";
+  }
 
 
 
