@@ -114,6 +114,7 @@ namespace greville
                       boost::algorithm::join(general.materials, ", ") + "." +
                       did_you_mean(body.second.material, general.materials)));
       }
+    check_construction();
     if (stages.empty())
       check_stage();
     for (unsigned int k = 0; k < stages.size(); ++k)

@@ -189,6 +189,36 @@ namespace greville
 
 
     /**
+     * The text of a parameter file without what stages have of the whole run:
+     * a run that goes on with another value gives it once.
+     */
+    std::string
+    without_common_times(const std::string &text)
+    {
+      std::istringstream       in(text);
+      std::string              result;
+      std::vector<std::string> sections;
+      for (std::string line; std::getline(in, line);)
+        {
+          const std::string words = Utilities::trim(line);
+          if (words.compare(0, 11, "subsection ") == 0)
+            sections.push_back(words.substr(11));
+          else if (words == "end" && !sections.empty())
+            sections.pop_back();
+          const bool is_common =
+            sections.size() == 2 && sections[0].compare(0, 6, "Stage ") == 0 &&
+            sections[1] == "Time" &&
+            (words.compare(0, 9, "set Start") == 0 ||
+             words.compare(0, 17, "set Maximum steps") == 0);
+          if (!is_common)
+            result += line + '\n';
+        }
+      return result;
+    }
+
+
+
+    /**
      * The lines of some sections, which begin with a name that is cut off.
      */
     std::vector<ParameterLine>
@@ -312,6 +342,7 @@ namespace greville
         if (stage.scheme.mass == "auto")
           stage.scheme.mass = default_mass(stage.scheme);
       }
+    find_materials();
     if (!stages.empty())
       enter_stage(0);
     if (scheme.mass == "auto")
@@ -356,7 +387,7 @@ namespace greville
       locate("Rigid body " + name, "Shape file", body.shape_file);
     std::ostringstream text;
     prm.print_parameters(text, ParameterHandler::PRM);
-    used_text = text.str();
+    used_text = without_common_times(text.str());
 
     for (const auto &law : laws)
       law.second->reinit("Material " + law.first);
@@ -452,41 +483,6 @@ namespace greville
     general.rigid_bodies.push_back(ContactParameters::walls);
     rigid_bodies[ContactParameters::walls].shape =
       n_planes == 1 ? shape.str() : "union(" + shape.str() + ")";
-  }
-
-
-
-  void
-  SimulationParameters::enter_stage(const unsigned int stage)
-  {
-    if (stages.empty())
-      return;
-    AssertIndexRange(stage, stages.size());
-    static_cast<StageSections &>(*this) = stages[stage];
-    if (stage > 0)
-      time.start = stages[stage - 1].time.end;
-  }
-
-
-
-  bool
-  SimulationParameters::has_ramp() const
-  {
-    return stages.empty()
-             ? !time.ramp.empty()
-             : std::any_of(stages.begin(), stages.end(), [](const auto &stage) {
-                 return !stage.time.ramp.empty();
-               });
-  }
-
-
-
-  std::string
-  SimulationParameters::stage_text(const unsigned int stage) const
-  {
-    return stages.empty() ? ""
-                          : "Stage " + std::to_string(stage + 1) + " (" +
-                              stages[stage].name + "): ";
   }
 
 

@@ -283,6 +283,14 @@ namespace greville
   void
   StageParameters::declare(ParameterHandler &prm)
   {
+    add_parameter(prm, "Bodies", bodies)(
+      "Names of the bodies that are there in this stage, or all. Those that "
+      "were not there before appear with the initial state of their sections; "
+      "those that are not named are taken away, and do not come back.");
+    add_parameter(prm, "Materials", materials)(
+      "Other materials of bodies in this stage, such as 'clay: weak clay, "
+      "wall: "
+      "concrete'; all others have that of their section. Stresses stay.");
     add_parameter(prm, "Reset displacements", reset_displacements)(
       "Displacements are counted from the begin of this stage: where points "
       "are then is their initial position X, Y (, Z), in files and formulas.");

@@ -51,7 +51,8 @@ namespace greville
   PointsCopy<dim>::copy(const MaterialPoints<dim> &points)
   {
     using Layout            = PointLayout<dim>;
-    const unsigned int size = points.layout().size;
+    layout                  = points.layout();
+    const unsigned int size = layout.size;
     cells                   = points.cells();
     counts.clear();
     exact.clear();
@@ -84,9 +85,8 @@ namespace greville
   void
   PointsCopy<dim>::restore(MaterialPoints<dim> &points) const
   {
-    using Layout                   = PointLayout<dim>;
-    const SplineSpace<dim> &space  = points.space();
-    const PointLayout<dim>  layout = points.layout();
+    using Layout                  = PointLayout<dim>;
+    const SplineSpace<dim> &space = points.space();
     std::vector<double>     p(layout.size);
     const double           *e = exact.data();
     const float            *r = rounded.data();

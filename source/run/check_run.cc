@@ -112,16 +112,17 @@ namespace greville
             ensemble.begin_with(other.content);
             out << "It would begin with <" << other.file << ">.\n\n";
           }
+        const auto        all = ensemble.bodies_of_all_stages();
         const Probes<dim> probes(parameters.output.probes,
                                  parameters.output.fields,
-                                 ensemble.bodies(),
+                                 all.list,
                                  comm);
         set_up = seconds_since(begin, comm);
         print_header(out, ensemble, parameters, comm);
         print_imbalance(out, ensemble, parameters, comm);
-        print_materials(out, ensemble.bodies());
-        print_tangents(out, ensemble.bodies(), comm);
-        print_bodies();
+        print_materials(out, all.list);
+        print_tangents(out, all.list, comm);
+        print_bodies(all.list);
         print_surface_loads();
         for (const std::string &note :
              input_notes(ensemble.bodies(), parameters, comm))
@@ -196,7 +197,7 @@ namespace greville
        * Mass and volume, which show shapes and units that are not meant.
        */
       void
-      print_bodies()
+      print_bodies(const BodyList<dim> &bodies)
       {
         out << "  body             " << std::right << std::setw(13)
             << (dim == 3            ? "mass, kg"
@@ -207,8 +208,11 @@ namespace greville
                 : is_axisymmetric() ? "vol., m^3/rad"
                                     : "area, m^2")
             << '\n';
-        for (const Body<dim> &body : ensemble.bodies())
+        for (const Body<dim> &body : bodies)
           {
+            // One of another material of a stage.
+            if (body.name.empty())
+              continue;
             double mass = 0., volume = 0.;
             body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
               mass += p.mass();

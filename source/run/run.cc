@@ -90,7 +90,7 @@ namespace greville
     , fields(directory, parameters.output)
     , probes(parameters.output.probes,
              parameters.output.fields,
-             ensemble.bodies(),
+             ensemble.bodies_of_all_stages().list,
              comm)
     , notes(directory, out, comm)
     , reactions(reactions_of<dim>(parameters))
@@ -324,7 +324,11 @@ namespace greville
     const bool   is_stage_end = is_last || ensemble.first().is_stage_finished();
     const bool   is_row_due =
       is_stage_end || now >= next_statistics || is_in_ramp();
-    if (is_last && now >= next_statistics && ensemble.rows_lag())
+    // The next stage may have other bodies.
+    const bool goes_on_in_stage = !ensemble.first().is_stage_finished() ||
+                                  common().stage + 1 == parameters.n_stages();
+    if (is_last && goes_on_in_stage && now >= next_statistics &&
+        ensemble.rows_lag())
       {
         before_last_row             = make_mark();
         before_last_row->row_is_due = true;

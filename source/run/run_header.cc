@@ -4,6 +4,7 @@
 #include <greville/run/run_header.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cmath>
 #include <iomanip>
 
@@ -73,7 +74,9 @@ namespace greville
     for (const Body<dim> &body : ensemble.bodies())
       out << "  " << std::left << std::setw(16) << body.name << " "
           << std::setw(16) << body.parameters->material << std::right
-          << std::setw(7) << body.n_points << '\n';
+          << std::setw(7)
+          << (body.n_points == 0 ? "later" : std::to_string(body.n_points))
+          << '\n';
     if (parameters.has_body_grids() || ensemble.n_parts() > 1)
       {
         out << "\n  grid of          cells            order\n";
@@ -127,6 +130,17 @@ namespace greville
     if (!parameters.stages.empty())
       out << "  " << parameters.stage_text(ensemble.first().state().stage)
           << "t = " << time.start << " to " << time.end << " s\n";
+    if (!parameters.stages.empty())
+      {
+        const StageParameters &stage =
+          parameters.stages[ensemble.first().state().stage];
+        if (!stage.has_all_bodies())
+          out << "  bodies: " << boost::algorithm::join(stage.bodies, ", ")
+              << '\n';
+        if (!stage.materials.empty())
+          out << "  materials: "
+              << boost::algorithm::join(stage.materials, ", ") << '\n';
+      }
     out << "  mass: " << scheme.mass;
     const std::string &solver = ensemble.first().mass().solver();
     if (solver != scheme.mass)

@@ -100,7 +100,7 @@ namespace greville
         // Those of the other run, perhaps.
         probes = Probes<dim>(parameters.output.probes,
                              parameters.output.fields,
-                             ensemble.bodies(),
+                             ensemble.bodies_of_all_stages().list,
                              comm);
         if (options.prepare_folder)
           options.prepare_folder();

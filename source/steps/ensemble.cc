@@ -176,7 +176,8 @@ namespace greville
         greville::set_from_tables(states[k],
                                   content,
                                   parts[k]->grid(),
-                                  prefix(k));
+                                  prefix(k),
+                                  &parts[k]->stage_parameters());
       }
     set_state(states);
   }
@@ -201,6 +202,35 @@ namespace greville
     for (const auto &part : parts)
       list.add(static_cast<const Simulation<dim> &>(*part).bodies());
     return list;
+  }
+
+
+
+  template <int dim>
+  typename Ensemble<dim>::AllBodies
+  Ensemble<dim>::bodies_of_all_stages()
+  {
+    AllBodies                   all;
+    const SimulationParameters &parameters = first().stage_parameters();
+    for (const auto &part : parts)
+      for (Body<dim> &body : part->later_bodies())
+        all.later.push_back(std::move(body));
+    for (const StageParameters &stage : parameters.stages)
+      for (const auto &[name, material] : stage.material_of)
+        if (material != parameters.stages[0].material_of.at(name))
+          {
+            Body<dim> body;
+            all.parameters.push_back(parameters.bodies.at(name));
+            all.parameters.back().material = material;
+            body.parameters                = &all.parameters.back();
+            body.material = parameters.materials.at(material).get();
+            body.points.reinit(first().space(), PointLayout<dim>());
+            all.of_materials.push_back(std::move(body));
+          }
+    all.list = bodies();
+    all.list.put(all.later);
+    all.list.add(all.of_materials);
+    return all;
   }
 
 

@@ -2,10 +2,9 @@
 
 #include <greville/base/errors.h>
 #include <greville/geometry/inside.h>
-#include <greville/points/soil_layers.h>
-#include <greville/steps/implicit_scheme.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
+#include <greville/steps/stage_bodies.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,22 +16,6 @@ namespace greville
 
   namespace
   {
-    /**
-     * A body without points.
-     */
-    template <int dim>
-    Body<dim>
-    make_body(const std::string &name, const SimulationParameters &parameters)
-    {
-      Body<dim> body;
-      body.name       = name;
-      body.parameters = &parameters.bodies.at(name);
-      body.material = parameters.materials.at(body.parameters->material).get();
-      return body;
-    }
-
-
-
     template <int dim>
     std::string
     overlap_message(const Body<dim>        &a,
@@ -46,136 +29,6 @@ namespace greville
                space.owned_cells()[cell], space.lattice().n_cells()))) +
              ") m: the mass would be counted twice. In shapes, difference(a, "
              "b) cuts one body out of another.";
-    }
-
-
-
-    /**
-     * Throw where two bodies fill the same cells.
-     */
-    template <int dim>
-    void
-    check_overlap(const std::vector<Body<dim>> &bodies,
-                  const SplineSpace<dim>       &space)
-    {
-      // Fractions of cells: where the bodies before fill more than what this
-      // one leaves, two of them are in the same place.
-      const unsigned int  n_cells = space.owned_cells().size();
-      std::vector<double> before(n_cells, 0.), own(n_cells);
-      for (unsigned int b = 0; b < bodies.size(); ++b)
-        {
-          const auto &points = bodies[b].points;
-          std::fill(own.begin(), own.end(), 0.);
-          points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
-            own[cell] += p.volume() / cell_volume(space, cell, points.layout());
-          });
-          std::string message;
-          for (unsigned int cell = 0; cell < n_cells; ++cell)
-            {
-              const auto is_there = [&](const Body<dim> &body) {
-                return body.points.n_points(cell) > 0;
-              };
-              own[cell] = std::min(own[cell], 1.);
-              if (own[cell] + before[cell] > 1.5 && message.empty())
-                message = overlap_message(*std::find_if(bodies.begin(),
-                                                        bodies.end(),
-                                                        is_there),
-                                          bodies[b],
-                                          cell,
-                                          space);
-              before[cell] = std::min(own[cell] + before[cell], 1.);
-            }
-          throw_on_all(message, space.communicator());
-        }
-    }
-
-
-
-    /**
-     * The same of bodies with shapes, however thin they are: by the points of
-     * each of two bodies that are inside of the other one. Bodies that touch
-     * may share a layer of points on their common boundary.
-     */
-    template <int dim>
-    void
-    check_overlap_of_shapes(const std::vector<Body<dim>> &bodies,
-                            const SplineSpace<dim>       &space)
-    {
-      // Volumes in both of two bodies are errors above these parts of a cell,
-      // and of the smaller body.
-      constexpr double    most_of_cell = 0.4, most_of_body = 0.5;
-      const std::size_t   n_bodies = bodies.size();
-      const unsigned int  n_cells  = space.owned_cells().size();
-      std::vector<double> common(n_bodies * n_bodies, 0.), volumes(n_bodies);
-      std::vector<double> largest(common);
-      std::vector<unsigned int> cells(common.size(), 0);
-      run_on_all(
-        [&]() {
-          std::vector<std::function<bool(const Point<dim> &)>> inside(n_bodies);
-          const auto has_shape = [&](const std::size_t b) {
-            return bodies[b].parameters->points_file.empty() &&
-                   bodies[b].parameters->displacement.empty();
-          };
-          // Of each cell, the volume of points of a that are inside of b.
-          const auto volumes_of = [&](const std::size_t a,
-                                      const std::size_t b) {
-            std::vector<double> result(n_cells, 0.);
-            bodies[a].points.for_each(
-              [&](const unsigned int cell, ConstPointRef<dim> p) {
-                if (bodies[b].points.n_points(cell) == 0)
-                  return;
-                if (!inside[b])
-                  inside[b] = make_inside<dim>(*bodies[b].parameters,
-                                               "Body " + bodies[b].name,
-                                               space);
-                if (inside[b](p.position()))
-                  result[cell] += p.volume();
-              });
-            return result;
-          };
-          for (std::size_t b = 0; b < n_bodies; ++b)
-            {
-              bodies[b].points.for_each(
-                [&](const unsigned int, ConstPointRef<dim> p) {
-                  volumes[b] += p.volume();
-                });
-              for (std::size_t a = 0; a < b && has_shape(b); ++a)
-                {
-                  if (!has_shape(a))
-                    continue;
-                  const std::size_t pair   = a * n_bodies + b;
-                  const auto        a_in_b = volumes_of(a, b);
-                  const auto        b_in_a = volumes_of(b, a);
-                  for (unsigned int cell = 0; cell < n_cells; ++cell)
-                    {
-                      const double own = std::min(a_in_b[cell], b_in_a[cell]);
-                      common[pair] += own;
-                      if (own > largest[pair])
-                        cells[pair] = cell;
-                      largest[pair] = std::max(largest[pair], own);
-                    }
-                }
-            }
-        },
-        space.communicator());
-      Utilities::MPI::sum(common, space.communicator(), common);
-      Utilities::MPI::sum(volumes, space.communicator(), volumes);
-      std::string message;
-      for (std::size_t b = 0; b < n_bodies; ++b)
-        for (std::size_t a = 0; a < b; ++a)
-          {
-            const std::size_t pair = a * n_bodies + b;
-            if (largest[pair] > 0. && message.empty() &&
-                (largest[pair] >
-                   most_of_cell * cell_volume(space,
-                                              cells[pair],
-                                              bodies[a].points.layout()) ||
-                 common[pair] >
-                   most_of_body * std::min(volumes[a], volumes[b])))
-              message =
-                overlap_message(bodies[a], bodies[b], cells[pair], space);
-          }
-      throw_on_all(message, space.communicator());
     }
 
 
@@ -263,37 +116,126 @@ namespace greville
         signals.crossing_rate = std::max(signals.crossing_rate, rate);
       });
     }
-
-
-
-    /**
-     * What schemes and loads of all stages keep in points.
-     */
-    template <int dim>
-    void
-    add_fields(PointLayout<dim> &layout, SimulationParameters parameters)
-    {
-      for (unsigned int k = 0; k < parameters.n_stages(); ++k)
-        {
-          parameters.enter_stage(k);
-          if (parameters.scheme.is_apic())
-            layout.add("affine", dim * dim);
-          const std::string &name = parameters.scheme.stress_update;
-          if (is_implicit_scheme(name) &&
-              make_implicit_scheme(name, parameters.implicit)
-                .keeps_acceleration &&
-              !parameters.scheme.is_total_lagrangian())
-            layout.add("acceleration", dim);
-          Loads<dim>(parameters).add_fields(layout);
-          if (parameters.scheme.has_projection())
-            layout.add_projected_J();
-          if (parameters.scheme.averages_over_domains())
-            layout.add_domain();
-          if (parameters.grid.is_axisymmetric())
-            layout.add_radius0();
-        }
-    }
   } // namespace
+
+
+
+  template <int dim>
+  void
+  check_overlap(const BodyList<dim> &bodies, const SplineSpace<dim> &space)
+  {
+    // Fractions of cells: where the bodies before fill more than what this
+    // one leaves, two of them are in the same place.
+    const unsigned int  n_cells = space.owned_cells().size();
+    std::vector<double> before(n_cells, 0.), own(n_cells);
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      {
+        const auto &points = bodies[b].points;
+        std::fill(own.begin(), own.end(), 0.);
+        points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
+          own[cell] += p.volume() / cell_volume(space, cell, points.layout());
+        });
+        std::string message;
+        for (unsigned int cell = 0; cell < n_cells; ++cell)
+          {
+            const auto is_there = [&](const Body<dim> &body) {
+              return body.points.n_points(cell) > 0;
+            };
+            own[cell] = std::min(own[cell], 1.);
+            if (own[cell] + before[cell] > 1.5 && message.empty())
+              message = overlap_message(*std::find_if(bodies.begin(),
+                                                      bodies.end(),
+                                                      is_there),
+                                        bodies[b],
+                                        cell,
+                                        space);
+            before[cell] = std::min(own[cell] + before[cell], 1.);
+          }
+        throw_on_all(message, space.communicator());
+      }
+  }
+
+
+
+  // By the points of each of two bodies that are inside of the other one.
+  // Bodies that touch may share a layer of points on their common boundary.
+  template <int dim>
+  void
+  check_overlap_of_shapes(const BodyList<dim>    &bodies,
+                          const SplineSpace<dim> &space)
+  {
+    // Volumes in both of two bodies are errors above these parts of a cell,
+    // and of the smaller body.
+    constexpr double    most_of_cell = 0.4, most_of_body = 0.5;
+    const std::size_t   n_bodies = bodies.size();
+    const unsigned int  n_cells  = space.owned_cells().size();
+    std::vector<double> common(n_bodies * n_bodies, 0.), volumes(n_bodies);
+    std::vector<double> largest(common);
+    std::vector<unsigned int> cells(common.size(), 0);
+    run_on_all(
+      [&]() {
+        std::vector<std::function<bool(const Point<dim> &)>> inside(n_bodies);
+        const auto has_shape = [&](const std::size_t b) {
+          return bodies[b].parameters->points_file.empty() &&
+                 bodies[b].parameters->displacement.empty();
+        };
+        // Of each cell, the volume of points of a that are inside of b.
+        const auto volumes_of = [&](const std::size_t a, const std::size_t b) {
+          std::vector<double> result(n_cells, 0.);
+          bodies[a].points.for_each(
+            [&](const unsigned int cell, ConstPointRef<dim> p) {
+              if (bodies[b].points.n_points(cell) == 0)
+                return;
+              if (!inside[b])
+                inside[b] = make_inside<dim>(*bodies[b].parameters,
+                                             "Body " + bodies[b].name,
+                                             space);
+              if (inside[b](p.position()))
+                result[cell] += p.volume();
+            });
+          return result;
+        };
+        for (std::size_t b = 0; b < n_bodies; ++b)
+          {
+            bodies[b].points.for_each(
+              [&](const unsigned int, ConstPointRef<dim> p) {
+                volumes[b] += p.volume();
+              });
+            for (std::size_t a = 0; a < b && has_shape(b); ++a)
+              {
+                if (!has_shape(a))
+                  continue;
+                const std::size_t pair   = a * n_bodies + b;
+                const auto        a_in_b = volumes_of(a, b);
+                const auto        b_in_a = volumes_of(b, a);
+                for (unsigned int cell = 0; cell < n_cells; ++cell)
+                  {
+                    const double own = std::min(a_in_b[cell], b_in_a[cell]);
+                    common[pair] += own;
+                    if (own > largest[pair])
+                      cells[pair] = cell;
+                    largest[pair] = std::max(largest[pair], own);
+                  }
+              }
+          }
+      },
+      space.communicator());
+    Utilities::MPI::sum(common, space.communicator(), common);
+    Utilities::MPI::sum(volumes, space.communicator(), volumes);
+    std::string message;
+    for (std::size_t b = 0; b < n_bodies; ++b)
+      for (std::size_t a = 0; a < b; ++a)
+        {
+          const std::size_t pair = a * n_bodies + b;
+          if (largest[pair] > 0. && message.empty() &&
+              (largest[pair] >
+                 most_of_cell *
+                   cell_volume(space, cells[pair], bodies[a].points.layout()) ||
+               common[pair] > most_of_body * std::min(volumes[a], volumes[b])))
+            message = overlap_message(bodies[a], bodies[b], cells[pair], space);
+        }
+    throw_on_all(message, space.communicator());
+  }
 
 
 
@@ -310,6 +252,8 @@ namespace greville
     std::vector<std::uint64_t> counts(cells.owned_cells().size(), 0);
     for (const std::string &name : parameters.general.bodies)
       {
+        if (!parameters.is_there(name, 0))
+          continue;
         Body<dim> body = make_body<dim>(name, parameters);
         make_points(body,
                     cells,
@@ -349,49 +293,22 @@ namespace greville
     const MPI_Comm          comm  = discretization.communicator();
     const SplineSpace<dim> &space = discretization.space();
     State<dim>              state;
-    std::vector<SoilLayer>  layers;
-    for (const auto &[name, body] : parameters.bodies)
-      if (body.K0 >= 0. && !body.shape.empty())
-        layers.push_back({name,
-                          body.surface,
-                          body.shape,
-                          parameters.materials.at(body.material)->density});
     for (const std::string &name : parameters.general.bodies)
       {
-        Body<dim>        body = make_body<dim>(name, parameters);
-        PointLayout<dim> layout(body.material->state_names());
-        add_fields(layout, parameters);
-        if (parameters.scheme.is_total_lagrangian())
-          {
-            layout.basis_position = PointLayout<dim>::reference;
-            if (!body.parameters->stress.empty() || body.parameters->K0 >= 0.)
-              layout.add_initial_F();
-          }
-        const auto left = make_points(
-          body, space, loads.gravity(parameters.time.start), layout, layers);
-        const auto moved = discretization.transport().move(body.points, left);
-        AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
-                    ExcMessage("The parameter 'Body " + name +
-                               "/Displacement' moves points out of the grid."));
+        Body<dim> body = make_body<dim>(name, parameters);
+        body.points.reinit(space, layout_of<dim>(name, parameters));
+        if (parameters.is_there(name, 0))
+          add_points(body, 0, parameters, loads, discretization);
         state.n_points += body.n_points;
         state.bodies.push_back(std::move(body));
       }
-    state.partition = discretization.partition();
-    state.surfaces  = loads.surfaces().make_surfaces(state.bodies, space);
-    for (Surface<dim> &surface : state.surfaces)
-      {
-        const auto moved =
-          discretization.transport().move(surface.points,
-                                          surface.points.cells());
-        AssertThrow(Utilities::MPI::sum(moved.n_removed, comm) == 0,
-                    ExcMessage("The surface of 'Surface load " + surface.name +
-                               "' is moved out of the grid initially."));
-      }
+    state.partition    = discretization.partition();
+    state.surfaces     = make_surfaces(state.bodies, loads, discretization);
     state.signals      = initial_signals(state.bodies, space);
     state.first_signal = state.signals.fastest;
     state.time = state.velocity_time = parameters.time.start;
-    check_overlap(state.bodies, space);
-    check_overlap_of_shapes(state.bodies, space);
+    check_overlap<dim>(state.bodies, space);
+    check_overlap_of_shapes<dim>(state.bodies, space);
     if (parameters.scheme.is_total_lagrangian())
       check_distances(state.bodies, space);
     discretization.initialize_fields(state);
@@ -401,10 +318,14 @@ namespace greville
 
 
 
-  template decltype(initial_partition<2>)  initial_partition<2>;
-  template decltype(initial_partition<3>)  initial_partition<3>;
-  template decltype(initial_signals<2>)    initial_signals<2>;
-  template decltype(initial_signals<3>)    initial_signals<3>;
-  template decltype(make_initial_state<2>) make_initial_state<2>;
-  template decltype(make_initial_state<3>) make_initial_state<3>;
+  template decltype(check_overlap<2>)           check_overlap<2>;
+  template decltype(check_overlap<3>)           check_overlap<3>;
+  template decltype(check_overlap_of_shapes<2>) check_overlap_of_shapes<2>;
+  template decltype(check_overlap_of_shapes<3>) check_overlap_of_shapes<3>;
+  template decltype(initial_partition<2>)       initial_partition<2>;
+  template decltype(initial_partition<3>)       initial_partition<3>;
+  template decltype(initial_signals<2>)         initial_signals<2>;
+  template decltype(initial_signals<3>)         initial_signals<3>;
+  template decltype(make_initial_state<2>)      make_initial_state<2>;
+  template decltype(make_initial_state<3>)      make_initial_state<3>;
 } // namespace greville

@@ -5,6 +5,7 @@
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 #include <greville/steps/simulation.h>
+#include <greville/steps/stage_bodies.h>
 #include <greville/steps/state_tables.h>
 
 #include <algorithm>
@@ -53,6 +54,7 @@ namespace greville
         parameters.scheme.stress_update,
         {parameters, discretization, loads, current, log, guard, asked}))
   {
+    make_later_bodies(current.bodies, parameters, discretization);
     // All stages, the first one last: what is wrong with one is found now.
     for (unsigned int k = parameters.n_stages(); k-- > 0;)
       {
@@ -115,7 +117,11 @@ namespace greville
         loads = Loads<dim>(parameters);
         discretization.reinit();
         for (Body<dim> &body : current.bodies)
-          body.points.set_space(discretization.space());
+          {
+            body.points.set_space(discretization.space());
+            body.material =
+              parameters.materials.at(body.parameters->material).get();
+          }
         for (Surface<dim> &surface : current.surfaces)
           surface.points.set_space(discretization.space());
         integrator = make_time_integrator<dim>(
@@ -140,8 +146,9 @@ namespace greville
     const std::string scheme     = parameters.scheme.stress_update;
     const std::string velocities = parameters.time.velocities;
     const auto       &next       = parameters.stages[current.stage + 1];
-    const bool        goes_on =
-      scheme == next.scheme.stress_update && velocities == next.time.velocities;
+    const bool        changes    = parameters.changes_bodies(current.stage + 1);
+    const bool        goes_on    = scheme == next.scheme.stress_update &&
+                         velocities == next.time.velocities && !changes;
     current.n_rejections = 0;
     if (!goes_on)
       {
@@ -155,10 +162,53 @@ namespace greville
     if (goes_on && is_implicit())
       for (unsigned int k = 0; k < kept.size(); ++k)
         kept[k] = current.fields[k].history;
+    std::vector<const Material *> materials;
+    for (const Body<dim> &body : current.bodies)
+      materials.push_back(body.material);
+    const double energy =
+      changes
+        ? energy_of_bodies<dim>(current.bodies, discretization.transfer(), comm)
+        : 0.;
     enter_stage(current.stage + 1);
+    if (changes)
+      change_bodies_from(materials, energy);
     start_stage();
     for (unsigned int k = 0; k < kept.size(); ++k)
       current.fields[k].history = kept[k];
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::change_bodies_from(
+    const std::vector<const Material *> &materials, const double energy)
+  {
+    try
+      {
+        change_bodies(current, materials, parameters, loads, discretization);
+        loads.find_points(current.bodies, comm);
+      }
+    catch (const std::exception &exception)
+      {
+        AssertThrow(false,
+                    ErrorOnAll(parameters.stage_text(current.stage) +
+                               message_of(exception)));
+      }
+    guard.weigh(current);
+    current.energy.add_to_start(
+      energy_of_bodies<dim>(current.bodies, discretization.transfer(), comm) -
+      energy);
+    share_cells();
+  }
+
+
+
+  template <int dim>
+  std::vector<Body<dim>>
+  Simulation<dim>::later_bodies()
+  {
+    return make_later_bodies(current.bodies, parameters, discretization);
   }
 
 

@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
 #include <greville/steps/initial_state.h>
+#include <greville/steps/stage_bodies.h>
 #include <greville/steps/state_tables.h>
 
 #include <algorithm>
@@ -64,6 +65,8 @@ namespace greville
       all("n_removed", state.n_removed);
       all("n_points", state.n_points);
       all("displacement", state.displacement);
+      for (unsigned int b = 0; b < state.bodies.size(); ++b)
+        all("n_points_" + std::to_string(b), state.bodies[b].n_points);
       sum("n_sent", state.n_sent);
       all("n_iterations", state.n_iterations);
       all("n_all_iterations", state.n_all_iterations);
@@ -372,10 +375,11 @@ namespace greville
 
   template <int dim>
   void
-  set_from_tables(State<dim>          &state,
-                  const TablesFile    &content,
-                  Discretization<dim> &discretization,
-                  const std::string   &prefix)
+  set_from_tables(State<dim>                 &state,
+                  const TablesFile           &content,
+                  Discretization<dim>        &discretization,
+                  const std::string          &prefix,
+                  const SimulationParameters *stages)
   {
     const MPI_Comm comm     = discretization.communicator();
     const bool     is_first = Utilities::MPI::this_mpi_process(comm) == 0;
@@ -409,6 +413,14 @@ namespace greville
       discretization.reinit();
     state.partition = discretization.partition();
     set_fields_from_tables(state, content, discretization, prefix);
+    if (stages)
+      {
+        SimulationParameters parameters = *stages;
+        parameters.enter_stage(state.stage);
+        for (Body<dim> &body : state.bodies)
+          body.points.reinit(discretization.space(),
+                             layout_of<dim>(body.name, parameters));
+      }
     for (Body<dim> &body : state.bodies)
       set_points(body, content, discretization);
     for (Surface<dim> &surface : state.surfaces)
@@ -512,13 +524,17 @@ namespace greville
   {
     for (Body<dim> &body : state.bodies)
       {
+        // Those of later stages are not there.
+        if (body.n_points == 0)
+          continue;
         set_points_anew(body, content, discretization);
         body.n_points =
           Utilities::MPI::sum<std::uint64_t>(body.points.n_points(),
                                              discretization.communicator());
       }
     for (Surface<dim> &surface : state.surfaces)
-      set_points_anew(surface, content, discretization);
+      if (state.bodies[surface.body].n_points > 0)
+        set_points_anew(surface, content, discretization);
     state.n_points = 0;
     for (const Body<dim> &body : state.bodies)
       state.n_points += body.n_points;

@@ -127,6 +127,59 @@ test_main()
             "  end\nend\nsubsection Stage second\n  subsection Time\n"
             "    set End = 0.04\n  end\n  subsection Walls\n"
             "    set Left = periodic\n    set Right = periodic\n  end\nend\n"));
+  {
+    // Two bodies, of which the other one comes or goes.
+    const Text two =
+      good.with("Simulation", {"Bodies = body, other", "Stages = one, two"})
+        .with("Body other",
+              {"Material = solid", "Shape = box(0, 0.75, 0.25, 1)"});
+    const auto staged = [&](const std::string &one, const std::string &two) {
+      return "subsection Stage one\n  set " + one +
+             "\n  subsection Time\n    set End = 0.02\n  end\nend\n"
+             "subsection Stage two\n  set " +
+             two + "\n  subsection Time\n    set End = 0.04\n  end\nend\n";
+    };
+    const auto in_stages = [&](const std::string &a, const std::string &b) {
+      return Text(two.content + staged(a, b));
+    };
+    test("stage with an unknown body",
+         in_stages("Bodies = body, others", "Bodies = all"));
+    test("stage without a body", in_stages("Bodies =", "Bodies = all"));
+    test("body in no stage", in_stages("Bodies = body", "Bodies = body"));
+    test("body twice in a stage",
+         in_stages("Bodies = body, body", "Bodies = all"));
+    {
+      Text three = two.with("Simulation", {"Stages = one, two, three"});
+      three.content +=
+        staged("Bodies = all", "Bodies = body") +
+        "subsection Stage three\n  subsection Time\n    set End = 0.06\n"
+        "  end\nend\n";
+      test("body that comes back", three);
+    }
+    test("body of a later stage in the place of another",
+         Text(two.with("Body other", {"Shape = ball(0.5, 0.5, 0.2)"}).content +
+              staged("Bodies = body", "Bodies = all")));
+    test("body of a later stage outside of the grid",
+         Text(
+           two.with("Body other", {"Shape = box(0.9, 0.9, 1.2, 1)"}).content +
+           staged("Bodies = body", "Bodies = all")));
+    test("body that comes in total Lagrangian steps",
+         Text(two.with("Scheme", {"Formulation = total Lagrangian"}).content +
+              staged("Bodies = body", "Bodies = all")));
+    test("body that comes in a contact",
+         Text(two.with("Simulation", {"Contacts = touch"})
+                .with("Contact touch", {"Bodies = body, other"})
+                .content +
+              staged("Bodies = body", "Bodies = all")));
+    test("material without a body",
+         in_stages("Materials = solid", "Bodies = all"));
+    test("material of an unknown body",
+         in_stages("Materials = bodi: solid", "Bodies = all"));
+    test("unknown material of a stage",
+         in_stages("Materials = body: sold", "Bodies = all"));
+    test("two materials of a body",
+         in_stages("Materials = body: solid, body: solid", "Bodies = all"));
+  }
   test("grid upside down", good.with("Grid", {"Upper corner = 1, -1"}));
   test("three numbers in 2D", good.with("Grid", {"Cells = 4, 4, 4"}));
   test("sweep that does not fit",

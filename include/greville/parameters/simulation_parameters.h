@@ -131,6 +131,19 @@ namespace greville
     enter_stage(const unsigned int stage);
 
     /**
+     * Whether a body is there in a stage.
+     */
+    bool
+    is_there(const std::string &body, const unsigned int stage) const;
+
+    /**
+     * Whether bodies or materials of a stage are others than those of the stage
+     * before it.
+     */
+    bool
+    changes_bodies(const unsigned int stage) const;
+
+    /**
      * "Stage 2 (collapse): ", which messages of one of several stages begin
      * with. Empty if there is one.
      */
@@ -181,6 +194,13 @@ namespace greville
     make_stages(const std::vector<ParameterLine> &lines);
 
     /**
+     * The material of each body in each stage. Throws where 'Materials' of a
+     * stage names something else.
+     */
+    void
+    find_materials();
+
+    /**
      * Let the walls that are contact be a rigid body, which is the outside of
      * the grid.
      */
@@ -213,6 +233,12 @@ namespace greville
      */
     void
     check_contacts() const;
+
+    /**
+     * check() of bodies that come and go, and of their materials.
+     */
+    void
+    check_construction() const;
 
     /**
      * check() of the parameters of one stage.

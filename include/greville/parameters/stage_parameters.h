@@ -6,7 +6,9 @@
 #include <deal.II/base/parameter_handler.h>
 
 #include <array>
+#include <map>
 #include <string>
+#include <vector>
 
 namespace greville
 {
@@ -290,8 +292,19 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    std::string name;
-    bool        reset_displacements = false;
+    std::string              name;
+    std::vector<std::string> bodies = {"all"};
+    std::vector<std::string> materials; // "body: material"
+    bool                     reset_displacements = false;
+
+    bool
+    has_all_bodies() const
+    {
+      return bodies == std::vector<std::string>{"all"};
+    }
+
+    /// The material of each body, see SimulationParameters::find_materials().
+    std::map<std::string, std::string> material_of;
   };
 } // namespace greville
 

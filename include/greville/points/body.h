@@ -43,7 +43,8 @@ namespace greville
     const BodyParameters *parameters = nullptr;
     const Material       *material   = nullptr;
     MaterialPoints<dim>   points;
-    /// Number of points of all processes.
+    /// Number of points of all processes, with those that have left the grid.
+    /// 0: the body is not there.
     std::uint64_t n_points = 0;
   };
 

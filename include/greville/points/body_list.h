@@ -32,7 +32,25 @@ namespace greville
     add(const std::vector<Body<dim>> &bodies)
     {
       for (const Body<dim> &body : bodies)
-        pointers.push_back(&body);
+        add(body);
+    }
+
+    void
+    add(const Body<dim> &body)
+    {
+      pointers.push_back(&body);
+    }
+
+    /**
+     * Bodies in the place of those of the same name.
+     */
+    void
+    put(const std::vector<Body<dim>> &others)
+    {
+      for (const Body<dim> *&pointer : pointers)
+        for (const Body<dim> &other : others)
+          if (other.name == pointer->name)
+            pointer = &other;
     }
 
     std::size_t

@@ -27,7 +27,7 @@ namespace greville
 
     /**
      * Overwrite @p points, which have to be those that were copied or others
-     * of the same space with the same layout, with the copy.
+     * of the same space, with the copy, which has its own layout.
      */
     void
     restore(MaterialPoints<dim> &points) const;
@@ -39,6 +39,7 @@ namespace greville
     memory_consumption() const;
 
   private:
+    PointLayout<dim>          layout;
     std::vector<unsigned int> cells, counts; // cells with points, their points
     std::vector<double>       exact;
     std::vector<float>        rounded;

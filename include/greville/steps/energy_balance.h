@@ -59,6 +59,16 @@ namespace greville
     reinit(const double start, const double negligible);
 
     /**
+     * Energy of all processes that bodies bring or take, which come and go
+     * between two steps, J (2D: J / m).
+     */
+    void
+    add_to_start(const double amount)
+    {
+      start += amount;
+    }
+
+    /**
      * Work done on the bodies of this process, J (2D: J / m).
      */
     void

@@ -6,6 +6,8 @@
 #include <greville/points/body_list.h>
 #include <greville/steps/body_contacts.h>
 
+#include <list>
+
 namespace greville
 {
   /**
@@ -111,6 +113,23 @@ namespace greville
      */
     BodyList<dim>
     bodies() const;
+
+    /**
+     * The bodies of all stages: those of later ones as if they came now, and
+     * bodies without points of the materials that stages give.
+     */
+    struct AllBodies
+    {
+      std::vector<Body<dim>>    later, of_materials;
+      std::list<BodyParameters> parameters; // of these
+      BodyList<dim>             list;
+    };
+
+    /**
+     * Collective. Before the first step. See make_later_bodies().
+     */
+    AllBodies
+    bodies_of_all_stages();
 
     /**
      * Collective. Contact as the states are: loads of surfaces.

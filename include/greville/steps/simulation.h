@@ -51,6 +51,10 @@ namespace greville
     bool
     is_finished() const;
 
+    /// Collective. Before the first step: see make_later_bodies().
+    std::vector<Body<dim>>
+    later_bodies();
+
     /// Whether a point has moved by more than 'Time/Largest displacement'.
     bool
     exceeds_displacement() const;
@@ -248,6 +252,11 @@ namespace greville
     next_stage();
     void
     start_stage();
+    // Collective. Bodies and materials of the stage, in the place of those of
+    // the one before, whose bodies had this energy.
+    void
+    change_bodies_from(const std::vector<const Material *> &materials,
+                       const double                         energy);
     // share_cells() where it is due before this step; whether it is.
     bool
     balance_load();

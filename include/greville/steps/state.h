@@ -221,8 +221,12 @@ namespace greville
     {
       rest = static_cast<const StateWithoutBodies<dim> &>(state);
       points.resize(state.bodies.size());
+      n_points.resize(points.size());
       for (unsigned int b = 0; b < points.size(); ++b)
-        points[b].copy(state.bodies[b].points);
+        {
+          points[b].copy(state.bodies[b].points);
+          n_points[b] = state.bodies[b].n_points;
+        }
       surfaces.resize(state.surfaces.size());
       for (unsigned int s = 0; s < surfaces.size(); ++s)
         surfaces[s].copy(state.surfaces[s].points);
@@ -236,7 +240,10 @@ namespace greville
     {
       static_cast<StateWithoutBodies<dim> &>(state) = rest;
       for (unsigned int b = 0; b < points.size(); ++b)
-        points[b].restore(state.bodies[b].points);
+        {
+          points[b].restore(state.bodies[b].points);
+          state.bodies[b].n_points = n_points[b];
+        }
       for (unsigned int s = 0; s < surfaces.size(); ++s)
         surfaces[s].restore(state.surfaces[s].points);
       state.points_have_changed();
@@ -265,6 +272,7 @@ namespace greville
   private:
     StateWithoutBodies<dim>      rest;
     std::vector<PointsCopy<dim>> points, surfaces;
+    std::vector<std::uint64_t>   n_points;
   };
 } // namespace greville
 

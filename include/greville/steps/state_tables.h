@@ -40,13 +40,16 @@ namespace greville
    * Cells are shared as they were there: the discretization is made anew where
    * they are shared otherwise. A simulation takes that up in
    * Simulation::set_state().
+   *
+   * With @p stages, points get the layout of the stage that was at hand.
    */
   template <int dim>
   void
-  set_from_tables(State<dim>          &state,
-                  const TablesFile    &content,
-                  Discretization<dim> &discretization,
-                  const std::string   &prefix = "");
+  set_from_tables(State<dim>                 &state,
+                  const TablesFile           &content,
+                  Discretization<dim>        &discretization,
+                  const std::string          &prefix = "",
+                  const SimulationParameters *stages = nullptr);
 
 
 

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+// The stages of a simulation, with their bodies and materials.
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/parameters/simulation_parameters.h>
+
+#include <algorithm>
+#include <boost/algorithm/string/join.hpp>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    bool
+    contains(const std::vector<std::string> &names, const std::string &name)
+    {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    }
+
+
+
+    /**
+     * Throw unless @p name is one of @p names.
+     */
+    void
+    check_name(const std::string              &parameter,
+               const std::string              &name,
+               const std::string              &kind,
+               const std::vector<std::string> &names)
+    {
+      AssertThrow(contains(names, name),
+                  ExcMessage("The parameter '" + parameter + "' names <" +
+                             name + ">, which is none of 'Simulation/" + kind +
+                             "': " + boost::algorithm::join(names, ", ") + "." +
+                             did_you_mean(name, names)));
+    }
+  } // namespace
+
+
+
+  void
+  SimulationParameters::enter_stage(const unsigned int stage)
+  {
+    if (stages.empty())
+      return;
+    AssertIndexRange(stage, stages.size());
+    static_cast<StageSections &>(*this) = stages[stage];
+    if (stage > 0)
+      time.start = stages[stage - 1].time.end;
+    for (const auto &[body, material] : stages[stage].material_of)
+      bodies.at(body).material = material;
+  }
+
+
+
+  bool
+  SimulationParameters::has_ramp() const
+  {
+    return stages.empty()
+             ? !time.ramp.empty()
+             : std::any_of(stages.begin(), stages.end(), [](const auto &stage) {
+                 return !stage.time.ramp.empty();
+               });
+  }
+
+
+
+  std::string
+  SimulationParameters::stage_text(const unsigned int stage) const
+  {
+    return stages.empty() ? ""
+                          : "Stage " + std::to_string(stage + 1) + " (" +
+                              stages[stage].name + "): ";
+  }
+
+
+
+  bool
+  SimulationParameters::is_there(const std::string &body,
+                                 const unsigned int stage) const
+  {
+    return stages.empty() || stages[stage].has_all_bodies() ||
+           contains(stages[stage].bodies, body);
+  }
+
+
+
+  bool
+  SimulationParameters::changes_bodies(const unsigned int stage) const
+  {
+    if (stage == 0)
+      return false;
+    return stages[stage].material_of != stages[stage - 1].material_of ||
+           std::any_of(general.bodies.begin(),
+                       general.bodies.end(),
+                       [&](const std::string &name) {
+                         return is_there(name, stage) !=
+                                is_there(name, stage - 1);
+                       });
+  }
+
+
+
+  void
+  SimulationParameters::find_materials()
+  {
+    for (StageParameters &stage : stages)
+      {
+        for (const auto &[name, body] : bodies)
+          stage.material_of[name] = body.material;
+        const std::string parameter = "Stage " + stage.name + "/Materials";
+        std::vector<std::string> named;
+        for (const std::string &text : stage.materials)
+          {
+            const std::size_t colon = text.find(':');
+            AssertThrow(colon != std::string::npos,
+                        ExcMessage("The parameter '" + parameter +
+                                   "' takes pairs such as 'clay: weak clay', "
+                                   "of a body and a material, not <" +
+                                   text + ">."));
+            const std::string body = Utilities::trim(text.substr(0, colon));
+            const std::string law  = Utilities::trim(text.substr(colon + 1));
+            check_name(parameter, body, "Bodies", general.bodies);
+            check_name(parameter, law, "Materials", general.materials);
+            named.push_back(body);
+            stage.material_of[body] = law;
+          }
+        check_different(named, parameter, "body");
+      }
+  }
+
+
+
+  void
+  SimulationParameters::check_construction() const
+  {
+    const auto groups = body_groups();
+    for (unsigned int k = 0; k < stages.size(); ++k)
+      {
+        const StageParameters &stage     = stages[k];
+        const std::string      parameter = "Stage " + stage.name + "/Bodies";
+        AssertThrow(!stage.bodies.empty(),
+                    ExcMessage("The parameter '" + parameter +
+                               "' is empty: a stage needs a body, and takes "
+                               "names or all."));
+        if (stage.has_all_bodies())
+          continue;
+        check_different(stage.bodies, parameter, "body");
+        for (const std::string &name : stage.bodies)
+          check_name(parameter, name, "Bodies", general.bodies);
+      }
+    for (const std::string &name : general.bodies)
+      {
+        unsigned int n = 0, last = 0;
+        for (unsigned int k = 0; k < stages.size(); ++k)
+          if (is_there(name, k))
+            {
+              AssertThrow(n == 0 || last + 1 == k,
+                          ExcMessage(
+                            stage_text(k) + "the body <" + name +
+                            "> has been taken away before ('Stage " +
+                            stages[last + 1].name +
+                            "/Bodies' does not name it), and does not come "
+                            "back. Another body of the same shape can, with "
+                            "a name and a section of its own."));
+              ++n;
+              last = k;
+            }
+        if (n == stages.size())
+          continue;
+        AssertThrow(n > 0,
+                    ExcMessage("'Body " + name +
+                               "' is in no stage: no 'Stage NAME/Bodies' "
+                               "names it."));
+        AssertThrow(!scheme.is_total_lagrangian(),
+                    ExcMessage("'Body " + name +
+                               "' comes or goes ('Stage NAME/Bodies'), which "
+                               "does not go with 'Scheme/Formulation' = total "
+                               "Lagrangian, in which bodies do not see one "
+                               "another. Take updated Lagrangian."));
+        for (const auto &[contact, given] : contacts)
+          for (const auto &side : given.sides())
+            AssertThrow(!contains(side, name),
+                        ExcMessage("'Contact " + contact + "/Bodies' has <" +
+                                   name +
+                                   ">, which comes or goes ('Stage "
+                                   "NAME/Bodies'): bodies in contacts are "
+                                   "there in all stages."));
+      }
+    for (unsigned int k = 0; k < stages.size(); ++k)
+      {
+        for (const auto &group : groups)
+          AssertThrow(std::any_of(group.begin(),
+                                  group.end(),
+                                  [&](const std::string &name) {
+                                    return is_there(name, k);
+                                  }),
+                      ExcMessage(stage_text(k) + "none of the bodies <" +
+                                 boost::algorithm::join(group, ", ") +
+                                 "> is there ('Bodies'), which share a "
+                                 "velocity field that no contact names: one "
+                                 "of them has to be."));
+        for (const auto &[name, material] : stages[k].material_of)
+          for (const auto &contact : contacts)
+            for (const auto &side : contact.second.sides())
+              AssertThrow(
+                !contains(side, name) ||
+                  material == stages[0].material_of.at(name),
+                ExcMessage(stage_text(k) + "'Materials' gives 'Body " + name +
+                           "' another material, but 'Contact " + contact.first +
+                           "/Bodies' names it: bodies in contacts keep "
+                           "theirs, which the penalty belongs to."));
+      }
+  }
+} // namespace greville
