@@ -96,18 +96,18 @@ namespace greville
 
 
     /**
-     * Set F_zz of a group of axisymmetric points to r / radius0, where r is
-     * their radius and a further @p way, and return by how much it grows.
+     * Set F_zz of a group of axisymmetric points to r / radius0, and return by
+     * how much it grows.
      */
     template <int dim>
     Simd
-    stretch_hoop(const PointLayout<dim> &layout, double *group, const Simd &way)
+    stretch_hoop(const PointLayout<dim> &layout, double *group)
     {
       using Layout = PointLayout<dim>;
       double *const F =
         group + (Layout::F + Layout::F_index(2, 2)) * simd_width;
       const Simd before = load(F);
-      const Simd after  = (load(group + Layout::position * simd_width) + way) /
+      const Simd after  = load(group + Layout::position * simd_width) /
                          load(group + layout.radius0 * simd_width);
       store(after, F);
       return after / before;
@@ -400,13 +400,7 @@ namespace greville
                   // Of F_zz: 1 in plane strain, else that to r / radius0.
                   Simd hoop_increment = 1.;
                   if (is_axisymmetric)
-                    hoop_increment =
-                      stretch_hoop<dim>(points.layout(),
-                                        group,
-                                        Kind::move
-                                          ? Simd(0.)
-                                          : update.step * lane_is_used *
-                                              fields[first_gradient]);
+                    hoop_increment = stretch_hoop<dim>(points.layout(), group);
                   if (total)
                     {
                       Simd reference[dim][dim];
@@ -542,12 +536,16 @@ namespace greville
       for (unsigned int d = 0; d < dim; ++d)
         read_number((*fields[f])[d], f * stride + d);
 
-    const double *projected =
-      deform && update.projection
-        ? update.projection->project(points, *update.deformation, update.step)
-            .data()
-        : nullptr;
-    PointReport report;
+    const double *projected = deform && update.projection
+                                ? update.projection
+                                    ->project(points,
+                                              *update.deformation,
+                                              update.step,
+                                              nullptr,
+                                              update.move)
+                                    .data()
+                                : nullptr;
+    PointReport   report;
     with_order(tables.space->degree(), [&](const auto size) {
       constexpr int n   = decltype(size)::value;
       const auto    run = [&](const auto kind) {

@@ -199,7 +199,7 @@ namespace greville
       void
       print_bodies(const BodyList<dim> &bodies)
       {
-        out << "  body             " << std::right << std::setw(13)
+        out << "  body             " << std::right << std::setw(12)
             << (dim == 3            ? "mass, kg"
                 : is_axisymmetric() ? "mass, kg/rad"
                                     : "mass, kg/m")

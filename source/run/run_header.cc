@@ -92,7 +92,9 @@ namespace greville
       }
     else
       out << "\n  grid: " << cells_text(parameters.grid.cells)
-          << " cells, order " << parameters.grid.degree << '\n';
+          << " cells, order " << parameters.grid.degree
+          << (parameters.grid.is_axisymmetric() ? ", axisymmetric" : "")
+          << '\n';
     for (const std::string &name : parameters.general.contacts)
       {
         const ContactParameters &contact = parameters.contacts.at(name);
