@@ -290,7 +290,6 @@ namespace greville
                      const Loads<dim>           &loads,
                      Discretization<dim>        &discretization)
   {
-    const MPI_Comm          comm  = discretization.communicator();
     const SplineSpace<dim> &space = discretization.space();
     State<dim>              state;
     for (const std::string &name : parameters.general.bodies)
