@@ -134,7 +134,8 @@ namespace greville
                          *result.iterations -
                            digits(result) * system->first_iterations);
               system->excess_iterations += excess;
-              system->wants_entries = excess > 1.;
+              // The assembly takes about as long as so many iterations.
+              system->wants_entries = excess > dim - 1.;
             }
       }
     if (used.empty())
