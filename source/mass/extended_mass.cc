@@ -83,12 +83,9 @@ namespace greville
                            VectorType        &x,
                            const unsigned int width) const
   {
-    E->template multiply<double>(y,
-                                 x,
-                                 width,
-                                 [&](double *to, const double *from) {
-                                   points_mass.vmult(to, from, width);
-                                 });
+    E->multiply(y, x, width, [&](double *to, const double *from) {
+      points_mass.vmult(to, from, width);
+    });
   }
 
 
@@ -133,7 +130,7 @@ namespace greville
       return;
 
     x.update_ghost_values();
-    E->expand(E->place_x.data(), x.begin(), width);
+    E->expand(x.begin(), width);
     for (const VectorType *column : columns)
       column->update_ghost_values();
     for_held(true,
@@ -147,7 +144,7 @@ namespace greville
     points_mass.vmult(E->place_y.data(), E->place_x.data(), width);
     E->zero_held(E->place_y.data(), width);
     E->initialize_vector(y, width);
-    E->collect(y.begin(), E->place_y.data(), width);
+    E->collect(y.begin(), width);
     y.compress(VectorOperation::add);
     rows.add(-1., y);
     E->zero_held_unknowns(rows, width);
@@ -171,7 +168,7 @@ namespace greville
           for (const auto &[place, components] : E->held_places)
             if ((components >> c) & 1)
               E->place_y[place] = 0.;
-        E->collect(y.begin(), E->place_y.data(), 1);
+        E->collect(y.begin(), 1);
         y.compress(VectorOperation::add);
         rows[c] = 0.;
         for (unsigned int u = 0; u < E->n_owned; ++u)

@@ -100,8 +100,6 @@ namespace greville
     places      = &matrix;
     place_x     = ZeroedArray<double>(matrix.size() * max_width);
     place_y     = ZeroedArray<double>(matrix.size() * max_width);
-    single_x    = ZeroedArray<float>(matrix.size() * max_width);
-    single_y    = ZeroedArray<float>(matrix.size() * max_width);
     roles       = ZeroedArray<int>(matrix.size());
     is_numbered = false;
     unknowns.clear();
@@ -374,6 +372,93 @@ namespace greville
 
 
 
+  namespace
+  {
+    /**
+     * to[c] += factor * from[c].
+     */
+    template <int width>
+    inline void
+    add(double *to, const double factor, const double *from)
+    {
+      for (int c = 0; c < width; ++c)
+        to[c] += factor * from[c];
+    }
+
+    template <int width>
+    inline void
+    copy(double *to, const double *from)
+    {
+      for (int c = 0; c < width; ++c)
+        to[c] = from[c];
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::zero_held(double            *values,
+                                   const unsigned int width) const
+  {
+    for (const auto &entry : held_places)
+      for (unsigned int c = 0; c < width; ++c)
+        if ((entry.second >> (c % dim)) & 1)
+          values[std::size_t(entry.first) * width + c] = 0.;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::expand(const double *x, const unsigned int width) const
+  {
+    with_width(width, [&](const auto w) {
+      constexpr int n      = decltype(w)::value;
+      double       *values = place_x.data();
+      for (unsigned int u = 0; u < unknowns.size(); ++u)
+        if (unknowns[u] != numbers::invalid_unsigned_int)
+          copy<n>(values + std::size_t(unknowns[u]) * n,
+                  x + std::size_t(u) * n);
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        {
+          double sum[n] = {};
+          for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
+               ++e)
+            add<n>(sum,
+                   extended_entries[e].weight,
+                   x + std::size_t(extended_entries[e].unknown) * n);
+          copy<n>(values + std::size_t(extended[k]) * n, sum);
+        }
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::collect(double *y, const unsigned int width) const
+  {
+    with_width(width, [&](const auto w) {
+      constexpr int n      = decltype(w)::value;
+      const double *values = place_y.data();
+      for (unsigned int u = 0; u < unknowns.size(); ++u)
+        if (unknowns[u] != numbers::invalid_unsigned_int)
+          copy<n>(y + std::size_t(u) * n,
+                  values + std::size_t(unknowns[u]) * n);
+        else
+          for (int c = 0; c < n; ++c)
+            y[std::size_t(u) * n + c] = 0.;
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1]; ++e)
+          add<n>(y + std::size_t(extended_entries[e].unknown) * n,
+                 extended_entries[e].weight,
+                 values + std::size_t(extended[k]) * n);
+    });
+  }
+
+
+
   template <int dim>
   void
   ExtendedUnknowns<dim>::zero_held_unknowns(VectorType        &x,
@@ -388,6 +473,27 @@ namespace greville
           if ((entry.second >> (c % dim)) & 1)
             x.local_element((role - 1) * width + c) = 0.;
       }
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::multiply(
+    VectorType                                          &y,
+    VectorType                                          &x,
+    const unsigned int                                   width,
+    const std::function<void(double *, const double *)> &product) const
+  {
+    x.update_ghost_values();
+    expand(x.begin(), width);
+    zero_held(place_x.data(), width);
+    product(place_y.data(), place_x.data());
+    zero_held(place_y.data(), width);
+    collect(y.begin(), width);
+    y.compress(VectorOperation::add);
+    zero_held_unknowns(y, width);
+    x.zero_out_ghost_values();
   }
 
 

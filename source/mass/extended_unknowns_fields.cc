@@ -41,7 +41,7 @@ namespace greville
       std::fill_n(&place_y[place * width], width, 0.);
     });
     rows = 0.;
-    collect(rows.begin(), place_y.data(), width);
+    collect(rows.begin(), width);
     rows.compress(VectorOperation::add);
     for (unsigned int u = 0; u < n_owned; ++u)
       for (unsigned int c = 0; c < columns.size(); ++c)
@@ -59,7 +59,7 @@ namespace greville
                                        const unsigned int component) const
   {
     x.update_ghost_values();
-    expand(place_x.data(), x.begin(), width);
+    expand(x.begin(), width);
     x.zero_out_ghost_values();
     std::array<double *, max_width>     to;
     std::array<unsigned int, max_width> bit;

@@ -152,8 +152,7 @@ namespace greville
   VolumeProjection<dim>::project(const MaterialPoints<dim> &points,
                                  const VectorField<dim>    &w,
                                  const double               dt,
-                                 const VectorField<dim>    *direction,
-                                 const bool                 moves)
+                                 const VectorField<dim>    *direction)
   {
     Assert(points.layout().projected_J != 0, ExcInternalError());
     const SplineSpace<dim> &space    = *tables.space;
@@ -169,7 +168,7 @@ namespace greville
       }
     with_order(space.degree(), [&](const auto size) {
       constexpr int n = decltype(size)::value;
-      find_J<n>(points, dt, direction != nullptr, moves);
+      find_J<n>(points, dt, direction != nullptr);
       if (coarsening == 2)
         project_J<n>(points);
       else
@@ -201,8 +200,7 @@ namespace greville
   void
   VolumeProjection<dim>::find_J(const MaterialPoints<dim> &points,
                                 const double               dt,
-                                const bool                 with_direction,
-                                const bool                 moves)
+                                const bool                 with_direction)
   {
     constexpr int           n_functions = power(n, dim);
     const std::size_t       stride      = with_direction ? 2 * dim : dim;

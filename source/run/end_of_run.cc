@@ -84,9 +84,19 @@ namespace greville
         stage.enter_stage(k);
         stages.emplace_back();
         if (!stage.time.end_when.empty())
-          stages[k].criterion.emplace(stage.time.end_when,
-                                      "Time/End when",
-                                      names);
+          try
+            {
+              stages[k].criterion.emplace(stage.time.end_when,
+                                          "Time/End when",
+                                          names);
+            }
+          catch (const std::exception &error)
+            {
+              AssertThrow(false,
+                          ExcMessage(message_of(error) +
+                                     " Columns of probes are those of "
+                                     "'Output/Probes'."));
+            }
         if (!stage.time.ramp.empty())
           stages[k].factor.emplace(stage.time.ramp,
                                    "Time/Ramp until failure",

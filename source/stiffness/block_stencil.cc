@@ -5,6 +5,7 @@
 #include <greville/stiffness/block_stencil.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace greville
 {
@@ -48,6 +49,9 @@ namespace greville
     first_of_line        = p * dim;
     row_size             = std::size_t(n_lines) * dim * line_size;
     row_of               = ZeroedArray<std::size_t>(stencil.size());
+    if (std::is_same_v<Number, float>)
+      for (ZeroedArray<Number> *array : {&single_x, &single_y})
+        *array = ZeroedArray<Number>(stencil.size() * dim + line_size);
     values.clear();
   }
 
@@ -179,10 +183,44 @@ namespace greville
 
   template <int dim, typename Number>
   void
-  BlockStencil<dim, Number>::vmult(Number *y, const Number *x) const
+  BlockStencil<dim, Number>::vmult(double *y, const double *x) const
   {
-    with_order(places->space().degree(),
-               [&](const auto n) { multiply<decltype(n)::value>(y, x); });
+    const auto multiply_numbers = [&](Number *to, const Number *from) {
+      with_order(places->space().degree(),
+                 [&](const auto n) { multiply<decltype(n)::value>(to, from); });
+    };
+    if constexpr (std::is_same_v<Number, double>)
+      multiply_numbers(y, x);
+    else
+      {
+        const auto for_each_range = [&](const auto &action) {
+          places->for_each_segment([&](const unsigned int begin,
+                                       const unsigned int end,
+                                       const auto &) {
+            action(std::size_t(begin) * dim, std::size_t(end) * dim);
+          });
+        };
+        double largest = 0.;
+        for_each_range([&](const std::size_t begin, const std::size_t end) {
+          for (std::size_t k = begin; k < end; ++k)
+            largest = std::max(largest, std::abs(x[k]));
+        });
+        constexpr double smallest = 1e-280;
+        int              exponent = 0;
+        if (largest > smallest && std::isfinite(largest))
+          std::frexp(largest, &exponent);
+        const double down = std::ldexp(1., -exponent),
+                     up   = std::ldexp(1., exponent);
+        for_each_range([&](const std::size_t begin, const std::size_t end) {
+          for (std::size_t k = begin; k < end; ++k)
+            single_x[k] = Number(down * x[k]);
+        });
+        multiply_numbers(single_y.data(), single_x.data());
+        for_each_range([&](const std::size_t begin, const std::size_t end) {
+          for (std::size_t k = begin; k < end; ++k)
+            y[k] = up * single_y[k];
+        });
+      }
   }
 
 

@@ -125,12 +125,11 @@ namespace greville
 
 
   template <int dim>
-  template <typename Number>
   void
   TangentLevel<dim>::multiply(
     VectorType                                            &dst,
     const VectorType                                      &src,
-    const std::function<void(Number *y, const Number *x)> &product) const
+    const std::function<void(double *y, const double *x)> &product) const
   {
     extended_mass.unknowns().read(source, src, dim);
     extended_mass.unknowns().multiply(result, source, dim, product);
@@ -276,24 +275,4 @@ namespace greville
 
   template class TangentLevel<2>;
   template class TangentLevel<3>;
-  template void
-  TangentLevel<2>::multiply(
-    VectorType &,
-    const VectorType &,
-    const std::function<void(double *, const double *)> &) const;
-  template void
-  TangentLevel<3>::multiply(
-    VectorType &,
-    const VectorType &,
-    const std::function<void(double *, const double *)> &) const;
-  template void
-  TangentLevel<2>::multiply(
-    VectorType &,
-    const VectorType &,
-    const std::function<void(float *, const float *)> &) const;
-  template void
-  TangentLevel<3>::multiply(
-    VectorType &,
-    const VectorType &,
-    const std::function<void(float *, const float *)> &) const;
 } // namespace greville

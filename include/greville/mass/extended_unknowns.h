@@ -102,16 +102,15 @@ namespace greville
 
     /**
      * y = E^T B E x, of @p width columns, for a matrix B between the places:
-     * @p product(y, x) gives y = B x in double or single precision (Number).
-     * Held entries give and get zero. Ghost entries of x are updated.
+     * @p product(y, x) gives y = B x. Held entries give and get zero. Ghost
+     * entries of x are updated.
      */
-    template <typename Number>
     void
     multiply(
       VectorType                                          &y,
       VectorType                                          &x,
       const unsigned int                                   width,
-      const std::function<void(Number *, const Number *)> &product) const;
+      const std::function<void(double *, const double *)> &product) const;
 
     /// Call visit(u, E_iu) for the unknowns u of the function at place @p i.
     template <typename Visit>
@@ -208,23 +207,20 @@ namespace greville
                   const unsigned int               width,
                   const unsigned int               component = 0) const;
 
-    /// values = E x, at all places.
-    template <typename Number>
+    /// place_x = E x, at all places.
     void
-    expand(Number *values, const double *x, const unsigned int width) const;
+    expand(const double *x, const unsigned int width) const;
 
-    /// y = E^T values.
-    template <typename Number>
+    /// y = E^T place_y.
     void
-    collect(double *y, const Number *values, const unsigned int width) const;
+    collect(double *y, const unsigned int width) const;
 
     /// Copy a component of a field to the places, with the ghosts of others.
     void
     to_places(const VectorType &component) const;
 
-    template <typename Number>
     void
-    zero_held(Number *values, const unsigned int width) const;
+    zero_held(double *values, const unsigned int width) const;
 
     /// Call visit(f, place) for the first local functions that are active.
     template <typename Visit>
@@ -272,7 +268,6 @@ namespace greville
     std::array<bool, dim>                               component_has_held{};
 
     mutable ZeroedArray<double> place_x, place_y;
-    mutable ZeroedArray<float>  single_x, single_y;
     mutable VectorType          column; // of unknowns
 
     void

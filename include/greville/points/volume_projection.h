@@ -75,15 +75,13 @@ namespace greville
     /**
      * Collective. J hat of the @p points of a body, in the order of
      * MaterialPoints::for_each(), after a step @p dt (s) with the velocity @p w
-     * of the grid; or, with a @p direction, its derivative by dt w. Without @p
-     * moves, axisymmetric points keep their radius.
+     * of the grid; or, with a @p direction, its derivative by dt w.
      */
     const std::vector<double> &
     project(const MaterialPoints<dim> &points,
             const VectorField<dim>    &w,
             const double               dt,
-            const VectorField<dim>    *direction = nullptr,
-            const bool                 moves     = true);
+            const VectorField<dim>    *direction = nullptr);
 
     /**
      * Collective. The derivative of log J hat, less a @p share of that of log
@@ -105,8 +103,7 @@ namespace greville
     void
     find_J(const MaterialPoints<dim> &points,
            const double               dt,
-           const bool                 with_direction,
-           const bool                 moves);
+           const bool                 with_direction);
 
     template <int n>
     void

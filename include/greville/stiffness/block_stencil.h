@@ -16,8 +16,9 @@ namespace greville
    * StencilMatrix; of the block on the diagonal, half of each entry.
    *
    * Vectors on places are interleaved: component c of place i is entry i * dim
-   * + c. They have the precision of the entries: double, or float for
-   * preconditioners.
+   * + c. Entries are Numbers: double, or float for preconditioners, whose
+   * products are computed in single precision with x scaled by a power of two,
+   * so that vectors of any size keep their digits.
    */
   template <int dim, typename Number>
   class BlockStencil
@@ -67,7 +68,7 @@ namespace greville
      * have to be finite.
      */
     void
-    vmult(Number *y, const Number *x) const;
+    vmult(double *y, const double *x) const;
 
     /**
      * The diagonal entry of component c at a place.
@@ -135,6 +136,7 @@ namespace greville
     unsigned int              first_of_line = 0; // of the block on the diagonal
     std::size_t               row_size      = 0; // [line][c][x][d]
     ZeroedArray<std::size_t>  row_of;            // by place
+    ZeroedArray<Number>       single_x, single_y; // of single precision
     std::vector<Number>       values;
   };
 

@@ -131,7 +131,7 @@ namespace greville
     vmult(VectorType &dst, const VectorType &src) const override
     {
       if (exact_product)
-        multiply<double>(dst, src, exact_product);
+        multiply(dst, src, exact_product);
       else
         vmult_in_cycle(dst, src);
     }
@@ -139,7 +139,7 @@ namespace greville
     void
     vmult_in_cycle(VectorType &dst, const VectorType &src) const override
     {
-      multiply<float>(dst, src, [&](float *y, const float *x) {
+      multiply(dst, src, [&](double *y, const double *x) {
         blocks.vmult(y, x);
       });
     }
@@ -208,12 +208,11 @@ namespace greville
     PetscMatrix
     petsc_matrix() const;
 
-    template <typename Number>
     void
     multiply(
       VectorType                                            &dst,
       const VectorType                                      &src,
-      const std::function<void(Number *y, const Number *x)> &product) const;
+      const std::function<void(double *y, const double *x)> &product) const;
 
     /**
      * A solve for @p n_components from the given one on; @p dst may be @p src.
