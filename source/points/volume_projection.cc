@@ -152,7 +152,8 @@ namespace greville
   VolumeProjection<dim>::project(const MaterialPoints<dim> &points,
                                  const VectorField<dim>    &w,
                                  const double               dt,
-                                 const VectorField<dim>    *direction)
+                                 const VectorField<dim>    *direction,
+                                 const bool                 moves)
   {
     Assert(points.layout().projected_J != 0, ExcInternalError());
     const SplineSpace<dim> &space    = *tables.space;
@@ -168,7 +169,7 @@ namespace greville
       }
     with_order(space.degree(), [&](const auto size) {
       constexpr int n = decltype(size)::value;
-      find_J<n>(points, dt, direction != nullptr);
+      find_J<n>(points, dt, direction != nullptr, moves);
       if (coarsening == 2)
         project_J<n>(points);
       else
@@ -200,7 +201,8 @@ namespace greville
   void
   VolumeProjection<dim>::find_J(const MaterialPoints<dim> &points,
                                 const double               dt,
-                                const bool                 with_direction)
+                                const bool                 with_direction,
+                                const bool                 moves)
   {
     constexpr int           n_functions = power(n, dim);
     const std::size_t       stride      = with_direction ? 2 * dim : dim;
@@ -229,8 +231,9 @@ namespace greville
           double radius = 0.; // of axisymmetric points
           if (layout.is_axisymmetric())
             {
-              radius =
-                p.position(0) + dt * value_of_component(shape, coefficients[0]);
+              radius = p.position(0);
+              if (moves)
+                radius += dt * value_of_component(shape, coefficients[0]);
               J.back() *= radius / radius_of_F<dim>(p, layout);
             }
           if (!with_direction)

@@ -75,13 +75,15 @@ namespace greville
     /**
      * Collective. J hat of the @p points of a body, in the order of
      * MaterialPoints::for_each(), after a step @p dt (s) with the velocity @p w
-     * of the grid; or, with a @p direction, its derivative by dt w.
+     * of the grid; or, with a @p direction, its derivative by dt w. Without @p
+     * moves, axisymmetric points keep their radius.
      */
     const std::vector<double> &
     project(const MaterialPoints<dim> &points,
             const VectorField<dim>    &w,
             const double               dt,
-            const VectorField<dim>    *direction = nullptr);
+            const VectorField<dim>    *direction = nullptr,
+            const bool                 moves     = true);
 
     /**
      * Collective. The derivative of log J hat, less a @p share of that of log
@@ -103,7 +105,8 @@ namespace greville
     void
     find_J(const MaterialPoints<dim> &points,
            const double               dt,
-           const bool                 with_direction);
+           const bool                 with_direction,
+           const bool                 moves);
 
     template <int n>
     void
