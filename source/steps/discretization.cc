@@ -501,7 +501,9 @@ namespace greville
            !std::isfinite(result.outside_position.norm())))
         problem = "point " + std::to_string(result.outside) + " of the " +
                   owner + "' has left the grid: it is at (" +
-                  text_of(result.outside_position) + ") m";
+                  text_of(result.outside_position) +
+                  ") m, and the grid lies between 'Lower corner' and 'Upper "
+                       "corner'";
       if (state.n_steps % defragment_every == defragment_every - 1)
         points.defragment();
       return result;
