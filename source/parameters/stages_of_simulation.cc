@@ -36,7 +36,8 @@ namespace greville
     {
       AssertThrow(contains(names, name),
                   ExcMessage("The parameter '" + parameter + "' names <" +
-                             name + ">, which is none of 'Simulation/" + kind +
+                             name + ">, which is not one of 'Simulation/" +
+                             kind +
                              "': " + boost::algorithm::join(names, ", ") + "." +
                              did_you_mean(name, names)));
     }

@@ -197,8 +197,8 @@ namespace greville
 
     /**
      * y = M x for @p width (1, 2, 3, 4 or 8) interleaved vectors, which have to
-     * be zero at all places without a row. With 3, one number behind the last
-     * place is read and written, with what it has.
+     * be zero at all places without a row. With 3, up to three numbers behind a
+     * place that a row reaches are read and written, with what they have.
      */
     void
     vmult(double *y, const double *x, const unsigned int width) const;

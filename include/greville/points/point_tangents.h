@@ -80,15 +80,6 @@ namespace greville
     for_each_cell(const SpacePolynomials<dim> &tables,
                   const CellAction<Number>    &action) const;
 
-    /**
-     * Bytes of the points on this process.
-     */
-    std::size_t
-    memory_consumption() const
-    {
-      return numbers.capacity() * sizeof(double);
-    }
-
   private:
     struct CellPoints
     {

@@ -87,15 +87,6 @@ namespace greville
     void
     for_each_block(const unsigned int i, const Visit &visit) const;
 
-    /**
-     * Bytes of the entries on this process.
-     */
-    std::size_t
-    memory_consumption() const
-    {
-      return values.capacity() * sizeof(Number);
-    }
-
   private:
     template <int n>
     void
