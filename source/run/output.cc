@@ -122,7 +122,7 @@ namespace greville
       void
       write_vtu(std::ostream &out)
       {
-        constexpr unsigned int size        = 1 << 14;
+        constexpr unsigned int size        = 1 << 12;
         const auto             write_block = [&]() {
           DataOutBase::write_vtu_main(
             this->patches, this->names, this->ranges, fast_compression(), out);
