@@ -249,10 +249,13 @@ class Case:
 
 
 class Sweep:
-    """The results of a sweep: its table (sweep.csv), and for each run its value and its Run; None where it has failed."""
+    """The results of a sweep: its table (sweep.csv), and for each run its value and its Run; None where it has failed.
 
-    def __init__(self, folder):
-        self.folder = Path(folder)
+    message is what the program says of runs that have failed.
+    """
+
+    def __init__(self, folder, message=""):
+        self.folder, self.message = Path(folder), message
         self.table = read_table(self.folder / "sweep.csv")
         self.values, self.runs = self.table["value"], []
         for name, failed in zip(self.table["run"], self.table["failed"]):
@@ -270,8 +273,14 @@ def sweep(case, parameter, values, processes=1, processes_per_run=1, progress=No
     case = case.copy().set("Sweep/Parameter", parameter).set("Sweep/Values", " | ".join(map(as_text, values)))
     case.set("Sweep/Processes per run", processes_per_run if processes > 1 else 0)
     folder = case.results
-    case._call(processes=processes, progress=progress or Progress())
-    return Sweep(folder)
+    message = ""
+    try:
+        case._call(processes=processes, progress=progress or Progress())
+    except RunFailed as error:
+        message = str(error)
+        if not message.startswith("Runs of 'Sweep' failed"):
+            raise
+    return Sweep(folder, message)
 
 
 def build_umat(file, library=None):
