@@ -23,7 +23,7 @@ except ImportError:
     np = None
 
 # Parameters name measured data relative to their file, whose copy lies with the results.
-PARAMETER_FOLDER = Path(__file__).resolve().parent.parent / "prm" / "simulation"
+PARAMETER_FOLDER = Path(__file__).resolve().parents[2] / "prm" / "simulation"
 AXES = "xyz"
 
 
