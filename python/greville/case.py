@@ -3,6 +3,7 @@ import json
 import os
 import pty
 import re
+import select
 import shutil
 import signal
 import subprocess
@@ -49,8 +50,7 @@ def project_file(name):
 def environment():
     """As set_up_mpi of scripts/common.sh; what the caller has set counts."""
     defaults = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
-                "OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_odls_base_sigkill_timeout": "60",
-                "OMP_NUM_THREADS": "1", "DEAL_II_NUM_THREADS": "1"}
+                "OMPI_MCA_hwloc_base_binding_policy": "none", "OMP_NUM_THREADS": "1", "DEAL_II_NUM_THREADS": "1"}
     if os.geteuid() == 0:
         defaults.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     return {**defaults, **os.environ, "TERM": "xterm"}
@@ -94,6 +94,11 @@ def call(arguments, processes=1, progress=None):
         os.close(theirs)
         try:
             while True:
+                # A process that has ended may have left the terminal to a child.
+                if not select.select([ours], [], [], 0.2)[0]:
+                    if process.poll() is None:
+                        continue
+                    break
                 try:
                     text = os.read(ours, 65536)
                 except OSError:   # So a terminal ends.
@@ -107,8 +112,10 @@ def call(arguments, processes=1, progress=None):
                     elif line and not found:
                         lines.append(line)
         except KeyboardInterrupt:
-            # The program writes a checkpoint.
-            process.send_signal(signal.SIGINT)
+            # The program writes a checkpoint; mpirun would kill it before.
+            children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+            for pid in children.read_text().split() if processes > 1 else [process.pid]:
+                os.kill(int(pid), signal.SIGINT)
             raise
         finally:
             status = process.wait()
