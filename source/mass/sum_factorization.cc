@@ -363,7 +363,7 @@ namespace greville
     void
     with_points(const unsigned int n_points_1d, const Action &action)
     {
-      with_one_of<2, 3, 4, 5, 6, 7, 9, 11>(n_points_1d, action);
+      with_one_of<2, 3, 4, 5, 6, 7, 8, 9, 10, 11>(n_points_1d, action);
     }
 
 
@@ -371,14 +371,15 @@ namespace greville
     /**
      * Whether mass of two spaces with n functions each has q points: p + 1
      * where it is that of a density and 2 p + 1 where it is that of material
-     * points, p being the higher of the two orders. Hierarchies go down by one
-     * or two orders, or to order 1.
+     * points, p being the higher of the two orders, or 2 p where the orders
+     * differ. Hierarchies go down by one or two orders, or to order 1.
      */
     constexpr bool
     has_points(const int n_1, const int n_2, const int q)
     {
       const int lower = std::min(n_1, n_2), higher = std::max(n_1, n_2);
-      return (q == higher || q == 2 * higher - 1) &&
+      return (q == higher || q == 2 * higher - 1 ||
+              (lower < higher && q == 2 * higher - 2)) &&
              (lower + 2 >= higher || lower == 2);
     }
 

@@ -98,6 +98,15 @@ namespace greville
 
   template <int dim>
   void
+  PointTangents<dim>::reserve(const std::size_t n_groups)
+  {
+    numbers.reserve(n_groups * n_numbers() * simd_width);
+  }
+
+
+
+  template <int dim>
+  void
   PointTangents<dim>::add(const unsigned int                  cell,
                           const std::vector<TrialPoint<dim>> &points)
   {

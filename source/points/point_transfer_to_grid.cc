@@ -393,10 +393,12 @@ namespace greville
   {
     weights.clear();
     for (const MaterialPoints<dim> *points : bodies)
-      with_order((weights.n_points_1d() - 1) / 2, [&](const auto size) {
-        add_moments<dim, 2 * decltype(size)::value - 1>(*points,
-                                                        tables,
-                                                        weights);
+      with_order(weights.n_points_1d() / 2, [&](const auto size) {
+        constexpr int n = 2 * decltype(size)::value;
+        if (weights.n_points_1d() % 2 == 1)
+          add_moments<dim, n - 1>(*points, tables, weights);
+        else
+          add_moments<dim, n - 2>(*points, tables, weights);
       });
   }
 

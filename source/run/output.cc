@@ -83,15 +83,29 @@ namespace greville
 
 
 
+    DataOutBase::VtkFlags
+    fast_compression()
+    {
+      // The enumeration has other names in other versions of deal.II.
+      DataOutBase::VtkFlags flags;
+      flags.compression_level = decltype(flags.compression_level)::best_speed;
+      return flags;
+    }
+
+
+
     /**
-     * Points: patches without extension.
+     * Points: patches without extension, which are written block by block, so
+     * that memory for all of them is not needed.
      */
     template <int dim>
     class PointsOut : public PatchesOut<0, dim>
     {
     public:
       PointsOut(const BodyList<dim>                 &bodies,
-                const std::vector<OutputField<dim>> &fields)
+                const std::vector<OutputField<dim>> &given)
+        : bodies(bodies)
+        , fields(given)
       {
         for (const OutputField<dim> &field : fields)
           if (field.is_vector)
@@ -100,8 +114,23 @@ namespace greville
             this->names.insert(this->names.end(),
                                field.components.begin(),
                                field.components.end());
+      }
 
+      /**
+       * A piece of the file for each block, and at least one.
+       */
+      void
+      write_vtu(std::ostream &out)
+      {
+        constexpr unsigned int size        = 1 << 14;
+        const auto             write_block = [&]() {
+          DataOutBase::write_vtu_main(
+            this->patches, this->names, this->ranges, fast_compression(), out);
+          this->patches.clear();
+        };
+        DataOutBase::write_vtu_header(out, fast_compression());
         std::vector<double> values(this->names.size());
+        bool                is_empty = true;
         for (unsigned int b = 0; b < bodies.size(); ++b)
           bodies[b].points.for_each(
             [&](const unsigned int, ConstPointRef<dim> p) {
@@ -112,8 +141,18 @@ namespace greville
                   value += field.components.size();
                 }
               this->add_point(p.position(), values);
+              is_empty = false;
+              if (this->patches.size() == size)
+                write_block();
             });
+        if (is_empty || !this->patches.empty())
+          write_block();
+        DataOutBase::write_vtu_footer(out);
       }
+
+    private:
+      const BodyList<dim>                &bodies;
+      const std::vector<OutputField<dim>> fields;
     };
 
 
@@ -312,24 +351,13 @@ namespace greville
 
 
 
-    DataOutBase::VtkFlags
-    fast_compression()
-    {
-      // The enumeration has other names in other versions of deal.II.
-      DataOutBase::VtkFlags flags;
-      flags.compression_level = decltype(flags.compression_level)::best_speed;
-      return flags;
-    }
-
-
-
     /**
      * Collective. Each process writes its file, the first one the record of
      * all.
      */
     template <typename DataOutType>
     void
-    write_parallel(const DataOutType &data,
+    write_parallel(DataOutType       &data,
                    const std::string &directory,
                    const std::string &numbered,
                    const MPI_Comm     comm)
@@ -391,7 +419,7 @@ namespace greville
   void
   FieldOutput<dim>::write_next(const std::string &name,
                                const double       time,
-                               const DataOutType &data,
+                               DataOutType       &data,
                                const MPI_Comm     comm,
                                const bool         is_of_first)
   {
@@ -483,7 +511,6 @@ namespace greville
                           point_fields(parameters.fields,
                                        bodies,
                                        Utilities::MPI::this_mpi_process(comm)));
-    points.set_flags(fast_compression());
     write_next("points", time, points, comm);
   }
 

@@ -22,7 +22,6 @@ namespace greville
     filling.reinit(this->space(),
                    contact_walls,
                    parameters.scheme.averages_over_domains());
-    extended_mass.reinit(this->space());
     const auto make_solver = [&]() {
       return std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
                                                        parameters.solver,
@@ -110,6 +109,9 @@ namespace greville
   void
   ConsistentMass<dim>::assemble()
   {
+    if (!has_matrix)
+      extended_mass.reinit(this->space());
+    has_matrix = true;
     extended_mass.begin(spline_extension, has_new_unknowns);
     if (has_new_unknowns)
       extended_mass.unknowns().hold(this->held);

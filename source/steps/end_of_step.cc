@@ -31,16 +31,76 @@ namespace greville
 
 
 
+  namespace
+  {
+    /**
+     * Let @p action see the numbers of points that a kick may change.
+     */
+    template <typename Points, typename Action>
+    void
+    for_each_kicked(Points &points, const int dim, const Action &action)
+    {
+      const auto        &layout   = points.layout();
+      const unsigned int velocity = layout.velocity,
+                         others   = layout.n_fixed + layout.n_state;
+      points.for_each([&](const unsigned int, auto p) {
+        for (unsigned int k = velocity; k < velocity + dim; ++k)
+          action(p[k]);
+        for (unsigned int k = others; k < layout.size; ++k)
+          action(p[k]);
+      });
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  EndOfStep<dim>::Before::Before(Simulation<dim> &simulation)
+    : simulation(&simulation)
+    , rest(simulation.current)
+    , surfaces(simulation.current.surfaces)
+  {
+    for (const Body<dim> &body : simulation.current.bodies)
+      {
+        const auto &layout = body.points.layout();
+        numbers.emplace_back();
+        numbers.back().reserve(
+          body.points.n_points() *
+          (dim + layout.size - layout.n_fixed - layout.n_state));
+        for_each_kicked(body.points, dim, [&](const double number) {
+          numbers.back().push_back(number);
+        });
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  EndOfStep<dim>::Before::restore()
+  {
+    State<dim> &state                             = simulation->current;
+    static_cast<StateWithoutBodies<dim> &>(state) = std::move(rest);
+    state.surfaces                                = std::move(surfaces);
+    for (unsigned int b = 0; b < numbers.size(); ++b)
+      {
+        const double *from = numbers[b].data();
+        for_each_kicked(state.bodies[b].points, dim, [&](double &number) {
+          number = *from++;
+        });
+      }
+    // The next step sums up mass, momentum and force together, as without
+    // this: other kernels may round in another way.
+    state.points_have_changed();
+  }
+
+
+
   template <int dim>
   EndOfStep<dim>::~EndOfStep()
   {
-    for (auto &[simulation, state] : before)
-      {
-        simulation->current = std::move(state);
-        // The next step sums up mass, momentum and force together, as without
-        // this: other kernels may round in another way.
-        simulation->current.points_have_changed();
-      }
+    for (Before &state : before)
+      state.restore();
   }
 
 
@@ -55,7 +115,7 @@ namespace greville
       return;
     const PartTimer timer(log, part);
     const auto      seconds = log.seconds;
-    before.emplace_back(&simulation, state);
+    before.emplace_back(simulation);
     auto &fields = simulation.discretization.fields();
     for (GridField<dim> &field : fields)
       field.mass->begin_trial();
@@ -86,7 +146,7 @@ namespace greville
       }
     if (problem.empty())
       return;
-    state = std::move(before.back().second);
+    before.back().restore();
     before.pop_back();
     std::ostringstream message;
     message << "Velocities at t = " << state.time

@@ -30,7 +30,8 @@ namespace greville
              ? std::vector<unsigned char>(space.owned_functions().size() +
                                           space.ghost_functions().size())
              : held)
-    , mass_weights(space, 2 * space.degree() + 1)
+    // Exact for products with functions of lower order.
+    , mass_weights(space, 2 * space.degree())
   {
     extended_mass.reinit(space);
     block.reinit(extended_mass);

@@ -184,6 +184,13 @@ namespace greville
         tangents.clear(are_symmetric,
                        !bodies.empty() &&
                          bodies[0].points->layout().is_axisymmetric());
+        std::size_t n_groups = 0;
+        for (const TrialBody<dim> &body : bodies)
+          for (const unsigned int cell : body.points->cells())
+            n_groups +=
+              (body.points->n_points(cell) + MaterialPoints<dim>::width - 1) /
+              MaterialPoints<dim>::width;
+        tangents.reserve(n_groups);
         of_surfaces.clear_stiffness();
         if (projection)
           displacement = u;

@@ -108,12 +108,12 @@ namespace greville
                    pressure     = elastic.attraction * std::exp(log_pressure);
       // Of the stress: strains of stiff soil are rounded.
       const double q = point.J * std::sqrt(1.5) * deviator(stress).norm();
-      check_stress(q <= (1. + 1e-12) * ratio * pressure,
-                   Law::name,
-                   stress,
-                   "q / (p + attraction) is " + text_of(q / pressure) +
-                     " and has to be at most the critical stress ratio, " +
-                     text_of(ratio));
+      check_stress(
+        q <= (1. + 1e-12) * ratio * pressure, Law::name, stress, [&]() {
+          return "q / (p + attraction) is " + text_of(q / pressure) +
+                 " and has to be at most the critical stress ratio, " +
+                 text_of(ratio);
+        });
       this->set_elastic(point, e);
       law().set_initial(point.state, log_pressure, q);
     }

@@ -118,11 +118,14 @@ namespace greville
     {
       const Spectrum spectrum(sigma);
       const double   pressure = trace(sigma) / (3. * bulk);
-      check_stress(pressure < std::exp(-1.) && std::isfinite(sigma.norm()),
-                   material,
-                   sigma,
-                   "the mean stress has to be smaller than K / exp(1) = " +
-                     text_of(bulk * std::exp(-1.)) + " Pa");
+      check_stress(
+        pressure < std::exp(-1.) && std::isfinite(sigma.norm()),
+        material,
+        sigma,
+        [&]() {
+          return "the mean stress has to be smaller than K / exp(1) = " +
+                 text_of(bulk * std::exp(-1.)) + " Pa";
+        });
       // Newton's method approaches from one side.
       double log_J = 0.;
       for (unsigned int i = 0; i < 100; ++i)

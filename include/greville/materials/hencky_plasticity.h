@@ -72,12 +72,12 @@ namespace greville
       dealii::SymmetricTensor<2, 3> e;
       const Principal tau = elastic.invert_hencky(point, e, stress, Law::name);
       const double f = law().yield_function(tau, 0., point.strength_reduction);
-      check_stress(f <= 1e-10 * point.J * stress.norm(),
-                   Law::name,
-                   stress,
-                   std::string("the yield function ") + Law::yield_condition +
-                     " of J times this stress is " + text_of(f) +
-                     " Pa and has to be at most 0");
+      check_stress(
+        f <= 1e-10 * point.J * stress.norm(), Law::name, stress, [&]() {
+          return std::string("the yield function ") + Law::yield_condition +
+                 " of J times this stress is " + text_of(f) +
+                 " Pa and has to be at most 0";
+        });
       this->set_elastic(point, e);
     }
 

@@ -71,11 +71,11 @@ namespace greville
           if (!converged)
             log_J += change;
         }
-      check_stress(converged && std::isfinite(stress.norm()),
-                   name,
-                   stress,
-                   "no deformation has it with lambda = " + text_of(lambda) +
-                     " Pa and mu = " + text_of(mu) + " Pa");
+      check_stress(
+        converged && std::isfinite(stress.norm()), name, stress, [&]() {
+          return "no deformation has it with lambda = " + text_of(lambda) +
+                 " Pa and mu = " + text_of(mu) + " Pa";
+        });
       point.J = std::exp(log_J);
       point.F = spectrum.tensor(stretch);
       update(dealii::make_array_view(&point, &point + 1));

@@ -47,13 +47,15 @@ namespace greville
 
   /**
    * Throw dealii::ExcMessage with the @p material, its Cauchy @p stress and
-   * the @p reason why it cannot have it if not @p possible.
+   * the @p reason why it cannot have it if not @p possible: a text, or a
+   * function that makes it, since each point asks.
    */
-  inline void
+  template <typename Reason>
+  void
   check_stress(const bool                           possible,
                const char                          *material,
                const dealii::SymmetricTensor<2, 3> &stress,
-               const std::string                   &reason)
+               const Reason                        &reason)
   {
     if (possible)
       return;
@@ -63,7 +65,12 @@ namespace greville
       << "' cannot start with the Cauchy stress (xx, yy, zz, xy, xz, yz) = (";
     for (unsigned int i = 0; i < 6; ++i)
       text << (i == 0 ? "" : ", ") << stress.access_raw_entry(i) + 0.;
-    text << ") Pa: " << reason << ".";
+    text << ") Pa: ";
+    if constexpr (std::is_invocable_v<Reason>)
+      text << reason();
+    else
+      text << reason;
+    text << ".";
     AssertThrow(false, dealii::ExcMessage(text.str()));
   }
 } // namespace greville

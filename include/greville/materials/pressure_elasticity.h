@@ -103,12 +103,15 @@ namespace greville
           if (!(std::abs(change) > 1e-16 * std::abs(log_J)))
             break;
         }
-      check_stress(std::isfinite(sigma.norm()) && std::isfinite(log_J) &&
-                     std::abs(change) <= 1e-14 * std::abs(log_J) + 1e-300,
-                   material,
-                   sigma,
-                   "the mean stress has to be smaller than the attraction, " +
-                     text_of(attraction) + " Pa");
+      check_stress(
+        std::isfinite(sigma.norm()) && std::isfinite(log_J) &&
+          std::abs(change) <= 1e-14 * std::abs(log_J) + 1e-300,
+        material,
+        sigma,
+        [&]() {
+          return "the mean stress has to be smaller than the attraction, " +
+                 text_of(attraction) + " Pa";
+        });
       point.J = std::exp(log_J);
       Principal eps, stretch, tau;
       for (unsigned int a = 0; a < 3; ++a)

@@ -97,11 +97,10 @@ namespace greville
                    Law::name,
                    stress,
                    "tension is not allowed");
-      check_stress(p > -B,
-                   Law::name,
-                   stress,
-                   "the tension has to be smaller than rho0 c^2 / gamma = " +
-                     text_of(B) + " Pa");
+      check_stress(p > -B, Law::name, stress, [&]() {
+        return "the tension has to be smaller than rho0 c^2 / gamma = " +
+               text_of(B) + " Pa";
+      });
       const double log_J = -std::log1p(p / B) / exponent;
       point.J            = std::exp(log_J);
       point.F            = 0.;

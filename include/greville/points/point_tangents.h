@@ -41,6 +41,12 @@ namespace greville
     void
     clear(const bool symmetric, const bool axisymmetric);
 
+    /**
+     * Have memory for so many groups of points, and not for more.
+     */
+    void
+    reserve(const std::size_t n_groups);
+
     bool
     is_symmetric() const
     {

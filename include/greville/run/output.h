@@ -140,7 +140,7 @@ namespace greville
     void
     write_next(const std::string &name,
                const double       time,
-               const DataOutType &data,
+               DataOutType       &data,
                const MPI_Comm     comm,
                const bool         is_of_first = false);
 

@@ -169,7 +169,8 @@ namespace greville
     void
     change_held() override
     {
-      extended_mass.unknowns().hold(this->held);
+      if (has_matrix)
+        extended_mass.unknowns().hold(this->held);
     }
 
     void
@@ -211,14 +212,14 @@ namespace greville
     std::unique_ptr<ExtendedMassSolver<dim>> mass_solver;
     std::unique_ptr<ExtendedMassSolver<dim>> solver_of_held; // solve_held()
     bool                                     held_solver_is_behind = true;
-    // Implicit steps have a mass of their own: this one is assembled where a
-    // solve asks for it, from the bodies of the last update(), a list that
-    // follows its state.
-    bool                                            is_assembled     = false;
-    bool                                            has_new_unknowns = false;
-    const std::vector<const MaterialPoints<dim> *> *bodies           = nullptr;
-    const PointTransfer<dim>                       *transfer         = nullptr;
-    double                                          total_mass       = 0.;
+    // Implicit steps have a mass of their own: this one is made where a solve
+    // asks for it, from the bodies of the last update(), a list that follows
+    // its state.
+    bool has_matrix = false, is_assembled = false;
+    bool has_new_unknowns                                      = false;
+    const std::vector<const MaterialPoints<dim> *> *bodies     = nullptr;
+    const PointTransfer<dim>                       *transfer   = nullptr;
+    double                                          total_mass = 0.;
 
     // What solvers had before the first solve of a trial.
     using SolverMemory =

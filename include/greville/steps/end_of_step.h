@@ -57,7 +57,24 @@ namespace greville
     void
     add(Simulation<dim> &simulation, const std::string &part);
 
-    std::vector<std::pair<Simulation<dim> *, State<dim>>> before;
+    /**
+     * What a kick may change of a state: of points in bodies their velocity and
+     * the numbers behind those of the material.
+     */
+    struct Before
+    {
+      explicit Before(Simulation<dim> &simulation);
+
+      void
+      restore();
+
+      Simulation<dim>                 *simulation;
+      StateWithoutBodies<dim>          rest;
+      std::vector<Surface<dim>>        surfaces;
+      std::vector<std::vector<double>> numbers; // for each body
+    };
+
+    std::vector<Before> before;
   };
 } // namespace greville
 

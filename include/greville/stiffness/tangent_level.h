@@ -50,6 +50,9 @@ namespace greville
       return extended_mass.matrix();
     }
 
+    /**
+     * Weights of the transfer to lower orders.
+     */
     DensityWeights<dim> &
     weights()
     {
