@@ -11,7 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from .results import Error, ResultsError, Run, read_parameter_text, read_table, read_text
+from .results import Error, Run, how_to_install, read_parameter_text, read_table, read_text
 
 PACKAGE = Path(__file__).resolve().parent
 PROGRESS = re.compile(r"step \d+, t = (\S+) of (\S+) s")
@@ -138,6 +138,17 @@ def as_text(value):
     return ("; " if nested else ", ").join(map(as_text, parts))
 
 
+def as_value(text):
+    """The number that has this text, or the text."""
+    for kind in (int, float):
+        try:
+            if str(kind(text)) == text:
+                return kind(text)
+        except ValueError:
+            pass
+    return text
+
+
 def as_prm(tree, indent=""):
     """The text of a parameter file with these sections within sections; names may be paths as in 'Stage cut/Time/Step'."""
     result = ""
@@ -154,21 +165,21 @@ def as_prm(tree, indent=""):
     return result
 
 
+def import_yaml(file):
+    try:
+        import yaml
+    except ImportError:
+        raise RunFailed(f"{file} is YAML: " + how_to_install("yaml")) from None
+    return yaml
+
+
 def read_tree(file):
     """The sections of a JSON or YAML file."""
-    text = read_text(file)
+    text, yaml = read_text(file), None if file.suffix == ".json" else import_yaml(file)
     try:
-        if file.suffix == ".json":
-            tree = json.loads(text)
-        else:
-            import yaml
-            tree = yaml.safe_load(text)
-    except ImportError:
-        raise RunFailed(f"{file} cannot be read: yaml is missing in {sys.executable}: install Debian's python3-yaml.") from None
-    except ValueError as error:
-        raise RunFailed(f"{file} is no JSON: {error}.") from None
-    except yaml.YAMLError as error:
-        raise RunFailed(f"{file} is no YAML: {error}.") from None
+        tree = yaml.safe_load(text) if yaml else json.loads(text)
+    except (yaml.YAMLError if yaml else ValueError) as error:
+        raise RunFailed(f"{file} is no {'YAML' if yaml else 'JSON'}: {error}.") from None
     if not isinstance(tree, dict):
         raise RunFailed(f"{file} has no sections.")
     return tree
@@ -230,6 +241,24 @@ class Case:
     def parameters(self):
         """All parameters that a run would have, as text by name."""
         return {name: line.value for name, line in read_parameter_text(self._call("--print-parameters")).items()}
+
+    def save(self, file):
+        """Write what is not a default as .prm, .json or .yaml, which this package reads again."""
+        tree, file = {}, Path(file)
+        for name, line in read_parameter_text(self._call("--print-parameters")).items():
+            *sections, name = name.split("/")
+            if line.default is not None or name == "Model":   # Which has no default.
+                section = tree
+                for part in sections:
+                    section = section.setdefault(part, {})
+                section[name] = as_value(line.value)
+        if file.suffix == ".prm":
+            text = as_prm(tree)
+        elif file.suffix == ".json":
+            text = json.dumps(tree, indent=2, ensure_ascii=False) + "\n"
+        else:
+            text = import_yaml(file).safe_dump(tree, sort_keys=False, allow_unicode=True)
+        file.write_text(text, encoding="utf-8")
 
     def check(self):
         """What a run would take, as text: sizes, step, time and memory."""

@@ -29,7 +29,7 @@ AXES = "xyz"
 
 # The packages of Debian that bring the modules.
 PACKAGES = {"numpy": "python3-numpy", "matplotlib": "python3-matplotlib", "vtkmodules": "python3-vtk9",
-            "meshio": "python3-meshio", "PIL": "python3-pil"}
+            "meshio": "python3-meshio", "PIL": "python3-pil", "yaml": "python3-yaml"}
 # The smallest upper end of the scale of a field. A plastic strain of less than a
 # hundredth does not change the shape of a body visibly; on a scale that fits it, a
 # body that stands would look like one that fails.

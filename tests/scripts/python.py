@@ -1,6 +1,7 @@
 """python.py PROJECT PROGRAM: cases, sweeps and element tests by the Python package, on one process and on two."""
 import json
 import os
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -65,9 +66,18 @@ def check_cases():
     Path("block.prm").write_text(as_prm(SECTIONS))
     first, *others = [greville.Case(name).set("Simulation/Name", "case").parameters for name in ("block.json", "block.yaml", "block.prm")]
     check("the same by all ways", first == others[0] == others[1])
+    for name in ("saved.json", "saved.yaml", "saved.prm"):
+        greville.Case("block.prm").set("Simulation/Name", "case").save(name)
+        check(f"a case that is saved as {name}", greville.Case(name).set("Simulation/Name", "case").parameters == first)
     check("parameters", first["Body block/Velocity"] == "0.5; 0" and first["Grid/Order"] == "2")
     check("check", "critical step" in case.check())
     return case
+
+
+def check_version():
+    text = (PROJECT / "python/pyproject.toml").read_text()
+    version = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True).stdout.split()[1].rstrip(",")
+    check(f"the version of the package is that of the program, {version}", f'version = "{version}"' in text)
 
 
 def check_errors(case):
@@ -103,6 +113,7 @@ def check_pictures():
 def main():
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
+        check_version()
         case = check_cases()
         check_pictures()
         check_errors(case)
