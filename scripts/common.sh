@@ -2,9 +2,9 @@
 # from the project's root. Installs what is missing, configures and builds.
 
 packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
-test_packages="numdiff gfortran lld clang-format-14 doxygen python3-numpy"
-checking_packages="clang-14 clang-tidy-14 libclang-rt-14-dev valgrind gcc"
 drawing_packages="python3-matplotlib python3-vtk9 python3-pil"
+test_packages="numdiff gfortran lld clang-format-14 doxygen python3-numpy python3-yaml python3-nbclient python3-ipykernel $drawing_packages"
+checking_packages="clang-14 clang-tidy-14 libclang-rt-14-dev valgrind gcc"
 
 # Without these ccache does not look into its cache where a precompiled header
 # is used. With the others, clones of the project share what they have compiled.

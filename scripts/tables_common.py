@@ -7,7 +7,7 @@ import sys
 import time
 from pathlib import Path
 
-from greville_results import ResultsError, how_to_install
+from greville import ResultsError, how_to_install
 
 ROOT = Path(__file__).resolve().parent.parent
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]

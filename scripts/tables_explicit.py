@@ -7,7 +7,7 @@ import subprocess
 import time
 from pathlib import Path
 
-from greville_results import ResultsError, Run
+from greville import ResultsError, Run
 from tables_common import (OPTIONS, ROOT, argument, folder_of, print_head, print_row, pyplot, read_csv, run, run_to_end, save,
                            shipped, table, write_csv)
 

@@ -4,7 +4,7 @@ import re
 import statistics
 import sys
 
-from greville_results import Run, how_to_install, read_table
+from greville import Run, how_to_install, read_table
 from tables_common import (COLOURS, ROOT, argument, folder_of, print_head, print_row, pyplot, read_csv, run, run_to_end, save,
                            section, shipped, table, write_csv)
 

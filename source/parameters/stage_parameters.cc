@@ -292,7 +292,7 @@ namespace greville
       "wall: "
       "concrete'; all others have that of their section. Stresses stay.");
     add_parameter(prm, "Reset displacements", reset_displacements)(
-      "Displacements are counted from the begin of this stage: where points "
+      "Displacements are counted from the start of this stage: where points "
       "are then is their initial position X, Y (, Z), in files and formulas.");
   }
 } // namespace greville

@@ -23,7 +23,7 @@ answers() {
   fi
 }
 
-scripts="run test fresh_machine sanitize fuzz check_input"
+scripts="run test package fresh_machine sanitize fuzz check_input"
 [ ! -x /usr/bin/python3 ] || scripts="$scripts picture gear kill_and_resume lint faults gallery benchmark check_docs \
    performance paraview points_to_csv report tables"
 for script in $scripts; do

@@ -12,10 +12,9 @@ import zlib
 from pathlib import Path
 
 PROJECT, PROGRAM = Path(sys.argv[1]), sys.argv[2]
-sys.path.insert(0, str(PROJECT / "scripts"))
+sys.path.insert(0, str(PROJECT / "python"))
 sys.dont_write_bytecode = True
-import greville_results
-from greville_results import ResultsError, Run
+from greville import ResultsError, Run, read_table, results
 
 try:
     import numpy as np
@@ -111,19 +110,19 @@ def check_tables(run):
     check("balance of energy", work[-1] > 0 and abs(left[-1]) < 1e-3 * work[-1] and abs(change[-1] - work[-1] - left[-1]) < 1e-14)
     check("message about a column", "has no column foo. There are: time, dt," in message_of(lambda: run.statistics["foo"]))
     check("message about a folder", message_of(lambda: Run("nowhere")) == "There is no folder nowhere.")
-    greville_results.np, numpy = None, greville_results.np
+    results.np, numpy = None, results.np
     message = message_of(lambda: run.points(0))
-    greville_results.np = numpy
+    results.np = numpy
     check(f"message about numpy: {message}", f"numpy is missing in {sys.executable}: install Debian's python3-numpy" in message)
-    check("scale of plastic strains", greville_results.range_of_colours("plastic_strain", 0., 1e-4) == (0., 0.01)
-          and greville_results.range_of_colours("plastic_strain", 0., 0.5) == (0., 0.5)
-          and greville_results.range_of_colours("pressure", -1., -0.5) == (-1., -0.5))
+    check("scale of plastic strains", results.range_of_colours("plastic_strain", 0., 1e-4) == (0., 0.01)
+          and results.range_of_colours("plastic_strain", 0., 0.5) == (0., 0.5)
+          and results.range_of_colours("pressure", -1., -0.5) == (-1., -0.5))
     check("message about results", "has no results of a simulation" in message_of(lambda: Run(PROJECT)))
     # A run that is killed leaves a line that is not whole.
     (run.folder / "cut.csv").write_text("a,b\n1,2\n3")
-    check("a cut line", list(greville_results.read_table(run.folder / "cut.csv")["b"]) == [2.])
+    check("a cut line", list(read_table(run.folder / "cut.csv")["b"]) == [2.])
     (run.folder / "cut.csv").write_text("a,b\n1\n3,4\n")
-    check("a wrong line", "has 1 columns, its header 2" in message_of(lambda: greville_results.read_table(run.folder / "cut.csv")))
+    check("a wrong line", "has 1 columns, its header 2" in message_of(lambda: read_table(run.folder / "cut.csv")))
 
 
 def check_points(run):

@@ -1,7 +1,7 @@
 """Reads what a run of Greville has left in its folder.
 
-    import greville_results
-    run = greville_results.Run("output/dam_break")
+    import greville
+    run = greville.Run("output/dam_break")
     print(run.statistics["kinetic"].max(), run.points(-1)["velocity"].shape)
 
 Tables need the Python standard library only; their columns are arrays of numpy
@@ -13,6 +13,7 @@ import csv
 import json
 import re
 import sys
+from numbers import Integral
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -22,20 +23,24 @@ except ImportError:
     np = None
 
 # Parameters name measured data relative to their file, whose copy lies with the results.
-PARAMETER_FOLDER = Path(__file__).resolve().parent.parent / "prm" / "simulation"
+PARAMETER_FOLDER = Path(__file__).resolve().parents[2] / "prm" / "simulation"
 AXES = "xyz"
 
 
 # The packages of Debian that bring the modules.
 PACKAGES = {"numpy": "python3-numpy", "matplotlib": "python3-matplotlib", "vtkmodules": "python3-vtk9",
-            "meshio": "python3-meshio", "PIL": "python3-pil"}
+            "meshio": "python3-meshio", "PIL": "python3-pil", "yaml": "python3-yaml"}
 # The smallest upper end of the scale of a field. A plastic strain of less than a
 # hundredth does not change the shape of a body visibly; on a scale that fits it, a
 # body that stands would look like one that fails.
 LEAST_UPPER_ENDS = {"plastic_strain": 0.01}
 
 
-class ResultsError(Exception):
+class Error(Exception):
+    """What this package raises."""
+
+
+class ResultsError(Error):
     """What cannot be read, and why: one message for the user."""
 
 
@@ -55,6 +60,10 @@ def parts_in_range(field):
 def range_of_colours(field, low, high):
     """The range of a scale that fits the values from low to high."""
     return low, max(high, LEAST_UPPER_ENDS.get(field, high))
+
+
+def pretty(unit):
+    return unit.replace("^2", "²").replace("^3", "³").replace(" / ", "/")
 
 
 def read_text(path):
@@ -121,10 +130,10 @@ class Parameter:
         self.value, self.default, self.unit = value, default, unit
 
 
-def read_parameter_lines(path):
-    """{"Section/Name": Parameter}, in the order of the file."""
+def read_parameter_text(text):
+    """{"Section/Name": Parameter}, in the order of the text of a parameter file."""
     result, section, comment = {}, [], []
-    for line in read_text(path).splitlines():
+    for line in text.splitlines():
         line = line.strip()
         if line.startswith("#"):
             comment.append(line.lstrip("# "))
@@ -144,11 +153,6 @@ def read_parameter_lines(path):
                 unit.group(1) if unit and unit.group(1) != "none" else "")
         comment = []
     return result
-
-
-def read_parameters(path):
-    """{"Section/Name": value} of a parameter file."""
-    return {name: line.value for name, line in read_parameter_lines(path).items()}
 
 
 def names_in(text):
@@ -254,7 +258,7 @@ def read_fields(path, names=None, time=None):
 
 
 class Series:
-    """The times and files of a .pvd file; series(k) are the Fields of the kth time."""
+    """The times and files of a .pvd file; series(k) are the Fields of the kth time, series(0.5) those nearest to 0.5 s."""
 
     def __init__(self, path):
         self.path = Path(path)
@@ -277,6 +281,8 @@ class Series:
         return pieces_of(self.files[0])[1]
 
     def __call__(self, k, names=None):
+        if not isinstance(k, Integral):
+            k = min(range(len(self)), key=lambda i: abs(self.times[i] - k))
         try:
             file, time = self.files[k], self.times[k]
         except IndexError:
@@ -296,8 +302,10 @@ class Run:
     messages                [(kind, text)], where kind is Warning, Error or Note
     unit(file, column)      of units.csv, such as unit("points.pvd", "velocity")
     times                   those of the points
-    points(k), grid(k), surface(k)   Fields at the kth time; names=[...] reads those only
+    points(k), grid(k), surface(k)   Fields at the kth time, or for a float nearest to it in s; names=[...] reads those only
     rigid_bodies            the names of rigid bodies that have been written
+    plot(k)                 a Picture of the points at the kth time, which notebooks show
+    report()                writes report.html, and returns its path
     rigid(name, time)       the facets of one at a time: corners (facet, corner, xyz), and Fields of them all
     """
 
@@ -332,7 +340,7 @@ class Run:
             # Those of the run, or of the sweep that it belongs to.
             paths = (self.folder / "parameters.prm", self.folder.resolve().parent / "parameters.prm")
             path = next((path for path in paths if path.exists()), None)
-            return read_parameter_lines(path) if path else {}
+            return read_parameter_text(read_text(path)) if path else {}
         return self._once("parameters", read)
 
     @property
@@ -433,6 +441,18 @@ class Run:
 
     def points(self, k, names=None):
         return self.series("points")(k, names)
+
+    def plot(self, k=-1, **options):
+        """A Picture of the points at the kth time, or nearest to a time in s; options: field, magnify, mesh, rigid_bodies."""
+        from . import pictures
+        if not isinstance(k, Integral):
+            k = int(np.argmin(abs(self.times - k)))
+        return pictures.picture_of(self, k, **options)
+
+    def report(self, **options):
+        """Write report.html, and return its path; options: field (a list), no_points, output."""
+        from . import report
+        return report.write([self.folder], **options)
 
     def grid(self, k, names=None, body=None):
         return self.series("grid" + (f"_{body}" if body else ""))(k, names)

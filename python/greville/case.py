@@ -1,0 +1,328 @@
+"""Runs parameter files: Case, Sweep, and what they need of the programs."""
+import json
+import os
+import pty
+import re
+import select
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from .results import Error, Run, how_to_install, read_parameter_text, read_table, read_text
+
+PACKAGE = Path(__file__).resolve().parent
+PROGRESS = re.compile(r"step \d+, t = (\S+) of (\S+) s")
+
+
+class RunFailed(Error):
+    """What the program says of a run that it cannot begin or finish; output is all that it has printed."""
+
+    def __init__(self, message, output=""):
+        super().__init__(message)
+        self.output = output
+
+
+def program():
+    """The program: $GREVILLE, that of the source tree or installation with this package, or that of the PATH."""
+    candidates = [os.environ.get("GREVILLE"), PACKAGE.parents[1] / "build/greville", PACKAGE.parents[3] / "bin/greville",
+                  shutil.which("greville")]
+    for candidate in candidates:
+        if candidate and os.access(candidate, os.X_OK) and Path(candidate).is_file():
+            return Path(candidate)
+    raise RunFailed("There is no program greville: build or install it, or set the environment variable GREVILLE to its path.")
+
+
+def project_file(name):
+    """A file of the source tree or installation, such as 'scripts/build_umat' or 'prm/simulation/dam_break.prm'."""
+    roots = [PACKAGE.parents[1]]
+    if not (roots[0] / name).exists():
+        prefix = program().resolve().parent.parent
+        roots += [prefix, prefix / "share/greville"]
+    for root in roots:
+        if (root / name).exists():
+            return root / name
+    raise RunFailed(f"There is no {name} in {' or '.join(map(str, roots))}.")
+
+
+def environment():
+    """As set_up_mpi of scripts/common.sh; what the caller has set counts."""
+    defaults = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
+                "OMPI_MCA_hwloc_base_binding_policy": "none", "OMP_NUM_THREADS": "1", "DEAL_II_NUM_THREADS": "1"}
+    if os.geteuid() == 0:
+        defaults.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+    return {**defaults, **os.environ, "TERM": "xterm"}
+
+
+def message_of(text):
+    """The program's paragraph in what a failed run has printed on stderr, without what mpirun says of it."""
+    found = re.search(r"^greville: (.+?)(?=\n\s*\n|\n-{5,}|\Z)", text, re.MULTILINE | re.DOTALL)
+    return (found.group(1) if found else text).strip() or "The program has ended without a message."
+
+
+class Progress:
+    """A bar in a notebook, or a line in a terminal."""
+
+    def __init__(self):
+        self.handle, self.is_terminal = None, sys.stderr.isatty()
+        if "IPython" in sys.modules:
+            from IPython import display, get_ipython
+            if getattr(get_ipython(), "kernel", None):
+                self.handle = display.display(display.HTML(""), display_id=True)
+
+    def __call__(self, part, line):
+        if self.handle:
+            from IPython.display import HTML
+            self.handle.update(HTML(f"<progress value='{part:.3f}' style='width:20em'></progress> <code>{line}</code>"))
+        elif self.is_terminal:
+            print(f"\r\033[K{line}", end="\n" if part >= 1. else "", file=sys.stderr, flush=True)
+
+
+def call(arguments, processes=1, progress=None):
+    """Run the program, and return what it prints; progress(part, line) is called about five times a second."""
+    command = [str(program()), *map(str, arguments)]
+    if processes > 1:
+        command = ["mpirun", "-np", str(processes), *command]
+    lines, rest = [], b""
+    # The program shows each step to a terminal, and ten lines to a file.
+    ours, theirs = pty.openpty()
+    with tempfile.TemporaryFile() as messages:
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=theirs, stderr=messages, env=environment(),
+                                   start_new_session=True)
+        os.close(theirs)
+        try:
+            while True:
+                # A process that has ended may have left the terminal to a child.
+                if not select.select([ours], [], [], 0.2)[0]:
+                    if process.poll() is None:
+                        continue
+                    break
+                try:
+                    text = os.read(ours, 65536)
+                except OSError:   # So a terminal ends.
+                    break
+                *parts, rest = re.split(rb"[\r\n]+", rest + text)
+                for line in (re.sub(r"\033\[[0-9;]*[A-Za-z]", "", part.decode(errors="replace")).rstrip() for part in parts):
+                    found = PROGRESS.search(line)
+                    if found and progress:
+                        time, end = map(float, found.groups())
+                        progress(min(1., time / end) if end > 0. else 0., line)
+                    elif line and not found:
+                        lines.append(line)
+        except KeyboardInterrupt:
+            # The program writes a checkpoint; mpirun would kill it before.
+            children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+            for pid in children.read_text().split() if processes > 1 else [process.pid]:
+                os.kill(int(pid), signal.SIGINT)
+            raise
+        finally:
+            status = process.wait()
+            os.close(ours)
+        messages.seek(0)
+        output = "\n".join(lines)
+        if status:
+            raise RunFailed(message_of(messages.read().decode(errors="replace")), output)
+    return output
+
+
+def as_text(value):
+    """A value as a parameter file has it: a list with commas, a list of lists with semicolons between them."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str) or not hasattr(value, "__iter__"):
+        return str(value)
+    parts = list(value)
+    nested = any(not isinstance(part, str) and hasattr(part, "__iter__") for part in parts)
+    return ("; " if nested else ", ").join(map(as_text, parts))
+
+
+def as_value(text):
+    """The number that has this text, or the text."""
+    for kind in (int, float):
+        try:
+            if str(kind(text)) == text:
+                return kind(text)
+        except ValueError:
+            pass
+    return text
+
+
+def as_prm(tree, indent=""):
+    """The text of a parameter file with these sections within sections; names may be paths as in 'Stage cut/Time/Step'."""
+    result = ""
+    for name, value in tree.items():
+        *sections, name = str(name).split("/")
+        for section in reversed(sections):
+            name, value = section, {name: value}
+        if isinstance(value, dict):
+            result += f"{indent}subsection {name}\n{as_prm(value, indent + '  ')}{indent}end\n"
+        elif value is None:
+            raise RunFailed(f"The parameter <{name}> has no value.")
+        else:
+            result += f"{indent}set {name} = {as_text(value)}\n"
+    return result
+
+
+def import_yaml(file):
+    try:
+        import yaml
+    except ImportError:
+        raise RunFailed(f"{file} is YAML: " + how_to_install("yaml")) from None
+    return yaml
+
+
+def read_tree(file):
+    """The sections of a JSON or YAML file."""
+    text, yaml = read_text(file), None if file.suffix == ".json" else import_yaml(file)
+    try:
+        tree = yaml.safe_load(text) if yaml else json.loads(text)
+    except (yaml.YAMLError if yaml else ValueError) as error:
+        raise RunFailed(f"{file} is no {'YAML' if yaml else 'JSON'}: {error}.") from None
+    if not isinstance(tree, dict):
+        raise RunFailed(f"{file} has no sections.")
+    return tree
+
+
+class Case:
+    """A problem: a parameter file (.prm, .json, .yaml), a template by its name, or sections as a dict, with settings.
+
+    JSON, YAML and dicts have sections within sections with the names of a .prm file. Lists become values with
+    commas, and lists of lists have semicolons between them.
+    """
+
+    def __init__(self, source, **settings):
+        self.settings, self.tree, self.folder = {}, None, Path()
+        if isinstance(source, dict):
+            self.tree, self.name = source, "case"
+        else:
+            self.file = Path(source)
+            self.name, self.folder = self.file.stem, self.file.parent
+            if not self.file.is_file():
+                raise RunFailed(f"There is no file {source}.")
+            if self.file.suffix in (".json", ".yaml", ".yml"):
+                self.tree = read_tree(self.file)
+        for name, value in settings.items():
+            self.set(name, value)
+
+    @classmethod
+    def new(cls, template, file=None):
+        """A copy of a template of the program, such as 'slope', as FILE: greville --new."""
+        call(["--new", template, *([file] if file else [])])
+        return cls(file or f"{template}.prm")
+
+    def set(self, name, value):
+        """Replace a parameter, such as 'Material clay/Cohesion'; returns the case."""
+        self.settings[name] = as_text(value)
+        return self
+
+    def copy(self):
+        result = object.__new__(type(self))
+        result.__dict__.update(self.__dict__, settings=dict(self.settings))
+        return result
+
+    def _call(self, *options, processes=1, progress=None):
+        options += tuple(word for name, value in self.settings.items() for word in ("--set", f"{name}={value}"))
+        if self.tree is None:
+            return call([self.file, *options], processes, progress)
+        # Names of files in it are relative to the file, which has to be where the original is.
+        descriptor, file = tempfile.mkstemp(".prm", f".{self.name}_", self.folder, text=True)
+        try:
+            with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
+                stream.write(f"subsection Simulation\n  set Name = {self.name}\nend\n" + as_prm(self.tree))
+            return call([file, *options], processes, progress).replace(file, self.name)
+        except RunFailed as error:
+            raise RunFailed(str(error).replace(file, self.name), error.output) from None
+        finally:
+            os.unlink(file)
+
+    @property
+    def parameters(self):
+        """All parameters that a run would have, as text by name."""
+        return {name: line.value for name, line in read_parameter_text(self._call("--print-parameters")).items()}
+
+    def save(self, file):
+        """Write what is not a default as .prm, .json or .yaml, which this package reads again."""
+        tree, file = {}, Path(file)
+        for name, line in read_parameter_text(self._call("--print-parameters")).items():
+            *sections, name = name.split("/")
+            if line.default is not None or name == "Model":   # Which has no default.
+                section = tree
+                for part in sections:
+                    section = section.setdefault(part, {})
+                section[name] = as_value(line.value)
+        if file.suffix == ".prm":
+            text = as_prm(tree)
+        elif file.suffix == ".json":
+            text = json.dumps(tree, indent=2, ensure_ascii=False) + "\n"
+        else:
+            text = import_yaml(file).safe_dump(tree, sort_keys=False, allow_unicode=True)
+        file.write_text(text, encoding="utf-8")
+
+    def check(self):
+        """What a run would take, as text: sizes, step, time and memory."""
+        return self._call("--check")
+
+    @property
+    def results(self):
+        """The folder of the results."""
+        parameters = self.parameters
+        return Path(parameters["Output/Directory"] or f"output/{parameters['Simulation/Name'] or self.name}")
+
+    def run(self, processes=1, progress=None, resume=False):
+        """Run the program, and return the Run; progress(part, line) takes the place of the bar or line that is shown."""
+        folder = self.results
+        output = self._call(*(["--resume"] if resume else []), processes=processes, progress=progress or Progress())
+        run = Run(folder)
+        run.output = output
+        return run
+
+    def element_test(self, test, material=None):
+        """The Table of a laboratory test of a material, such as 'triaxial-drained'."""
+        self._call("--element-test", test, *(["--material", material] if material else []))
+        return read_table(self.results / "element_test.csv")
+
+
+class Sweep:
+    """The results of a sweep: its table (sweep.csv), and for each run its value and its Run; None where it has failed.
+
+    message is what the program says of runs that have failed.
+    """
+
+    def __init__(self, folder, message=""):
+        self.folder, self.message = Path(folder), message
+        self.table = read_table(self.folder / "sweep.csv")
+        self.values, self.runs = self.table["value"], []
+        for name, failed in zip(self.table["run"], self.table["failed"]):
+            self.runs.append(None if failed else Run(self.folder / name))
+
+    def __iter__(self):
+        return iter(zip(self.values, self.runs))
+
+    def __len__(self):
+        return len(self.runs)
+
+
+def sweep(case, parameter, values, processes=1, processes_per_run=1, progress=None):
+    """Run a case with each of these values of a parameter, as many runs at a time as groups of processes; a Sweep."""
+    case = case.copy().set("Sweep/Parameter", parameter).set("Sweep/Values", " | ".join(map(as_text, values)))
+    case.set("Sweep/Processes per run", processes_per_run if processes > 1 else 0)
+    folder = case.results
+    message = ""
+    try:
+        case._call(processes=processes, progress=progress or Progress())
+    except RunFailed as error:
+        message = str(error)
+        if not message.startswith("Runs of 'Sweep' failed"):
+            raise
+    return Sweep(folder, message)
+
+
+def build_umat(file, library=None):
+    """Compile a UMAT to a shared library (scripts/build_umat), and return its path."""
+    done = subprocess.run(["sh", project_file("scripts/build_umat"), file, *([library] if library else [])],
+                          capture_output=True, text=True)
+    if done.returncode:
+        raise RunFailed(done.stderr.strip())
+    return Path(done.stdout.strip()).resolve()

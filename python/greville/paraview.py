@@ -1,0 +1,177 @@
+"""Open a run in ParaView with one command.
+
+    scripts/paraview output/dam_break        writes output/dam_break/view.py
+    paraview --script=output/dam_break/view.py
+
+view.py is a script for ParaView 5.10 or later: points as boxes (3D: spheres) of
+their size, coloured by a field over all times, with the walls of the grid, surfaces
+with loads, rigid bodies, and the time. It goes on working when the folder is moved, if it is run
+by pvpython, which writes a picture of the last time, too:
+
+    pvpython output/dam_break/view.py last.png
+
+Needs nothing but Python. The run needs the field size (it is a default of
+'Output/Fields').
+"""
+from .command import parser_of, run_command
+from .results import ResultsError, Run
+
+SCRIPT = '''# Written by scripts/paraview of Greville:
+#   paraview --script={path}
+#   pvpython {path} picture.png
+import os
+import sys
+
+from paraview.simple import *
+
+# What is shown: a field of points.pvd, and of a vector 'Magnitude', 'X', 'Y' or 'Z'.
+FIELD, COMPONENT = {field!r}, {component!r}
+FOLDER = os.path.dirname(os.path.abspath(__file__)) if "__file__" in globals() else {folder!r}
+UNITS = {units!r}
+BODIES = {bodies!r}
+LOWER, UPPER = {lower!r}, {upper!r}   # of the grid, m
+IS_3D, UP = {is_3d!r}, {up!r}
+COLOURS = {colours!r}
+
+paraview.simple._DisableFirstRenderCameraReset()
+view = GetActiveViewOrCreate("RenderView")
+# On white, so that the texts are dark.
+view.UseColorPaletteForBackground = 0
+view.Background = [1., 1., 1.]
+view.OrientationAxesVisibility = int(IS_3D)
+
+points = PVDReader(registrationName="points", FileName=os.path.join(FOLDER, "points.pvd"))
+scene = GetAnimationScene()
+scene.UpdateAnimationUsingDataTimeSteps()
+scene.GoToLast()
+
+# The edge of a point's cube, or square, is the field size.
+glyphs = Glyph(registrationName="sizes", Input=points, GlyphType="Sphere" if IS_3D else "Box")
+glyphs.GlyphMode = "All Points"
+glyphs.OrientationArray = ["POINTS", "No orientation array"]
+glyphs.ScaleArray = ["POINTS", "size"]
+glyphs.ScaleFactor = 1.25   # Without gaps.
+if IS_3D:
+    glyphs.GlyphType.ThetaResolution = glyphs.GlyphType.PhiResolution = 8
+else:
+    glyphs.GlyphType.ZLength = 0.01
+display = Show(glyphs, view)
+Hide(points, view)
+if not IS_3D:
+    display.Ambient, display.Diffuse = 1., 0.
+
+def colour_by(field, component="Magnitude"):
+    """Colour the points by another field, also from ParaView's Python shell."""
+    array = points.PointData[field]
+    is_vector = array is not None and array.GetNumberOfComponents() > 1
+    ColorBy(display, ("POINTS", field, component) if is_vector else ("POINTS", field))
+    table = GetColorTransferFunction(field)
+    if field == "body":
+        table.InterpretValuesAsCategories = 1
+        table.Annotations = [text for k, name in enumerate(BODIES) for text in (str(k), name)]
+        table.IndexedColors = [c for k in range(len(BODIES)) for c in COLOURS[k % len(COLOURS)]]
+    else:
+        display.RescaleTransferFunctionToDataRangeOverTime()
+        table.ApplyPreset("Viridis (matplotlib)", True)
+    bar = GetScalarBar(table, view)
+    bar.Title = field.replace("_", " ") + (", " + UNITS[field] if UNITS.get(field) else "")
+    bar.ComponentTitle = "" if component == "Magnitude" or not is_vector else component
+    bar.TitleColor = bar.LabelColor = [0.1, 0.1, 0.1]
+    display.SetScalarBarVisibility(view, True)
+    HideUnusedScalarBars(view)
+    Render()
+
+walls = Box(registrationName="grid of the run")
+walls.XLength, walls.YLength, walls.ZLength = (max(b - a, 1e-9) for a, b in zip(LOWER, UPPER))
+walls.Center = [(a + b) / 2 for a, b in zip(LOWER, UPPER)]
+outline = Show(walls, view)
+outline.SetRepresentationType("Wireframe" if not IS_3D else "Outline")
+outline.AmbientColor = outline.DiffuseColor = [0.4, 0.4, 0.4]
+
+for name in {surfaces!r}:
+    surface = PVDReader(registrationName=name, FileName=os.path.join(FOLDER, name + ".pvd"))
+    loads = Glyph(registrationName="loads of " + name, Input=surface, GlyphType="Arrow")
+    loads.OrientationArray = ["POINTS", "load"]
+    loads.ScaleArray = ["POINTS", "load"]
+    largest = surface.PointData["load"].GetRange(-1)[1] if surface.PointData["load"] else 0.
+    loads.ScaleFactor = 0.1 * max(b - a for a, b in zip(LOWER, UPPER)) / largest if largest > 0 else 0.
+    shown = Show(loads, view)
+    ColorBy(shown, None)
+    shown.AmbientColor = shown.DiffuseColor = [0.83, 0.37, 0.]
+
+for name in {rigid!r}:
+    shown = Show(PVDReader(registrationName=name, FileName=os.path.join(FOLDER, name + ".pvd")), view)
+    ColorBy(shown, None)
+    shown.AmbientColor = shown.DiffuseColor = [0.7, 0.7, 0.7] if IS_3D else [0.35, 0.35, 0.35]
+
+clock = AnnotateTimeFilter(registrationName="time", Input=points)
+clock.Format = "t = {{time:.4g}} s"
+label = Show(clock, view)
+label.Color = [0.1, 0.1, 0.1]
+label.FontSize = 16
+label.WindowLocation = "Upper Center"
+
+middle = [(a + b) / 2 for a, b in zip(LOWER, UPPER)]
+size = max(b - a for a, b in zip(LOWER, UPPER))
+up = [float(k == UP) for k in range(3)]
+if IS_3D:
+    # From the outside, a bit from above.
+    aside = [1. if k == (UP + 2) % 3 else 0.6 if k != UP else 0.5 for k in range(3)]
+    view.CameraPosition = [m + 3. * size * a for m, a in zip(middle, aside)]
+else:
+    view.InteractionMode = "2D"
+    view.CameraPosition = [middle[0], middle[1], 10. * size]
+    up = [0., 1., 0.]
+view.CameraFocalPoint, view.CameraViewUp = middle, up
+ResetCamera(view)
+colour_by(FIELD, COMPONENT)
+SetActiveSource(points)
+
+if sys.argv[-1].endswith(".png"):
+    view.ViewSize = [1400, 800]
+    ResetCamera(view)
+    SaveScreenshot(sys.argv[-1], view, ImageResolution=[1400, 800])
+    print(sys.argv[-1])
+'''
+
+
+def script_of(run, field):
+    available = run.point_fields
+    if "size" not in available:
+        raise ResultsError(f"{run.folder} has no field size, which glyphs need: 'Output/Fields' has to name it. "
+                           f"There are: {', '.join(available)}.")
+    name, component = ("velocity", "Magnitude") if field == "speed" else (field, "Magnitude")
+    if name not in available and name[:-2] in available and name[-2:] in ("_x", "_y", "_z"):
+        name, component = name[:-2], name[-1].upper()
+    if name not in available:
+        raise ResultsError(f"{run.folder} has no field {field}. There are: {', '.join(['speed'] + available)}.")
+    if not run.grid_box:
+        raise ResultsError(f"{run.folder} has no parameters.prm with the corners of the grid.")
+    lower, upper = (corner + [0.] * (3 - run.dim) for corner in run.grid_box)
+    gravity = run.parameters.get("Loads/Gravity", "").split(";")[:run.dim]
+    up = next((d for d, word in enumerate(gravity) if word.strip() not in ("", "0", "0.", "0.0")), run.dim - 1)
+    folder = run.folder.resolve()
+    return SCRIPT.format(path=folder / "view.py", field=name, component=component, folder=str(folder),
+                         units={name: run.unit("points.pvd", name) for name in available if run.unit("points.pvd", name)},
+                         bodies=run.bodies, lower=lower, upper=upper, is_3d=run.dim == 3, up=up,
+                         surfaces=sorted(path.stem for path in folder.glob("surface*.pvd")),
+                         rigid=["rigid_" + name for name in run.rigid_bodies],
+                         colours=[[0., .447, .698], [.835, .369, 0.], [0., .62, .451], [.8, .475, .655], [.902, .624, 0.], [.337, .706, .914]])
+
+
+def main(program=None):
+    parser = parser_of(program, __doc__)
+    parser.add_argument("--field", default="speed", metavar="NAME",
+                        help="colour of points: speed (the default), a field of points.pvd, or a component such as velocity_x")
+    run_command(parser, write)
+
+
+def write(arguments):
+    for folder in arguments.folders:
+        file = folder / "view.py"
+        text = script_of(Run(folder), arguments.field)
+        try:
+            file.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise ResultsError(f"{file} cannot be written: {error.strerror}.") from None
+        print(f"paraview --script={file}")

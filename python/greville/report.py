@@ -1,0 +1,391 @@
+"""One page about a run, or about several side by side: report.html.
+
+    scripts/report output/dam_break              writes output/dam_break/report.html
+    scripts/report output/first output/second    writes output/report.html, where both are
+    scripts/report output/vibrating_bar          a sweep: its runs, and their errors
+
+The page holds all that it shows, so that it can be moved and sent, and needs a
+browser but no network: warnings, moving points coloured by a field, energies and
+their balance, momentum, iterations, Newton's method, time per part, measured or
+exact values, bodies, and the parameters that are not defaults.
+
+Needs Debian's python3-numpy, and for the points python3-vtk9 or python3-meshio.
+"""
+import base64
+import json
+import math
+import os
+import sys
+import zlib
+from pathlib import Path
+
+from .command import parser_of, run_command
+from .results import (ResultsError, Run, how_to_install, main_field, names_in, np, parts_in_range, pretty, range_of_colours,
+                      read_table, runs_in)
+
+TEMPLATE = Path(__file__).resolve().parent / "report.html"
+MOST_ROWS, MOST_FRAMES, MOST_POINTS = 1000, 61, 40000
+# Of all frames, in characters.
+BUDGET = 3_000_000
+# Fields that are shown if they are there; the first is shown at first, unless main_field() is another.
+FIELDS = ["speed", "pressure", "von_mises", "plastic_strain", "displacement", "density"]
+ABSENT = 65535
+
+
+def number(value, digits=5):
+    """What JSON can hold, and short."""
+    return None if not math.isfinite(value) else float(f"{value:.{digits}g}")
+
+
+def numbers(values, digits=5):
+    return [number(value, digits) for value in values]
+
+
+def label_of(name):
+    return name.replace("_", " ").replace("von mises", "von Mises stress")
+
+
+# Tables.
+
+def chosen_rows(n):
+    """At most MOST_ROWS rows, with the first and the last."""
+    return np.unique(np.linspace(0, n - 1, min(n, MOST_ROWS)).round().astype(int))
+
+
+def table_data(run):
+    table = run.statistics
+    rows = chosen_rows(table.n_rows)
+    columns = {name: numbers(values[rows]) for name, values in table.items() if not isinstance(values, list)}
+    change, work, left = run.energy_balance()
+    unit = pretty(run.unit("statistics.csv", "total"))
+    columns.update({"change of energy": numbers(change[rows]), "work": numbers(work[rows]), "not accounted for": numbers(left[rows])})
+    units = {name: pretty(run.unit("statistics.csv", name)) for name in table}
+    units.update({name: unit for name in ("change of energy", "work", "not accounted for")})
+    energy = np.max(np.abs(np.concatenate([change, work, table["kinetic"], table["strain"]])))
+    return {"columns": columns, "units": units, "n": table.n_rows, "works": run.work,
+            "balance": {"left": number(left[-1]), "share": number(left[-1] / energy) if energy > 0 else 0.}}
+
+
+def probes_data(run):
+    table = run.probes
+    if table is None or table.n_rows == 0:
+        return None
+    rows = chosen_rows(table.n_rows)
+    return {"columns": {name: numbers(values[rows]) for name, values in table.items()},
+            "units": {name: pretty(run.unit("probes.csv", name)) for name in table}}
+
+
+def newton_data(run):
+    """One entry for each step that was solved or given up."""
+    table = run.newton
+    if table is None or table.n_rows == 0:
+        return None
+    begins = np.flatnonzero(table["iteration"] == 0)
+    steps = []
+    for first, end in zip(begins, [*begins[1:], table.n_rows]):
+        own = slice(first, end)
+        steps.append({"step": int(table["step"][first]), "time": number(table["time"][first]),
+                      "dt": number(table["dt"][first]), "converged": bool(table["converged"][first]),
+                      "relative": numbers(table["relative"][own], 3), "linear": [int(n) for n in table["linear_iterations"][own]]})
+    return {"steps": steps if len(steps) <= MOST_ROWS else [steps[k] for k in chosen_rows(len(steps))], "n": len(steps)}
+
+
+def comparison_data(run):
+    summary, result = run.summary, {}
+    series = run.reference("Series file")
+    if series:
+        quantity = run.parameters.get("Reference/Series quantity", "")
+        time, value = (float(run.parameters.get(f"Reference/{name} unit") or 1) for name in ("Time", "Value"))
+        rows = chosen_rows(run.statistics.n_rows)
+
+        def label(text, unit, symbol):
+            return f"{text}, {symbol}" if unit == 1 else f"{text} / {unit:.4g} {symbol}"
+        result["series"] = {
+            "measured": [numbers(series[0]), numbers(series[1])], "whose": series[2],
+            "own": [numbers(run.statistics["time"][rows] / time), numbers(run.statistics[quantity][rows] / value)],
+            "labels": [label("time", time, "s"), label(label_of(quantity), value, pretty(run.unit("statistics.csv", quantity)))]}
+    surface = run.reference("Surface file")
+    if surface:
+        result["surface"] = {"x": numbers(surface[0]), "y": numbers(surface[1]), "whose": surface[2]}
+    line = run.reference("Failure line file")
+    if line:
+        result["failure_line"] = {"x": numbers(line[0]), "y": numbers(line[1]), "whose": line[2]}
+    result["distances"] = summary.get("reference", {})
+    result["errors"] = summary.get("errors", {})
+    return result if series or surface or line or result["errors"] else None
+
+
+def parameter_data(run):
+    def is_same(value, default):
+        try:
+            return float(value) == float(default)
+        except ValueError:
+            return False
+    return [[name, value, default, pretty(unit)] for name, value, default, unit in run.changed_parameters
+            if not is_same(value, default) and not name.startswith(("Output/", "Checkpoints/")) and name != "Simulation/Name"]
+
+
+def body_data(run):
+    """Names, laws, numbers of points, masses and first extents of bodies."""
+    rows = []
+    points = sizes = None
+    if run.has_points:
+        points = run.points(0, [name for name in ("body", "density", "J", "size") if name in run.point_fields])
+        sizes = run.sizes(0, points)
+    for b, name in enumerate(run.bodies):
+        material = run.parameters.get(f"Body {name}/Material", "")
+        row = {"name": name, "material": material, "model": run.parameters.get(f"Material {material}/Model", "")}
+        if points is not None and "body" in points:
+            mine = points["body"].astype(int) == b
+            if mine.any():
+                x, half = points.x[mine][:, :run.dim], sizes[mine][:, None] / 2
+                row.update(points=int(mine.sum()), extent=numbers((x + half).max(axis=0) - (x - half).min(axis=0), 4))
+                if "density" in points:
+                    row["mass"] = number(float((points["density"][mine] * sizes[mine]**run.dim).sum()), 4)
+        rows.append(row)
+    return rows
+
+
+def scheme_facts(run):
+    """Mass, integrator and formulation, or those of each stage."""
+    def of(section, mass):
+        mass = run.parameters.get(section + "Scheme/Mass", "") if mass is None else mass
+        return [["mass", mass], ["steps in time", run.parameters.get(section + "Scheme/Stress update", "")],
+                ["formulation", run.parameters.get(section + "Scheme/Formulation", "")]]
+    stages = names_in(run.parameters.get("Simulation/Stages"))
+    if not stages:
+        return of("", run.summary.get("mass"))
+    # What 'auto' has chosen stands in the summary, which a run that goes on has not written yet.
+    masses = run.summary.get("stages", {})
+    return [[f"stage {number}: {name}", f"to {float(run.parameters[f'Stage {name}/Time/End']):.4g} s: "
+             + ", ".join(f"{what} {value}" if what == "mass" else value for what, value in
+                         reversed(of(f"Stage {name}/", masses.get(name))) if value)]
+            for number, name in enumerate(stages, 1)]
+
+
+def facts(run):
+    """What is said of the run at the top."""
+    s, table = run.summary, run.statistics
+    cells = " × ".join(str(n) for n in run.grid_cells)
+    result = [["points", f"{s.get('points') or int(table['points'][0]):,}"], ["grid", cells + " cells" if cells else ""],
+              ["order of splines", run.parameters.get("Grid/Order", s.get("p", ""))],
+              *scheme_facts(run),
+              ["simulated", f"{table['time'][-1]:.4g} s"]]
+    if s:
+        result += [["steps", f"{s['steps']:,}"], ["wall time", f"{s['wall_time']:.3g} s"], ["processes", s["processes"]],
+                   ["points times steps", f"{s['point_steps_per_second'] / 1e3:,.0f} thousand per second"],
+                   ["memory per point", f"{s['bytes_per_point']:.0f} bytes"]]
+        if "to" in s.get("ramp", {}):
+            result.append(["factor at failure", f"{s['ramp']['factor']:.4g} ({s['ramp']['from']:.5g} to {s['ramp']['to']:.5g})"])
+        loss = s.get("energy", {}).get("relative_loss")
+        if loss is not None:
+            result.append(["numerical loss", f"{100 * loss:.3g} % of the largest energy or work"])
+    return [[name, str(value)] for name, value in result if value != ""]
+
+
+# Points.
+
+def load_frames(run, frames, stride, names):
+    """Positions, values and sizes of every stride-th point of a body, in a common order; NaN where a point has left."""
+    first = run.points(frames[0], [name for name in ("body", "id") if name in run.point_fields])
+    keyed = "id" in first and "body" in first
+    n_ids = int(first["id"].max()) + 1 if keyed and len(first.x) else 0
+
+    def keys(points):
+        return points["body"].astype(np.int64) * n_ids + points["id"].astype(np.int64)
+    # Single precision cannot tell ids above 16.7 million.
+    keyed = keyed and len(np.unique(keys(first))) == len(first.x)
+    order = np.sort(keys(first))[::stride] if keyed else None
+    wanted = sorted({"velocity" if name == "speed" else name[:-2] if name not in run.point_fields and name[-2:-1] == "_" else name
+                     for name in names} | ({"body", "id"} if keyed else set())
+                    | {name for name in ("size", "J", "body") if name in run.point_fields})
+    result = []
+    for k in frames:
+        points = run.points(k, wanted)
+        values = np.column_stack([points.x[:, :run.dim], run.sizes(k, points)] + [points.component(name) for name in names])
+        if keyed:
+            mine = keys(points)
+            places = np.searchsorted(order, mine)
+            places[places == len(order)] = 0
+            found = order[places] == mine
+            row = np.full((len(order), values.shape[1]), np.nan)
+            row[places[found]] = values[found]
+            values = row
+        else:
+            values = values[::stride]
+        result.append(values)
+    most = max(len(values) for values in result)
+    return np.array([np.vstack([values, np.full((most - len(values), values.shape[1]), np.nan)]) for values in result])
+
+
+def limits_of(name, values):
+    """The range of colours of a field at all times, and whether it has two signs."""
+    # It never falls, so that the last time has the range of all.
+    own = values[-1] if name == "plastic_strain" else values
+    low, high = (float(v) for v in np.nanpercentile(own, parts_in_range(name)))
+    if name in ("speed", "displacement"):
+        low = 0.
+    if low < 0 < high and min(-low, high) > 0.1 * max(-low, high):
+        high = max(-low, high)
+        return -high, high, True
+    low, high = range_of_colours(name, low, high)
+    if high - low <= 1e-9 * max(abs(high), abs(low), 1e-300):
+        low, high = low - 0.1 * abs(low), high + (0.1 * abs(high) or 1.)
+    return low, high, False
+
+
+def pack(frames, dim, lower, upper, ranges):
+    """Two bytes for a position and one for a size and each value, as differences between frames, compressed."""
+    x = np.rint((frames[:, :, :dim] - lower) / (upper - lower) * (ABSENT - 1))
+    x = np.where(np.isnan(x), ABSENT, np.clip(x, 0, ABSENT - 1)).astype(np.uint16)
+    x[1:] = x[1:] - x[:-1]
+    parts = [np.ascontiguousarray(x[:, :, d].astype("<u2")).view(np.uint8).reshape(-1, 2).T for d in range(dim)]
+    for k, (low, high) in enumerate(ranges):
+        value = np.nan_to_num((frames[:, :, dim + k] - low) / (high - low))
+        byte = np.rint(255 * np.clip(value, 0., 1.)).astype(np.uint8)
+        byte[1:] = byte[1:] - byte[:-1]
+        parts.append(byte)
+    return base64.b64encode(zlib.compress(b"".join(np.ascontiguousarray(part).tobytes() for part in parts), 9)).decode()
+
+
+def check_fields(run, names):
+    available = run.point_fields if run.has_points else []
+    for name in names:
+        if name not in available and not (name[:-2] in available and name[-2:] in ("_x", "_y", "_z")) and name != "speed":
+            raise ResultsError(f"{run.folder} has no field {name}. There are: {', '.join(['speed'] + available)}.")
+
+
+def frames_data(run, budget, chosen):
+    if not run.has_points:
+        return None
+    available = run.point_fields
+    names = list(chosen) + [name for name in FIELDS if name in available or name == "speed" and "velocity" in available]
+    if not chosen and names:
+        names.insert(0, main_field(run) if "velocity" in available else names[0])
+    names = list(dict.fromkeys(names))
+    if len(run.bodies) > 1 and "body" in available:
+        names.append("body")
+    elif not names:
+        return None
+    times, dim = run.times, run.dim
+    frames = [int(k) for k in np.unique(np.linspace(0, len(times) - 1, min(len(times), MOST_FRAMES)).round())]
+    stride = -(-len(run.points(0, []).x) // MOST_POINTS)
+    data = load_frames(run, frames, stride, names)
+    while True:
+        # Fields that are the same everywhere say nothing.
+        kept = [k for k in range(len(names)) if np.nanmax(data[:, :, dim + 1 + k]) > np.nanmin(data[:, :, dim + 1 + k])] or [0]
+        lower, upper = np.nanmin(data[:, :, :dim], axis=(0, 1)), np.nanmax(data[:, :, :dim], axis=(0, 1))
+        width = np.where(upper > lower, upper - lower, 1.)
+        largest = np.nanmax(data[:, :, dim]) or 1.
+        fields = []
+        for k in kept:
+            low, high, has_signs = limits_of(names[k], data[:, :, dim + 1 + k])
+            if names[k] == "body":
+                low, high, has_signs = 0., 255., False
+            array = "velocity" if names[k] == "speed" else names[k] if names[k] in available else names[k][:-2]
+            fields.append({"name": names[k], "label": label_of(names[k]), "unit": pretty(run.unit("points.pvd", array)),
+                           "low": low, "high": high, "diverging": has_signs, "bodies": names[k] == "body"})
+        columns = data[:, :, [*range(dim + 1), *(dim + 1 + k for k in kept)]]
+        text = pack(columns, dim, lower, lower + width, [(0., largest)] + [(field["low"], field["high"]) for field in fields])
+        if len(text) <= budget or len(frames) <= 2 and data.shape[1] <= 1000:
+            break
+        # Half of what there is more of.
+        if len(frames) > 21 or data.shape[1] <= 4000:
+            keep = sorted({*range(0, len(frames), 2), len(frames) - 1})
+            frames, data = [frames[k] for k in keep], data[keep]
+        else:
+            data, stride = data[:, ::2], stride * 2
+    box = run.grid_box
+    gravity = run.parameters.get("Loads/Gravity", "").split(";")
+    up = next((d for d, word in enumerate(gravity[:dim]) if word.strip() not in ("", "0", "0.", "0.0")), 1)
+    return {"times": numbers(times[frames], 6), "n": int(data.shape[1]), "dim": dim, "lower": numbers(lower, 9),
+            "upper": numbers(lower + width, 9), "size": number(largest * stride**(1. / dim)), "fields": fields, "data": text, "up": up,
+            "box": box, "bounded": run.parameters.get("Scheme/Formulation") != "total Lagrangian", "walls": run.walls, "all_times": len(times), "stride": stride}
+
+
+# The page.
+
+def run_data(run, budget, fields, has_points):
+    kinds = [kind for kind, _ in run.messages]
+    state = "failed" if kinds[-1:] == ["Error"] and not run.summary else "finished" if run.summary else "unfinished"
+    if kinds[-1:] == ["Error"] and run.summary:
+        state = "stopped"
+    summary = run.summary
+    parts = list(summary.get("parts", {}).items())
+    if parts:
+        parts.append(("output, other", summary["wall_time"] - sum(seconds for _, seconds in parts)))
+    try:
+        frames = frames_data(run, budget, fields) if has_points else None
+    except ResultsError as error:
+        print(f"no moving points: {error}", file=sys.stderr)
+        frames = None
+    try:
+        bodies = body_data(run)
+    except ResultsError:
+        bodies = [{"name": name} for name in run.bodies]
+    return {"name": run.name, "title": run.title, "folder": str(run.folder), "dim": run.dim, "state": state,
+            "facts": facts(run), "bodies": bodies, "messages": run.messages, "parameters": parameter_data(run),
+            "all_parameters": [[name, line.value, pretty(line.unit)] for name, line in run.parameter_lines.items()],
+            "table": table_data(run), "probes": probes_data(run), "newton": newton_data(run),
+            "parts": [[name, number(seconds, 4)] for name, seconds in parts], "comparison": comparison_data(run), "frames": frames,
+            "mass_unit": pretty(run.unit("statistics.csv", "mass"))}
+
+
+def sweep_data(folder):
+    """Errors of the runs of a sweep, one line for each kind."""
+    table = read_table(folder / "convergence.csv")
+    kinds = list(zip(table["formulation"], table["mass"], table["quadrature"], table["p"].astype(int)))
+    lines = []
+    for kind in dict.fromkeys(kinds):
+        mine = sorted((k for k in range(len(kinds)) if kinds[k] == kind), key=lambda k: table["cells"][k])
+        lines.append({"name": f"{kind[0]}, {kind[1]}, {kind[2]}, p = {kind[3]}", "cells": numbers(table["cells"][mine]),
+                      "errors": numbers(table["error_l2"][mine], 4), "orders": numbers(table["order"][mine], 3)})
+    return lines
+
+
+def main(program=None):
+    parser = parser_of(program, __doc__, "results of a run, or of a sweep")
+    parser.add_argument("--field", action="append", default=[], metavar="NAME",
+                        help="show this field of points.pvd, too, such as J or velocity_x; first of all. May be repeated")
+    parser.add_argument("--no-points", action="store_true", help="no moving points: a smaller file")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="instead of report.html where the results are")
+    run_command(parser, lambda arguments: print(write(**vars(arguments))))
+
+
+def write(folders, field=(), no_points=False, output=None):
+    """Write the page, and return its name."""
+    if np is None:
+        raise ResultsError(how_to_install("numpy"))
+    n_given, sweep = len(folders), None
+    place = folders[0] if len(folders) == 1 else Path(os.path.commonpath([folder.resolve().parent for folder in folders]))
+    if len(folders) == 1 and place.is_dir() and not (place / "statistics.csv").exists():
+        folders = runs_in(place)
+        if not folders:
+            raise ResultsError(f"{place} has no results of a simulation: no statistics.csv, and none in folders below.")
+        if (place / "convergence.csv").exists():
+            sweep = sweep_data(place)
+        if len(folders) > 8:
+            print(f"the last 8 of {len(folders)} runs are shown", file=sys.stderr)
+            folders = folders[-8:]
+    runs = [Run(folder) for folder in folders]
+    if not no_points:
+        for run in runs:
+            check_fields(run, field)
+    names = [run.name for run in runs]
+    data = {"runs": [run_data(run, BUDGET // len(runs), field, not no_points) for run in runs], "sweep": sweep,
+            "title": place.resolve().name.replace("_", " ") if len(runs) > 1 and n_given == 1
+            else " and ".join(run.title for run in runs)}
+    # Runs of the same name are told by their folders.
+    for entry, run in zip(data["runs"], runs):
+        if names.count(run.name) > 1:
+            entry["title"] = f"{run.folder.resolve().parent.name}/{run.name}"
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False, ensure_ascii=False).replace("</", "<\\/")
+    title = data["title"].replace("&", "&amp;").replace("<", "&lt;")
+    page = TEMPLATE.read_text(encoding="utf-8").replace("@TITLE@", title).replace('"@DATA@"', text, 1)
+    file = output or place / "report.html"
+    try:
+        file.write_text(page, encoding="utf-8")
+    except OSError as error:
+        raise ResultsError(f"{file} cannot be written: {error.strerror}.") from None
+    return file
+
