@@ -599,16 +599,17 @@ def draw_energies(axes, simulation):
         label = works[0].replace("_", " ").replace("work ", "work of ") if len(works) == 1 else "work of loads, walls, damping"
         axes.plot(time, sum(statistics[name] for name in works), color=COLOURS[4], linestyle="-.", label=label)
     axes.set(xlabel="time, s")
-    label_energy(axes, "energy", statistics)
+    label_energy(axes, "energy", simulation.run)
 
 
-def label_energy(axes, name, statistics):
+def label_energy(axes, name, run):
     """Ticks of at most four digits, and the unit that fits them."""
     largest = max(map(abs, axes.get_ylim()))
     power = min(3, max(-3, math.floor(math.log10(largest) / 3))) if largest > 0 else 0
     prefix = {-3: "n", -2: "\u00b5", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}[power]
     axes.yaxis.set_major_formatter(lambda value, _: f"{value / 1000.**power:g}")
-    axes.set_ylabel(f"{name}, {prefix}{'J' if 'center_z' in statistics else 'J/m'}")
+    unit = pretty(run.unit("statistics.csv", "kinetic")) or ("J" if "center_z" in run.statistics else "J/m")
+    axes.set_ylabel(f"{name}, {prefix}{unit}")
 
 
 def add_legend(axes):
@@ -725,12 +726,13 @@ def draw_all_energies(folders, place):
     """Kinetic and total energy of several runs."""
     figure, axes = plt.subplots(1, 2, figsize=(7.2, 2.9 + 0.17 * (len(folders) // 3)), dpi=200)
     for k, folder in enumerate(folders):
-        statistics = Run(folder).statistics
+        run = Run(folder)
+        statistics = run.statistics
         for axis, name in zip(axes, ("kinetic", "total")):
             axis.plot(statistics["time"], statistics[name], LINES[k // len(COLOURS) % len(LINES)],
                       color=COLOURS[k % len(COLOURS)], label=folder.resolve().name.replace("_", " "))
             axis.set(xlabel="time, s")
-            label_energy(axis, f"{name} energy", statistics)
+            label_energy(axis, f"{name} energy", run)
             axis.margins(x=0)
     columns = min(3, len(folders))
     room = 0.2 * -(-len(folders) // columns) + 0.1

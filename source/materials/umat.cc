@@ -9,6 +9,7 @@
 #include <greville/materials/spectral_decomposition.h>
 #include <greville/materials/umat.h>
 #include <greville/materials/umat_arguments.h>
+#include <greville/materials/umat_utilities.h>
 
 #include <algorithm>
 #include <cctype>
@@ -416,6 +417,7 @@ namespace greville
     double largest = std::numeric_limits<float>::max(), pnewdt = largest;
     const double heat = state.first[spd] + state.first[scd];
     using Function    = void (*)(GREVILLE_UMAT_ARGUMENTS);
+    const UmatCall says_who(section_name);
     reinterpret_cast<Function>(function)(stress,
                                          nstatv > 0 ? state.more.data() : &none,
                                          ddsdde,

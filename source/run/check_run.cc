@@ -10,6 +10,7 @@
 #include <greville/run/check_materials.h>
 #include <greville/run/run.h>
 #include <greville/run/run_header.h>
+#include <greville/run/simulation_run.h>
 #include <greville/run/sweep.h>
 
 #include <algorithm>
@@ -117,6 +118,8 @@ namespace greville
                                  parameters.output.fields,
                                  all.list,
                                  comm);
+        EndOfRun(parameters,
+                 SimulationRun<dim>::columns_of(parameters, probes));
         set_up = seconds_since(begin, comm);
         print_header(out, ensemble, parameters, comm);
         print_imbalance(out, ensemble, parameters, comm);

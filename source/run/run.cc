@@ -94,7 +94,7 @@ namespace greville
              comm)
     , notes(directory, out, comm)
     , reactions(reactions_of<dim>(parameters))
-    , end_of_run(parameters, all_columns())
+    , end_of_run(parameters, columns_of(parameters, probes))
     , is_terminal(is_terminal_with_lines())
   {
     // A formula that fails is better found now than at the end.
@@ -107,13 +107,13 @@ namespace greville
 
   template <int dim>
   std::vector<std::string>
-  SimulationRun<dim>::columns() const
+  SimulationRun<dim>::columns_of(const SimulationParameters &parameters)
   {
     auto columns = Statistics<dim>::names(parameters.general.surface_loads,
                                           parameters.general.bodies,
                                           parameters.general.contacts,
                                           parameters.general.rigid_bodies);
-    for (const auto &[wall, component] : reactions)
+    for (const auto &[wall, component] : reactions_of<dim>(parameters))
       columns.push_back(reaction_name(wall, component));
     if (!parameters.stages.empty())
       columns.push_back("stage");
@@ -129,9 +129,10 @@ namespace greville
 
   template <int dim>
   std::vector<std::string>
-  SimulationRun<dim>::all_columns() const
+  SimulationRun<dim>::columns_of(const SimulationParameters &parameters,
+                                 const Probes<dim>          &probes)
   {
-    auto       all  = columns();
+    auto       all  = columns_of(parameters);
     const auto more = probes.columns();
     all.insert(all.end(), more.begin(), more.end());
     return all;
@@ -258,7 +259,7 @@ namespace greville
                                   common().velocity_time,
                                   comm);
     summary.ramp     = ramp_result;
-    const auto names = columns();
+    const auto names = columns_of(parameters);
     for (unsigned int k = 0; k < last_row.size(); ++k)
       summary.last_row.emplace_back(names[k], last_row[k]);
     summary.front    = largest_front;

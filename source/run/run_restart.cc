@@ -108,7 +108,7 @@ namespace greville
         for (const std::string &warning : warnings)
           notes.warn(warning);
         statistics_file.open(statistics_file_in(directory),
-                             columns(),
+                             columns_of(parameters),
                              14,
                              comm);
         probes.open(probes_file_in(directory));
@@ -130,7 +130,7 @@ namespace greville
           history[name] = body.material->state_unit(name);
     notes.write_units(dim,
                       parameters.grid.is_axisymmetric(),
-                      columns(),
+                      columns_of(parameters),
                       probes.columns(),
                       fields,
                       history);
@@ -176,7 +176,7 @@ namespace greville
           }
         measured.set_added(added);
         statistics_file.go_on(statistics_file_in(directory),
-                              columns(),
+                              columns_of(parameters),
                               14,
                               std::uint64_t(numbers[0]),
                               comm);

@@ -179,6 +179,16 @@ namespace
 
 
 
+  Text
+  with_material(Text text, const std::vector<std::string> &lines)
+  {
+    const auto place = text.content.find("subsection Material solid");
+    text.content.erase(place, text.content.find("end\n", place) + 4 - place);
+    return text.add("Material solid", lines);
+  }
+
+
+
   /**
    * Poisson's ratio chooses the smoother.
    */
@@ -247,13 +257,10 @@ test_main()
                                                    "Density = 1",
                                                    "Allow tension = true",
                                                    "Viscosity = 3"};
-      const auto                     with_model = [&](Text text) {
-        if (model[0] != 'n' || model == "neo-hookean")
-          return text.with("Material solid", {"Model = " + model});
-        const auto place = text.content.find("subsection Material solid");
-        text.content.erase(place,
-                           text.content.find("end\n", place) + 4 - place);
-        return text.add("Material solid", fluid);
+      const auto                     with_model = [&](const Text &text) {
+        return model == "newtonian-fluid"
+                                     ? with_material(text, fluid)
+                                     : text.with("Material solid", {"Model = " + model});
       };
       for (const unsigned int p : {1, 2, 3})
         check_derivative<2>(model + ", p = " + std::to_string(p),
@@ -312,6 +319,38 @@ test_main()
                               text,
                               1e-7);
         }
+  // Soils that yield under this pressure.
+  const std::vector<std::vector<std::string>> soils = {
+    {"Model = drucker-prager",
+     "Density = 1",
+     "Young modulus = 1e5",
+     "Poisson ratio = 0.3",
+     "Friction angle = 30",
+     "Dilatancy angle = 5",
+     "Cohesion = 100"},
+    {"Model = modified-cam-clay",
+     "Density = 1",
+     "Shear modulus = 3e4",
+     "Swelling slope = 0.01",
+     "Critical stress ratio = 1",
+     "Attraction = 10"},
+    {"Model = nor-sand",
+     "Density = 1",
+     "Shear modulus = 3e4",
+     "Swelling slope = 0.01",
+     "Critical stress ratio = 1.2",
+     "State parameter = -0.1",
+     "Attraction = 10"}};
+  for (const auto &soil : soils)
+    for (const std::string shape :
+         {"ball(0, 0, 0.53)", "box(0.21, 0, 0.73, 0.83)"})
+      check_derivative<2>("axisymmetric, " + soil[0] + ", " + shape,
+                          with_material(axisymmetric(column_2d(8, 2)), soil)
+                            .with("Body body",
+                                  {"Shape = " + shape,
+                                   "Clip at the grid = true",
+                                   "Stress = -1e3; -1e3; -1e3; 0"}),
+                          1e-7);
   check_derivative<2>("axisymmetric, total Lagrangian",
                       axisymmetric(
                         deformed(column_2d(8, 2), "3 * x; x * y - 0.2 * y")));

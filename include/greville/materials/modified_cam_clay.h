@@ -201,9 +201,15 @@ namespace greville
             if (!(next >= lower && next <= upper))
               next = upper > 4. * lower && lower > 0. ? std::sqrt(lower * upper)
                                                       : 0.5 * (lower + upper);
-            const bool is_found = std::abs(next - t) <= 2e-16 * t;
-            t                   = next;
-            if (is_found || p.h == 0.)
+            // What round-off leaves of the terms of h.
+            const double round_off =
+              4e-16 *
+              (std::abs(1. - t * t) * (p.q + q_trial) +
+               stiffness() * t * chi() * (std::abs(L) + std::log1p(t * t)));
+            const bool is_found =
+              std::abs(next - t) <= 2e-16 * t || std::abs(p.h) <= round_off;
+            t = next;
+            if (is_found)
               break;
           }
         return t;

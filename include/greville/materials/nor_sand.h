@@ -229,9 +229,12 @@ namespace greville
               next = lower > 0. && upper < 4. * lower ? 0.5 * (lower + upper)
                      : lower > 0.                     ? std::sqrt(lower * upper)
                                                       : 0.1 * upper;
-            const bool is_found = std::abs(next - m) <= 2e-16 * m;
-            m                   = next;
-            if (is_found || p.residual == 0.)
+            // The residual is a sum of logarithms.
+            const bool is_found =
+              std::abs(next - m) <= 2e-16 * m ||
+              std::abs(p.residual) <= 4e-16 * (1. + std::abs(p.log_size));
+            m = next;
+            if (is_found)
               break;
           }
         return m;

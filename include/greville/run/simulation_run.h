@@ -48,6 +48,19 @@ namespace greville
     RunSummary
     run();
 
+    /**
+     * The columns of statistics.csv.
+     */
+    static std::vector<std::string>
+    columns_of(const SimulationParameters &parameters);
+
+    /**
+     * Those, and of probes.csv.
+     */
+    static std::vector<std::string>
+    columns_of(const SimulationParameters &parameters,
+               const Probes<dim>          &probes);
+
   private:
     /**
      * What run() does, which notes errors besides.
@@ -141,18 +154,6 @@ namespace greville
 
     void
     print_summary(const RunSummary &summary);
-
-    /**
-     * Those of statistics.csv.
-     */
-    std::vector<std::string>
-    columns() const;
-
-    /**
-     * Those, and of probes.csv.
-     */
-    std::vector<std::string>
-    all_columns() const;
 
     /**
      * What a row has besides the statistics of this time.

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/symmetric_tensor.h>
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/materials/umat_utilities.h>
+
+#include <cctype>
+#include <cmath>
+#include <iostream>
+#include <set>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const std::string *calling_section = nullptr;
+
+    constexpr unsigned int first_index[]  = {0, 1, 2, 0, 0, 1};
+    constexpr unsigned int second_index[] = {0, 1, 2, 1, 2, 2};
+
+
+
+    std::string
+    caller()
+    {
+      return calling_section == nullptr
+               ? std::string("a UMAT")
+               : "the UMAT of '" + *calling_section + "'";
+    }
+
+
+
+    /**
+     * The place among all six components of number k of those that there are.
+     */
+    int
+    component(const int k, const int ndi)
+    {
+      return k < ndi ? k : 3 + k - ndi;
+    }
+
+
+
+    SymmetricTensor<2, 3>
+    tensor_of(const double *s, const int lstr, const int ndi, const int nshr)
+    {
+      SymmetricTensor<2, 3> result;
+      for (int k = 0; k < ndi + nshr; ++k)
+        {
+          const int c = component(k, ndi);
+          result[first_index[c]][second_index[c]] =
+            c > 2 && lstr == 2 ? 0.5 * s[k] : s[k];
+        }
+      return result;
+    }
+
+
+
+    std::array<std::pair<double, Tensor<1, 3>>, 3>
+    spectrum(const double *s, const int lstr, const int ndi, const int nshr)
+    {
+      return eigenvectors(tensor_of(s, lstr, ndi, nshr),
+                          SymmetricTensorEigenvectorMethod::jacobi);
+    }
+
+
+
+    /**
+     * The text with the numbers and words that it asks for.
+     */
+    std::string
+    filled(const std::string &text,
+           const int         *integers,
+           const double      *numbers,
+           const char        *words,
+           const std::size_t  length)
+    {
+      std::string result;
+      for (std::size_t i = 0; i < text.size(); ++i)
+        {
+          const char kind = text[i] == '%' && i + 1 < text.size()
+                              ? std::toupper((unsigned char)(text[i + 1]))
+                              : ' ';
+          if (kind == 'I')
+            result += std::to_string(*integers++);
+          else if (kind == 'R')
+            result += text_of(*numbers++);
+          else if (kind == 'S')
+            {
+              result += Utilities::trim(std::string(words, length));
+              words += length;
+            }
+          else
+            {
+              result += text[i];
+              continue;
+            }
+          ++i;
+        }
+      return result;
+    }
+  } // namespace
+
+
+
+  UmatCall::UmatCall(const std::string &section)
+  {
+    calling_section = &section;
+  }
+
+
+
+  UmatCall::~UmatCall()
+  {
+    calling_section = nullptr;
+  }
+
+
+
+  void
+  sinv_(const double *stress,
+        double       *sinv1,
+        double       *sinv2,
+        const int    *ndi,
+        const int    *nshr)
+  {
+    const auto   s = tensor_of(stress, 1, *ndi, *nshr);
+    const double q = std::sqrt(1.5) * deviator(s).norm();
+    *sinv1         = trace(s) / 3.;
+    *sinv2         = q;
+  }
+
+
+
+  void
+  sprinc_(const double *s,
+          double       *ps,
+          const int    *lstr,
+          const int    *ndi,
+          const int    *nshr)
+  {
+    const auto parts = spectrum(s, *lstr, *ndi, *nshr);
+    for (unsigned int k = 0; k < 3; ++k)
+      ps[k] = parts[k].first;
+  }
+
+
+
+  void
+  sprind_(const double *s,
+          double       *ps,
+          double       *an,
+          const int    *lstr,
+          const int    *ndi,
+          const int    *nshr)
+  {
+    const auto parts = spectrum(s, *lstr, *ndi, *nshr);
+    for (unsigned int k = 0; k < 3; ++k)
+      {
+        ps[k] = parts[k].first;
+        for (unsigned int i = 0; i < 3; ++i)
+          an[k + 3 * i] = parts[k].second[i];
+      }
+  }
+
+
+
+  void
+  rotsig_(const double *s,
+          const double *r,
+          double       *sprime,
+          const int    *lstr,
+          const int    *ndi,
+          const int    *nshr)
+  {
+    const auto   S = tensor_of(s, *lstr, *ndi, *nshr);
+    Tensor<2, 3> R;
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j)
+        R[i][j] = r[i + 3 * j];
+    const Tensor<2, 3> result = R * S * transpose(R);
+    for (int k = 0; k < *ndi + *nshr; ++k)
+      {
+        const int c = component(k, *ndi);
+        sprime[k]   = (c > 2 && *lstr == 2 ? 2. : 1.) *
+                    result[first_index[c]][second_index[c]];
+      }
+  }
+
+
+
+  void
+  xit_()
+  {
+    AssertThrow(false, ExcMessage(caller() + " has called XIT"));
+  }
+
+
+
+  void
+  stdb_abqerr_(const int        *lop,
+               const char       *text,
+               const int        *intv,
+               const double     *realv,
+               const char       *charv,
+               const std::size_t text_length,
+               const std::size_t charv_length)
+  {
+    const std::string format = Utilities::trim(std::string(text, text_length));
+    const std::string message =
+      caller() + " says: " + filled(format, intv, realv, charv, charv_length);
+    AssertThrow(*lop > -2, ExcMessage(message));
+    static std::set<std::string> said;
+    if (said.insert(format).second)
+      std::cerr << (*lop < 0 ? "Warning: " : "Note: ") << message << std::endl;
+  }
+} // namespace greville
