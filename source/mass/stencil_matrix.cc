@@ -258,6 +258,31 @@ namespace greville
 
   template <int dim>
   void
+  StencilMatrix<dim>::add_cell(const unsigned int        cell,
+                               const FullMatrix<double> &matrix)
+  {
+    const int          n        = spline_space->degree() + 1;
+    const int          length   = 2 * n - 1;
+    const unsigned int n_in_all = matrix.m();
+    AssertDimension(n_in_all, spline_space->n_dofs_per_cell());
+    for (unsigned int a = 0; a < n_in_all; ++a)
+      {
+        double *row =
+          values.data() + std::size_t(cell_place(cell, a % n, a / n)) * half;
+        for (unsigned int b = a; b < n_in_all; ++b)
+          {
+            const int line_a = a / n, line_b = b / n;
+            const int lines =
+              (line_b / n - line_a / n) * length + (line_b % n - line_a % n);
+            row[lines * length + int(b % n) - int(a % n)] += matrix(a, b);
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  void
   StencilMatrix<dim>::decouple(const unsigned int i)
   {
     for_each_place(i, [&](const unsigned int j, const std::size_t e) {

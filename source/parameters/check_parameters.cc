@@ -115,6 +115,7 @@ namespace greville
                       did_you_mean(body.second.material, general.materials)));
       }
     check_construction();
+    check_water();
     if (stages.empty())
       check_stage();
     for (unsigned int k = 0; k < stages.size(); ++k)
@@ -285,6 +286,7 @@ namespace greville
       check_total_lagrangian();
     if (scheme.averages_over_domains())
       check_domains();
+    check_water_of_stage();
     AssertThrow(scheme.transfer == "FLIP" || scheme.flip == 1.,
                 ExcMessage("The parameter 'Scheme/FLIP share' is " +
                            text_of(scheme.flip) +

@@ -40,6 +40,24 @@ namespace greville
     add_parameter(prm, "Additional shared libraries", shared_libraries)(
       "Plugins: shared libraries that add material laws, loads, integrators "
       "and other parts, relative to the folder of this file.");
+    add_parameter(prm, "Pore water", pore_water)(
+      "Whether water fills the pores of all bodies, with a pressure of its "
+      "own: stresses are effective ones then. For quasi-static steps.");
+  }
+
+
+
+  void
+  WaterParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Density", density, Double(1e-3))(
+      "With 'Simulation/Pore water': density of the water. Unit: kg / m^3.");
+    add_parameter(prm, "Bulk modulus", bulk_modulus, Double(0.))(
+      "With 'Simulation/Pore water': bulk modulus of the water; 0: it is "
+      "incompressible. Unit: Pa.");
+    add_parameter(prm, "Order", degree, Integer(0, SplineSpace<2>::max_degree))(
+      "Order of the B-splines of the pore pressure, on cells of twice the "
+      "size: 'Grid/Order' or one less. 0: 'Grid/Order'. Unit: none.");
   }
 
 
@@ -145,6 +163,11 @@ namespace greville
     add_parameter(prm, "Displacement", displacement)(
       "displacement: formulas of X, Y (, Z) and t, separated by semicolons. "
       "Unit: m.");
+    add_parameter(prm, "Pore pressure", pore_pressure)(
+      "With 'Simulation/Pore water': the pressure of the water at this part of "
+      "the surface, a formula of the variables of 'Traction'. Tractions and "
+      "pressures of loads are total ones, of soil and water. Empty: no water "
+      "passes. Unit: Pa.");
   }
 
 

@@ -492,6 +492,7 @@ namespace greville
   {
     declare_section(prm, "Simulation", general);
     declare_section(prm, "Grid", grid);
+    declare_section(prm, "Water", water);
     declare_sections(prm);
     declare_section(prm, "Exact solution", exact);
     declare_section(prm, "Sweep", sweep);

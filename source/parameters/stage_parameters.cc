@@ -198,6 +198,10 @@ namespace greville
           "t). Unit: m.");
         add_parameter(prm, names[w] + " friction", friction[w], Double(0.))(
           "Coefficient of Coulomb friction of a friction wall. Unit: none.");
+        add_parameter(prm, names[w] + " pore pressure", pore_pressure[w])(
+          "With 'Simulation/Pore water': the pressure of the water at this "
+          "wall, a formula of x, y (, z) and t. Empty: no water passes. Unit: "
+          "Pa.");
       }
   }
 

@@ -177,6 +177,17 @@ namespace greville
             const Body<dim> &body,
             const unsigned int,
             double *values) { values[0] = p.extent(body.points.layout()); }});
+      fields.push_back({"pore_pressure",
+                        {"pore_pressure"},
+                        false,
+                        [](const Ref        p,
+                           const Body<dim> &body,
+                           const unsigned int,
+                           double *values) {
+                          const PointField *field =
+                            body.points.layout().find("pore_pressure");
+                          values[0] = field ? p[field->first] : 0.;
+                        }});
       add_scalar("process",
                  [process](const Ref, const unsigned int) { return process; });
       return fields;

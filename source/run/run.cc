@@ -119,6 +119,8 @@ namespace greville
       columns.push_back("stage");
     if (parameters.has_ramp())
       columns.push_back("factor");
+    if (parameters.general.pore_water)
+      columns.insert(columns.end(), {"water_stored", "water_outflow"});
     if (parameters.output.load)
       columns.insert(columns.end(),
                      {"largest_load", "imbalance", "partitions"});
@@ -468,6 +470,13 @@ namespace greville
       row.more.push_back(common().stage + 1);
     if (end_of_run.has_ramp())
       row.more.push_back(end_of_run.factor(common().stage, common().time));
+    if (parameters.general.pore_water)
+      for (unsigned int k = 0; k < 2; ++k)
+        row.more.push_back(
+          Utilities::MPI::sum(ensemble.sum([&](const Simulation<dim> &part) {
+            return part.state().water[k];
+          }),
+                              comm));
     if (parameters.output.load)
       {
         // Of all parts, which go in common steps.

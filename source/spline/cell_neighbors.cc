@@ -3,6 +3,7 @@
 #include <greville/spline/cell_neighbors.h>
 
 #include <algorithm>
+#include <map>
 
 namespace greville
 {
@@ -23,6 +24,8 @@ namespace greville
     const auto partitioner = tria.global_active_cell_index_partitioner().lock();
     buffer.reinit(partitioner);
     places.resize(n_owned);
+    of_children.clear();
+    std::map<std::uint64_t, unsigned int> ghosts; // any child of a parent
     for (const auto &cell : tria.active_cell_iterators())
       {
         if (cell->is_artificial())
@@ -30,14 +33,18 @@ namespace greville
         const unsigned int place =
           partitioner->global_to_local(cell->global_active_cell_index());
         if (cell->is_locally_owned())
-          places[space.cell_number(cell)] = place;
-        else
           {
-            cells.push_back(
-              lexicographic<dim>(space.lattice().find_cell(cell->center()),
-                                 space.lattice().n_cells()));
-            places.push_back(place);
+            places[space.cell_number(cell)] = place;
+            of_children.emplace_back(space.cell_number(cell), place);
           }
+        else
+          ghosts[lexicographic<dim>(space.lattice().find_cell(cell->center()),
+                                    space.lattice().n_cells())] = place;
+      }
+    for (const auto &ghost : ghosts)
+      {
+        cells.push_back(ghost.first);
+        places.push_back(ghost.second);
       }
     for (unsigned int c = 0; c < cells.size(); ++c)
       numbers.emplace_back(cells[c], c);
@@ -70,8 +77,8 @@ namespace greville
     if (buffer.size() == 0) // one process
       return;
     buffer.zero_out_ghost_values();
-    for (unsigned int c = 0; c < n_owned; ++c)
-      buffer.local_element(places[c]) = values[c];
+    for (const auto &child : of_children)
+      buffer.local_element(child.second) = values[child.first];
     buffer.update_ghost_values();
     for (unsigned int c = n_owned; c < cells.size(); ++c)
       values[c] = buffer.local_element(places[c]);

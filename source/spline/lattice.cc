@@ -60,6 +60,25 @@ namespace greville
 
 
   template <int dim>
+  Lattice<dim>
+  Lattice<dim>::parents() const
+  {
+    Lattice result = *this;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        AssertThrow(cells[d] % 2 == 0,
+                    ExcMessage("Cells join in pairs where their number is even "
+                               "in all directions; it is " +
+                               std::to_string(cells[d]) + " in " +
+                               std::string(1, "xyz"[d]) + "."));
+        result.cells[d] /= 2;
+      }
+    return result;
+  }
+
+
+
+  template <int dim>
   MultiIndex<dim>
   Lattice<dim>::find_cell(const Point<dim> &point) const
   {

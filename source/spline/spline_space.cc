@@ -5,6 +5,7 @@
 #include <deal.II/fe/fe_bernstein.h>
 #include <deal.II/fe/fe_system.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
 #include <greville/spline/cell_owner.h>
 #include <greville/spline/spline_space.h>
@@ -20,9 +21,10 @@ namespace greville
   template <int dim>
   SplineSpace<dim>::SplineSpace(DistributedTriangulation<dim> &triangulation,
                                 const unsigned int             degree,
-                                const unsigned int             n_components)
+                                const unsigned int             n_components,
+                                const bool                     on_parents)
   {
-    reinit(triangulation, degree, n_components);
+    reinit(triangulation, degree, n_components, on_parents);
   }
 
 
@@ -31,7 +33,8 @@ namespace greville
   void
   SplineSpace<dim>::reinit(DistributedTriangulation<dim> &triangulation,
                            const unsigned int             degree,
-                           const unsigned int             n_components)
+                           const unsigned int             n_components,
+                           const bool                     on_parents)
   {
     AssertThrow(degree >= 1 && degree <= max_degree,
                 ExcMessage("A spline space has an order from 1 to " +
@@ -45,7 +48,9 @@ namespace greville
     p                  = degree;
     components         = n_components;
     functions_per_cell = Utilities::fixed_power<dim>(p + 1);
-    mesh_lattice       = Lattice<dim>(triangulation);
+    has_parents        = on_parents;
+    children           = Lattice<dim>(triangulation);
+    mesh_lattice       = on_parents ? children.parents() : children;
 
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -122,9 +127,19 @@ namespace greville
     cell_numbers.assign(tria->n_active_cells(), numbers::invalid_unsigned_int);
     for (const auto &entry : found)
       {
-        cell_numbers[entry.second] = cells.size();
-        cells.push_back(entry.first);
+        if (cells.empty() || cells.back() != entry.first)
+          cells.push_back(entry.first);
+        cell_numbers[entry.second] = cells.size() - 1;
       }
+    const unsigned int n_children =
+      has_parents ? GeometryInfo<dim>::max_children_per_cell : 1;
+    run_on_all(
+      [&]() {
+        AssertThrow(found.size() == cells.size() * n_children,
+                    ExcMessage("The children of a cell of the once coarser "
+                               "mesh are on several processes."));
+      },
+      comm);
 
     // The functions of a cell's Greville points are a run in each direction,
     // and one where it is periodic.
@@ -303,7 +318,12 @@ namespace greville
                                 cells.end(),
                                 lexicographic<dim>(cell,
                                                    mesh_lattice.n_cells())))
-          owners[k] = cell_owner<dim>(*tria, mesh_lattice, cell);
+          {
+            // A parent is where its first child is.
+            for (unsigned int d = 0; d < dim && has_parents; ++d)
+              cell[d] *= 2;
+            owners[k] = cell_owner<dim>(*tria, children, cell);
+          }
       }
     return owners;
   }

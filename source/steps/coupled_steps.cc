@@ -23,7 +23,8 @@ namespace greville
     , blocks(parts.size())
   {
     Assert(contacts || parts.size() == 1, ExcInternalError());
-    if (contacts && contacts->n_rigid_unknowns() > 0)
+    Assert(!has_water() || parts.size() == 1, ExcInternalError());
+    if (has_water() || (contacts && contacts->n_rigid_unknowns() > 0))
       blocks.emplace_back();
   }
 
@@ -85,6 +86,11 @@ namespace greville
     if (has_rigid_block())
       {
         contacts->initialize_rigid(blocks.back());
+        n_local += blocks.back().locally_owned_size();
+      }
+    if (has_water())
+      {
+        parts[0].steps->water->initialize(blocks.back());
         n_local += blocks.back().locally_owned_size();
       }
     products = blocks;
@@ -191,6 +197,17 @@ namespace greville
         if (!problem.empty())
           return problem;
       }
+    if (has_water())
+      {
+        ImplicitSteps<dim> &steps = *parts[0].steps;
+        const PartTimer     timer(steps.log, "water");
+        steps.water->evaluate(steps.displacement,
+                              blocks.back(),
+                              steps.water_force,
+                              blocks.back());
+        for (unsigned int d = 0; d < dim; ++d)
+          steps.force[d] += steps.water_force[d];
+      }
     if (contacts)
       {
         const PartTimer   timer(parts[0].steps->log, "contact");
@@ -240,6 +257,9 @@ namespace greville
       }
     if (has_rigid_block())
       square += std::pow(contacts->rigid_scale(), 2);
+    const double tolerance = parts[0].steps->parameters.newton.tolerance;
+    if (has_water() && tolerance > 0.)
+      square += std::pow(parts[0].steps->water->round_off() / tolerance, 2);
     return std::sqrt(square);
   }
 
@@ -275,6 +295,8 @@ namespace greville
                                : (1. - scheme.alpha_m) * scheme.alpha_u /
                                    ((1. - scheme.alpha_f) * dt * dt),
               steps.is_symmetric && steps.surfaces_are_symmetric);
+            if (steps.water)
+              steps.water->set_up();
           }
         catch (const ErrorOnAll &error)
           {
@@ -301,8 +323,9 @@ namespace greville
     result.reduction  = 1.;
     try
       {
-        result = contacts ? solve_all(dx, b, tolerance)
-                          : front.system.solve(dx, b, tolerance);
+        result = has_water() ? solve_with_water(dx, b, tolerance)
+                 : contacts  ? solve_all(dx, b, tolerance)
+                             : front.system.solve(dx, b, tolerance);
       }
     catch (const ErrorOnAll &error)
       {
@@ -354,6 +377,49 @@ namespace greville
                             x,
                             b,
                             with_cg ? 0 : n_vectors);
+      });
+  }
+
+
+
+  template <int dim>
+  SolveResult
+  CoupledSteps<dim>::solve_with_water(VectorType       &x,
+                                      const VectorType &b,
+                                      const double      tolerance)
+  {
+    ImplicitSteps<dim>   &steps  = *parts[0].steps;
+    TangentSystem<dim>   &system = steps.system;
+    const PoreWater<dim> &water  = *steps.water;
+    // Fields that nothing else needs before the next evaluate().
+    VectorField<dim> &direction = steps.work, &force = steps.water_force;
+    VectorType        of_water;
+    of_water.reinit(blocks[0]);
+    const auto multiply = [&](VectorType &dst, const VectorType &src) {
+      read(blocks, src);
+      system.multiply(products[0], blocks[0]);
+      for (VectorType &component : direction)
+        component = 0.;
+      system.extend(direction, blocks[0]);
+      water.multiply(direction, blocks[1], force, products[1]);
+      system.restrict(of_water, force, nullptr);
+      products[0] += of_water;
+      write(dst, products);
+    };
+    const auto precondition = [&](VectorType &dst, const VectorType &src) {
+      read(blocks, src);
+      water.precondition(products[1], blocks[1]);
+      water.spread(products[1], force);
+      system.restrict(of_water, force, nullptr);
+      blocks[0] -= of_water;
+      system.precondition(products[0], blocks[0]);
+      write(dst, products);
+    };
+    constexpr unsigned int n_vectors = 50;
+    return TangentSystem<dim>::solve_together(
+      {&system}, tolerance, [&](const unsigned int n) {
+        return solve_krylov(
+          {tolerance, n}, multiply, precondition, x, b, n_vectors);
       });
   }
 

@@ -62,7 +62,9 @@ namespace greville
           work[d] += (*contact_force)[d];
       }
     system.restrict(r, work, nullptr);
-    force_scale            = std::max(system.force_scale(), r.l2_norm());
+    force_scale = std::max(system.force_scale(), r.l2_norm());
+    if (water)
+      force_scale = std::max(force_scale, water->force_scale());
     const double old_share = scheme.alpha_f / (1. - scheme.alpha_f);
     for (unsigned int d = 0; d < dim; ++d)
       {

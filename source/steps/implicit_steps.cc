@@ -56,6 +56,13 @@ namespace greville
       for (VectorType &component : *field)
         system.space().initialize_vector(component);
     system.initialize(last_residual);
+    if (!parameters.general.pore_water)
+      return;
+    water = std::make_unique<PoreWater<dim>>(system.space(),
+                                             discretization.triangulation(),
+                                             parameters);
+    for (VectorType &component : water_force)
+      system.space().initialize_vector(component);
   }
 
 
@@ -136,9 +143,21 @@ namespace greville
       {
         const PartTimer timer(log, "mass");
         system.set_points(bodies, state.surfaces, scheme.is_static);
+        if (water)
+          water->set_points(state.bodies, state.surfaces);
         check_support(state);
         stamp = state.points_stamp;
       }
+    if (water)
+      fail_with(
+        [&]() {
+          water->begin_step(state.bodies,
+                            state.surfaces,
+                            state.time + dt,
+                            dt,
+                            loads.gravity(state.time + dt));
+        },
+        false);
     // The force of the stresses at the start, with its sign in M a = F - f.
     loads.clear(state.bodies);
     loads.surfaces().clear(state.surfaces);
@@ -484,6 +503,9 @@ namespace greville
           contact_force = nullptr;
       }
     find_reactions(state, dt);
+    // That of the pressure on the soil, which bodies store.
+    if (water)
+      state.energy.add_work(EnergyBalance::loads, water->work());
     if (scheme.keeps_acceleration)
       keep_acceleration(state, dt);
 
@@ -510,6 +532,12 @@ namespace greville
       }
     if (!scheme.is_static)
       take_held_momentum(state, dt);
+    if (water)
+      {
+        const auto volumes = water->advance(state.bodies);
+        for (unsigned int k = 0; k < volumes.size(); ++k)
+          state.water[k] += volumes[k];
+      }
     move_points(state, dt);
 
     state.time += dt;

@@ -4,6 +4,7 @@
 #include <greville/points/soil_layers.h>
 #include <greville/steps/implicit_scheme.h>
 #include <greville/steps/stage_bodies.h>
+#include <greville/water/pore_water.h>
 
 #include <algorithm>
 #include <cmath>
@@ -49,6 +50,8 @@ namespace greville
             layout.add_domain();
           if (parameters.grid.is_axisymmetric())
             layout.add_radius0();
+          if (parameters.general.pore_water)
+            layout.add(PoreWater<dim>::field, 1);
         }
     }
 

@@ -98,6 +98,8 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           sum("reaction_" + std::to_string(w) + "_" + std::to_string(d),
               state.reactions[w][d]);
+      sum("water_stored", state.water[0]);
+      sum("water_outflow", state.water[1]);
       for (unsigned int k = 0; k < state.rigid_bodies.size(); ++k)
         {
           const std::string of = "rigid_body_" + std::to_string(k) + "_";

@@ -3,6 +3,8 @@
 #ifndef greville_mass_stencil_matrix_h
 #define greville_mass_stencil_matrix_h
 
+#include <deal.II/lac/full_matrix.h>
+
 #include <greville/base/zeroed_array.h>
 #include <greville/mass/density_weights.h>
 
@@ -110,6 +112,13 @@ namespace greville
     add_cell(const unsigned int cell,
              const double      *sums,
              const unsigned int stride);
+
+    /**
+     * The same for any symmetric @p matrix of the (p + 1)^dim functions of an
+     * owned cell.
+     */
+    void
+    add_cell(const unsigned int cell, const dealii::FullMatrix<double> &matrix);
 
     /**
      * Remove the entries that couple the function at @p place with others and

@@ -231,6 +231,11 @@ namespace greville
      * In the stress-free state, kg / m^3.
      */
     double density = 1000.;
+
+    /// With pore water: the part of the volume that it fills in the stress-free
+    /// state, and the hydraulic conductivity, m / s. 0: not given.
+    double porosity     = 0.;
+    double conductivity = 0.;
   };
 
 

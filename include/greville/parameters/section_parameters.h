@@ -30,6 +30,22 @@ namespace greville
     std::vector<std::string> contacts;
     std::vector<std::string> stages;
     std::vector<std::string> shared_libraries;
+    bool                     pore_water = false;
+  };
+
+
+
+  /**
+   * The water in the pores of all bodies.
+   */
+  struct WaterParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    double       density      = 1000.;
+    double       bulk_modulus = 2.2e9; // 0: infinite
+    unsigned int degree       = 0;     // 0: that of the grid
   };
 
 
@@ -165,6 +181,7 @@ namespace greville
     std::string pressure;
     double      stiffness = 0.;
     std::string displacement;
+    std::string pore_pressure;
   };
 
 

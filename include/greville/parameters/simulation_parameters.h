@@ -55,6 +55,7 @@ namespace greville
 
     GeneralParameters   general;
     GridParameters      grid;
+    WaterParameters     water;
     ExactParameters     exact;
     SweepParameters     sweep;
     ReferenceParameters reference;
@@ -254,6 +255,15 @@ namespace greville
 
     void
     check_domains() const;
+
+    /**
+     * check() of pore water, of all stages, and of one.
+     */
+    void
+    check_water() const;
+
+    void
+    check_water_of_stage() const;
 
     /**
      * What "auto" stands for: lumped mass where bodies spread into thin layers,

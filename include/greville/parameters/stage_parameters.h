@@ -197,6 +197,7 @@ namespace greville
     std::array<std::string, 6> velocity;
     std::array<std::string, 6> displacement;
     std::array<double, 6>      friction{};
+    std::array<std::string, 6> pore_pressure;
 
     bool
     is_periodic(const unsigned int wall) const

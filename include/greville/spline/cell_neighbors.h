@@ -50,9 +50,12 @@ namespace greville
 
     // On several processes.
     std::vector<std::pair<std::uint64_t, unsigned int>> numbers;
-    std::vector<unsigned int>                           places; // in the buffer
-    mutable VectorType                                  buffer;
-    unsigned int                                        n_owned = 0;
+    std::vector<unsigned int> places; // in the buffer, of local cells
+    // Owned cells with the places of their children, if these are cells of the
+    // mesh.
+    std::vector<std::pair<unsigned int, unsigned int>> of_children;
+    mutable VectorType                                 buffer;
+    unsigned int                                       n_owned = 0;
   };
 } // namespace greville
 

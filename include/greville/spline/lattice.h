@@ -67,6 +67,13 @@ namespace greville
      */
     Lattice(const DistributedTriangulation<dim> &triangulation);
 
+    /**
+     * That of the cells of twice the size, of which each joins 2^dim cells.
+     * Throws dealii::ExcMessage for an odd number of cells in a direction.
+     */
+    Lattice
+    parents() const;
+
     const MultiIndex<dim> &
     n_cells() const
     {

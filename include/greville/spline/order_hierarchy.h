@@ -29,16 +29,18 @@ namespace greville
     }
 
     /**
-     * Collective. @p coarsening is one of coarsenings().
+     * Collective. @p coarsening is one of coarsenings(). The cells are those
+     * of the mesh or their parents, see SplineSpace.
      */
     void
     reinit(DistributedTriangulation<dim> &triangulation,
            const unsigned int             degree,
-           const std::string             &coarsening)
+           const std::string             &coarsening,
+           const bool                     on_parents = false)
     {
       spaces.clear();
       for (const unsigned int order : orders(degree, coarsening))
-        spaces.emplace_back(triangulation, order);
+        spaces.emplace_back(triangulation, order, 1, on_parents);
     }
 
     /**

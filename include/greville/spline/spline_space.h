@@ -37,6 +37,10 @@ namespace greville
    * coefficients of a process; incomplete factorizations depend on that order.
    * Dofs of the components of one coefficient follow each other.
    *
+   * **Parents.** The cells of a space are those of the triangulation, or their
+   * parents, the cells of the once coarser mesh. The children of a parent are
+   * on one process, as deal.II partitions a mesh so that it can be coarsened.
+   *
    * The triangulation has to be made with the settings ::mesh_settings and to
    * live as long as the space. After a repartitioning call reinit() again.
    */
@@ -54,17 +58,19 @@ namespace greville
      */
     SplineSpace(DistributedTriangulation<dim> &triangulation,
                 const unsigned int             degree,
-                const unsigned int             n_components = 1);
+                const unsigned int             n_components = 1,
+                const bool                     on_parents   = false);
 
     /**
      * Collective. Throws dealii::ExcMessage for an order outside 1...5, no
-     * component, a mesh that is no Lattice, or one with less than p + 1 cells
-     * in a periodic direction.
+     * component, a mesh that is no Lattice, one with less than p + 1 cells
+     * in a periodic direction, or parents of an odd number of cells.
      */
     void
     reinit(DistributedTriangulation<dim> &triangulation,
            const unsigned int             degree,
-           const unsigned int             n_components = 1);
+           const unsigned int             n_components = 1,
+           const bool                     on_parents   = false);
 
     /// The largest order that kernels are compiled for.
     static constexpr unsigned int max_degree = 5;
@@ -197,7 +203,7 @@ namespace greville
     }
 
     /**
-     * The place of a locally owned cell in owned_cells().
+     * The place of a locally owned cell, or of its parent, in owned_cells().
      */
     unsigned int
     cell_number(const CellIterator &cell) const;
@@ -269,6 +275,8 @@ namespace greville
     unsigned int                                p                  = 0;
     unsigned int                                components         = 0;
     unsigned int                                functions_per_cell = 0;
+    bool                                        has_parents        = false;
+    Lattice<dim>                                children; // of the mesh
     Lattice<dim>                                mesh_lattice;
     std::array<KnotVector, dim>                 knot_vectors;
     MultiIndex<dim>                             extents{};

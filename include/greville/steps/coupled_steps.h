@@ -21,6 +21,9 @@ namespace greville
    * Linear systems of several parts are solved by conjugate gradients where all
    * tangents are symmetric, and by FGMRES else, with the p-multigrid of each
    * part as its block of the preconditioner (see TangentSystem).
+   *
+   * A part with pore water has no others, and a block for the pressure behind
+   * that of the displacement (see PoreWater).
    */
   template <int dim>
   class CoupledSteps : public NewtonProblem
@@ -82,11 +85,26 @@ namespace greville
     SolveResult
     solve_all(VectorType &x, const VectorType &b, const double tolerance);
 
-    /// Whether a block behind those of the parts is that of free rigid bodies.
+    /**
+     * Collective. The same with the pressure of pore water.
+     */
+    SolveResult
+    solve_with_water(VectorType       &x,
+                     const VectorType &b,
+                     const double      tolerance);
+
+    /// Whether a block behind those of the parts is that of free rigid bodies,
+    /// or that of pore water.
     bool
     has_rigid_block() const
     {
-      return blocks.size() > parts.size();
+      return blocks.size() > parts.size() && !has_water();
+    }
+
+    bool
+    has_water() const
+    {
+      return parts[0].steps->water != nullptr;
     }
 
     /**

@@ -8,6 +8,7 @@
 #include <greville/steps/newton.h>
 #include <greville/steps/time_integrator.h>
 #include <greville/stiffness/tangent_system.h>
+#include <greville/water/pore_water.h>
 
 #include <optional>
 
@@ -251,6 +252,10 @@ namespace greville
     std::optional<Expression>   step_formula;
     TangentSystem<dim>          system;
     bool                        is_symmetric = true;
+
+    // Null without pore water: its pressure, and the force of it.
+    std::unique_ptr<PoreWater<dim>> water;
+    VectorField<dim>                water_force;
 
     // Of the state at hand.
     std::vector<TrialBody<dim>>     bodies;

@@ -163,6 +163,11 @@ namespace greville
     /// velocities, over its length.
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
 
+    /// Pore water since the begin, the share of this process, m^3 (2D: m^2):
+    /// what has come to the pores, and what has left through drained
+    /// boundaries.
+    std::array<double, 2> water{};
+
     /// How the cells are shared among processes, how often they were shared
     /// anew, and the imbalance() that the last time has left.
     std::shared_ptr<const Partition> partition;

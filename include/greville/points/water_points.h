@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_water_points_h
+#define greville_points_water_points_h
+
+#include <greville/base/vector_field.h>
+#include <greville/mass/stencil_matrix.h>
+#include <greville/points/material_points.h>
+#include <greville/points/spline_polynomials.h>
+
+#include <array>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * What a material says of the water in it.
+   */
+  struct WaterConstants
+  {
+    /// Porosity over the bulk modulus of water, 1 / Pa.
+    double storage = 0.;
+    /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s).
+    double mobility = 0.;
+  };
+
+
+
+  /**
+   * A point of the boundary at which the pressure is given.
+   */
+  template <int dim>
+  struct DrainedPoint
+  {
+    unsigned int cell; // owned
+    /// Where the basis functions are taken, m.
+    dealii::Point<dim> x;
+    /// The normal, outwards, times the area at the start of the step.
+    dealii::Tensor<1, dim> area;
+    /// From gradients with respect to x to those at the start of the step:
+    /// 1, or the inverse of F in total Lagrangian steps.
+    dealii::Tensor<2, dim> to_basis;
+    /// Pa.
+    double pressure;
+    double mobility;
+    /// Of Nitsche's method, over the size of a cell at the start, 1 / m.
+    double penalty;
+  };
+
+
+
+  /**
+   * The terms of pore water in a step of length dt of implicit steps (u-p form,
+   * @ref Zienkiewicz1980 "Zienkiewicz, Chang and Bettess, 1980"), as sums over
+   * points. With a displacement u of the grid, functions N_a, and a pressure p
+   * with functions q_b,
+   * @f{align*}{
+   *   f_a &= - \sum_p V p \, \nabla N_a, \\
+   *   r_b &= \sum_p V_0 \left((J - J_n) + \tfrac{\phi}{K_w} (p - p_n)\right)
+   *          q_b + dt \sum_p V \kappa \, w \cdot \nabla q_b \\
+   *       &+ dt \int_\Gamma \kappa \left(- q_b \, w \cdot n
+   *          - (p - \bar p) \, \nabla q_b \cdot n
+   *          + \tfrac{\beta}{h} (p - \bar p) \, q_b \right) dA, \qquad
+   *   w = \nabla p - \rho_w g,
+   * @f}
+   * where all gradients, V = J V_0 and areas are those at the end of the step.
+   * The last line is Nitsche's method for the pressure of drained boundaries.
+   * The change of volume is summed at the points of the displacement, and the
+   * storage is that per V_0.
+   *
+   * The p_n is that which points keep, sampled at their places: where points
+   * stay in the space of the pressure, as in total Lagrangian steps, this is
+   * the same as its coefficients.
+   */
+  template <int dim>
+  class WaterPoints
+  {
+  public:
+    /**
+     * The spaces are kept by reference. Cells of the @p pressures are the
+     * @p parents of those of the @p displacements, which have as many: owned
+     * cell c lies in owned cell parents[c].
+     */
+    void
+    reinit(const SplineSpace<dim>          &displacements,
+           const SplineSpace<dim>          &pressures,
+           const std::vector<unsigned int> &parents);
+
+    /**
+     * Begin a step of length @p dt (s) with the weight of water per volume (N /
+     * m^3) without points.
+     */
+    void
+    clear(const double dt, const dealii::Tensor<1, dim> &weight);
+
+    /**
+     * Add the points of a body at the start of the step, whose pressure is
+     * their number @p pressure.
+     */
+    void
+    add(const MaterialPoints<dim> &points,
+        const unsigned int         pressure,
+        const WaterConstants      &constants);
+
+    void
+    add(const DrainedPoint<dim> &point);
+
+    /**
+     * Collective. f and r for a displacement in the step, m, and a pressure,
+     * Pa.
+     */
+    void
+    evaluate(const VectorField<dim> &u,
+             const VectorType       &p,
+             VectorField<dim>       &force,
+             VectorType             &rows);
+
+    /**
+     * Collective. The derivatives of the last evaluate() in a direction.
+     */
+    void
+    multiply(const VectorField<dim> &du,
+             const VectorType       &dp,
+             VectorField<dim>       &force,
+             VectorType             &rows) const;
+
+    /**
+     * Collective. That of the force in the direction of a pressure alone.
+     */
+    void
+    spread(const VectorType &dp, VectorField<dim> &force) const;
+
+    /**
+     * Add the derivative of r by p at the start of the step, and the sum of V q
+     * q over the modulus of pressure waves of each point, which stands for what
+     * a displacement that follows the pressure adds: the Schur complement. The
+     * functions are those of any order on the same cells as the pressures.
+     */
+    void
+    add_schur_complement(const SpacePolynomials<dim> &functions,
+                         StencilMatrix<dim>          &matrix) const;
+
+    /**
+     * Give the points of all bodies, in the order in which they were added,
+     * the pressure of the last evaluate() as the number that is named with
+     * each.
+     */
+    void
+    store(const std::vector<std::pair<MaterialPoints<dim> *, unsigned int>>
+            &bodies) const;
+
+    /**
+     * Of the last evaluate() on this process: the volume of water that the step
+     * has brought to the pores, and that which has left through drained
+     * boundaries, m^3 (2D: m^2).
+     */
+    const std::array<double, 2> &
+    volumes() const
+    {
+      return water_volumes;
+    }
+
+    /**
+     * The work of the pressure on the soil of this process in the step of the
+     * last evaluate(), with the mean of its values at both ends, J (2D: J / m).
+     */
+    double
+    work() const
+    {
+      return pressure_work;
+    }
+
+    /**
+     * The sums of squares of the forces, and of the rows, that the cells of
+     * this process gave to the last evaluate().
+     */
+    const std::array<double, 2> &
+    squares() const
+    {
+      return cell_squares;
+    }
+
+    /**
+     * The sums of V and of V times the modulus of pressure waves over the
+     * points of this process.
+     */
+    const std::array<double, 2> &
+    moduli() const
+    {
+      return sums_of_moduli;
+    }
+
+  private:
+    /**
+     * A term of the sums. Those of a cell follow one another.
+     */
+    struct Term
+    {
+      unsigned int           cell;
+      dealii::Point<dim>     x;
+      dealii::Tensor<2, dim> to_basis;
+
+      // At the end of a trial step: the volume relative to the start and its
+      // change, what makes gradients there of those of the basis functions, and
+      // the pressure.
+      double                 J = 1., change = 0.;
+      dealii::Tensor<2, dim> map;
+      double                 p = 0.;
+      dealii::Tensor<1, dim> gradient;
+    };
+
+    struct PointTerm : Term
+    {
+      double volume; // at the start
+      // Times volumes: V0 phi / K_w, k V / gamma_w at the start, and V over the
+      // modulus of pressure waves.
+      double storage, mobility, compliance;
+      double old_p;
+    };
+
+    struct DrainedTerm : Term
+    {
+      dealii::Tensor<1, dim> area, end_area;
+      double                 given_p, mobility, penalty;
+    };
+
+    /**
+     * What a term gives: to the force by gradients of N, to the rows by q and
+     * by gradients of q.
+     */
+    struct Sources
+    {
+      dealii::Tensor<2, dim> force;
+      double                 value = 0.;
+      dealii::Tensor<1, dim> gradient;
+    };
+
+    /**
+     * A direction at a term, with gradients at the end.
+     */
+    struct Change
+    {
+      dealii::Tensor<2, dim> h; // of the displacement
+      double                 p = 0.;
+      dealii::Tensor<1, dim> gradient;
+    };
+
+    /// Which sums a pass is about.
+    enum class Pass
+    {
+      evaluate,
+      multiply,
+      spread
+    };
+
+    /**
+     * Collective. A pass over all terms. @p rows may be null.
+     */
+    template <Pass pass, typename Self>
+    static void
+    run(Self                   &self,
+        const VectorField<dim> *u,
+        const VectorType       &p,
+        VectorField<dim>       &force,
+        VectorType             *rows);
+
+    template <int n, int m, Pass pass, typename Self, typename Terms>
+    static void
+    sum_terms(Self &self, Terms &terms);
+
+    void
+    finish(PointTerm &term, const dealii::Tensor<2, dim> &inverse) const;
+    void
+    finish(DrainedTerm &term, const dealii::Tensor<2, dim> &inverse) const;
+    /// Add to volumes() and work().
+    void
+    count(const PointTerm &term, const double volume);
+    void
+    count(const DrainedTerm &term, const double volume);
+
+    Sources
+    sources(const PointTerm &term) const;
+    Sources
+    sources(const DrainedTerm &term) const;
+    Sources
+    derivative(const PointTerm &term, const Change &change) const;
+    Sources
+    derivative(const DrainedTerm &term, const Change &change) const;
+
+    SpacePolynomials<dim>     displacement_tables, pressure_tables;
+    std::vector<unsigned int> parents;
+
+    double                   dt = 0.;
+    dealii::Tensor<1, dim>   weight;
+    std::vector<PointTerm>   points;
+    std::vector<DrainedTerm> drained;
+    double                   pressure_work = 0.;
+    std::array<double, 2>    water_volumes{}, cell_squares{}, sums_of_moduli{};
+
+    mutable std::vector<double> u_buffer, p_buffer, forces, row_sums;
+  };
+} // namespace greville
+
+#endif

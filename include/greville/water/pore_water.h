@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_water_pore_water_h
+#define greville_water_pore_water_h
+
+#include <greville/base/expression.h>
+#include <greville/multigrid/p_multigrid.h>
+#include <greville/parameters/simulation_parameters.h>
+#include <greville/points/point_transfer.h>
+#include <greville/points/surface.h>
+#include <greville/points/water_points.h>
+#include <greville/water/pressure_level.h>
+
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The pressure of pore water in quasi-static steps, see WaterPoints for the
+   * equations. Stresses of points are effective ones; the total stress is that
+   * less the pressure.
+   *
+   * The pressure is a spline of degree p or p - 1 on the once coarser mesh,
+   * whose cells are the parents of those of the displacement of degree p, and
+   * is extended by the filling of these cells. This pair has a constant of
+   * inf-sup that does not depend on the cell size or on where the body's
+   * surface cuts cells; on one mesh the pair p, p - 1 has none (uncut, for
+   * incompressible flow: @ref Bressan2013 "Bressan and Sangalli, 2013").
+   *
+   * With the tangent A of the points, the coupling B and the block C of the
+   * pressure, a step of Newton's method solves
+   * @f[
+   *   \begin{pmatrix} A & -B \\ B^T & C \end{pmatrix}
+   *   \begin{pmatrix} du \\ dp \end{pmatrix} = \begin{pmatrix} b_u \\ b_p
+   *   \end{pmatrix}.
+   * @f]
+   * The preconditioner is upper block-triangular: dp = S^-1 b_p, du = A^-1 (b_u
+   * + B dp), with one cycle of p-multigrid each for A and for S, which is C and
+   * the sum over points of V / M q q, with the modulus M of pressure waves of
+   * each point (close to that of @ref White2011 "White and Borja, 2011", whose
+   * weights are one number).
+   *
+   * Rows of the pressure are volumes times scale(), so that they are forces
+   * that Newton's method can compare with those of the other rows.
+   */
+  template <int dim>
+  class PoreWater
+  {
+  public:
+    /// The field of points that keeps the pressure, Pa.
+    static constexpr const char *field = "pore_pressure";
+
+    /**
+     * Collective. The space of the displacement and the parameters are kept by
+     * reference. Throws dealii::ExcMessage where these are wrong.
+     */
+    PoreWater(const SplineSpace<dim>        &displacements,
+              DistributedTriangulation<dim> &triangulation,
+              const SimulationParameters    &parameters);
+
+    const SplineSpace<dim> &
+    space() const
+    {
+      return orders.finest();
+    }
+
+    const OrderHierarchy<dim> &
+    hierarchy() const
+    {
+      return orders;
+    }
+
+    /**
+     * Collective. Points are at new places.
+     */
+    void
+    set_points(const std::vector<Body<dim>>    &bodies,
+               const std::vector<Surface<dim>> &surfaces);
+
+    /**
+     * Collective. Begin a step of length @p dt (s) that ends at @p time with
+     * the acceleration @p gravity. Throws dealii::ExcMessage where a formula
+     * has no value.
+     */
+    void
+    begin_step(const std::vector<Body<dim>>    &bodies,
+               const std::vector<Surface<dim>> &surfaces,
+               const double                     time,
+               const double                     dt,
+               const dealii::Tensor<1, dim>    &gravity);
+
+    /// Make a vector of coefficients, one for each function of the space.
+    void
+    initialize(VectorType &vector) const
+    {
+      space().initialize_vector(vector);
+    }
+
+    /**
+     * Collective. The pressure x, the force on the grid, which is overwritten,
+     * and the residual of the balance of water.
+     */
+    void
+    evaluate(const VectorField<dim> &u,
+             const VectorType       &x,
+             VectorField<dim>       &force,
+             VectorType             &residual);
+
+    /**
+     * Collective. The derivatives of the last evaluate(), without A.
+     */
+    void
+    multiply(const VectorField<dim> &du,
+             const VectorType       &dx,
+             VectorField<dim>       &force,
+             VectorType             &rows) const;
+
+    /**
+     * Collective. The derivative of the force by the pressure.
+     */
+    void
+    spread(const VectorType &dx, VectorField<dim> &force) const;
+
+    /**
+     * Collective. Make the cycle of the Schur complement of this step, unless
+     * there is one. Throws ErrorOnAll where none can be made.
+     */
+    void
+    set_up();
+
+    /**
+     * Collective. dx = S^-1 rows.
+     */
+    void
+    precondition(VectorType &dx, const VectorType &rows) const;
+
+    /**
+     * Collective. The norm of the forces, and what round-off makes of the
+     * residual, of the last evaluate().
+     */
+    double
+    force_scale() const;
+
+    double
+    round_off() const;
+
+    /**
+     * Collective. Give the points the pressure of the last evaluate(). Returns
+     * the share of this process of the water that has come to the pores and of
+     * that which has left through drained boundaries in the step, m^3 (2D:
+     * m^2).
+     */
+    std::array<double, 2>
+    advance(std::vector<Body<dim>> &bodies) const;
+
+    /// WaterPoints::work().
+    double
+    work() const
+    {
+      return points.work();
+    }
+
+  private:
+    /**
+     * The points of drained walls and surfaces.
+     */
+    void
+    add_walls(const std::vector<Body<dim>> &bodies, const double time);
+
+    void
+    add_surfaces(const std::vector<Body<dim>>    &bodies,
+                 const std::vector<Surface<dim>> &surfaces,
+                 const double                     time);
+
+    WaterConstants
+    constants(const Body<dim> &body) const;
+
+    const SplineSpace<dim>     &displacements;
+    const SimulationParameters &parameters;
+    OrderHierarchy<dim>         orders;
+    std::vector<unsigned int>   parents; // of owned cells
+    PointTransfer<dim>          transfer;
+    CellFilling<dim>            filling;
+    std::vector<double>         filled; // parts of the displacement's cells
+    WaterPoints<dim>            points;
+    double                      penalty = 0.; // of Nitsche's method, over h
+
+    std::map<unsigned int, Expression> of_walls, of_surfaces;
+
+    std::vector<std::unique_ptr<PressureLevel<dim>>> levels;
+    std::vector<SpacePolynomials<dim>>               tables; // by level
+    std::unique_ptr<PMultigrid<dim>>                 multigrid;
+    bool                                             is_first = true;
+
+    double             scale = 0.; // N / m^3 (2D: N / m^3)
+    mutable VectorType pressure, rows;
+  };
+} // namespace greville
+
+#endif

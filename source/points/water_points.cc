@@ -1,0 +1,479 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/points/water_points.h>
+
+#include "gradients.h"
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace internal;
+
+  template <int dim>
+  void
+  WaterPoints<dim>::reinit(const SplineSpace<dim>          &displacements,
+                           const SplineSpace<dim>          &pressures,
+                           const std::vector<unsigned int> &given_parents)
+  {
+    displacement_tables.reinit(displacements);
+    pressure_tables.reinit(pressures);
+    parents = given_parents;
+    AssertDimension(parents.size(), displacements.owned_cells().size());
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::clear(const double new_dt, const Tensor<1, dim> &new_weight)
+  {
+    dt     = new_dt;
+    weight = new_weight;
+    points.clear();
+    drained.clear();
+    sums_of_moduli = {};
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::add(const MaterialPoints<dim> &of_body,
+                        const unsigned int         pressure,
+                        const WaterConstants      &constants)
+  {
+    const PointLayout<dim> &layout = of_body.layout();
+    for (const unsigned int cell : of_body.cells())
+      of_body.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+        PointTerm term;
+        term.cell       = cell;
+        term.x          = p.basis_position(layout);
+        term.to_basis   = layout.is_total_lagrangian()
+                            ? inverse_F<dim>(p, layout)
+                            : Tensor<2, dim>(unit_symmetric_tensor<dim>());
+        term.volume     = p.volume();
+        term.storage    = p.volume0() * constants.storage;
+        term.mobility   = p.volume() * constants.mobility;
+        term.compliance = p.volume() / p.wave_modulus();
+        term.old_p      = p[pressure];
+        points.push_back(term);
+        sums_of_moduli[0] += p.volume();
+        sums_of_moduli[1] += p.volume() * p.wave_modulus();
+      });
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::add(const DrainedPoint<dim> &point)
+  {
+    DrainedTerm term;
+    term.cell     = point.cell;
+    term.x        = point.x;
+    term.to_basis = point.to_basis;
+    term.area     = point.area;
+    term.given_p  = point.pressure;
+    term.mobility = point.mobility;
+    term.penalty  = point.penalty;
+    drained.push_back(term);
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::count(const PointTerm &term, const double volume)
+  {
+    water_volumes[0] += volume;
+    pressure_work += 0.5 * (term.old_p + term.p) * term.volume * term.change;
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::count(const DrainedTerm &, const double volume)
+  {
+    water_volumes[1] += volume;
+  }
+
+
+
+  namespace
+  {
+    /**
+     * det(1 + h) - 1, exact to round-off where h is small.
+     */
+    template <int dim>
+    double
+    change_of_volume(const Tensor<2, dim> &h)
+    {
+      double result = trace(h) + determinant(h);
+      if constexpr (dim == 3)
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = i + 1; j < 3; ++j)
+            result += h[i][i] * h[j][j] - h[i][j] * h[j][i];
+      return result;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::finish(PointTerm &, const Tensor<2, dim> &) const
+  {}
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::finish(DrainedTerm          &term,
+                           const Tensor<2, dim> &inverse) const
+  {
+    term.end_area = term.J * (transpose(inverse) * term.area);
+  }
+
+
+
+  template <int dim>
+  typename WaterPoints<dim>::Sources
+  WaterPoints<dim>::sources(const PointTerm &term) const
+  {
+    Sources result;
+    result.force = -term.volume * term.J * term.p * transpose(term.map);
+    result.value =
+      term.volume * term.change + term.storage * (term.p - term.old_p);
+    result.gradient =
+      dt * term.mobility * term.J * (term.map * (term.gradient - weight));
+    return result;
+  }
+
+
+
+  template <int dim>
+  typename WaterPoints<dim>::Sources
+  WaterPoints<dim>::sources(const DrainedTerm &term) const
+  {
+    const Tensor<1, dim> &a      = term.end_area;
+    const double          excess = term.p - term.given_p;
+    Sources               result;
+    result.value =
+      dt * term.mobility *
+      (term.penalty * a.norm() * excess - (term.gradient - weight) * a);
+    result.gradient = -dt * term.mobility * excess * (term.map * a);
+    return result;
+  }
+
+
+
+  template <int dim>
+  typename WaterPoints<dim>::Sources
+  WaterPoints<dim>::derivative(const PointTerm &term,
+                               const Change    &change) const
+  {
+    const double         V    = term.volume * term.J;
+    const double         rate = trace(change.h);
+    const Tensor<1, dim> w    = term.gradient - weight;
+    Sources              result;
+    // d map = - map h.
+    result.force = -V * ((change.p + rate * term.p) * transpose(term.map) -
+                         term.p * (transpose(change.h) * transpose(term.map)));
+    result.value = V * rate + term.storage * change.p;
+    result.gradient =
+      dt * term.mobility * term.J *
+      (term.map * (rate * w + change.gradient -
+                   transpose(change.h) * term.gradient - change.h * w));
+    return result;
+  }
+
+
+
+  template <int dim>
+  typename WaterPoints<dim>::Sources
+  WaterPoints<dim>::derivative(const DrainedTerm &term,
+                               const Change      &change) const
+  {
+    const Tensor<1, dim> &a      = term.end_area;
+    const Tensor<1, dim>  w      = term.gradient - weight;
+    const double          excess = term.p - term.given_p;
+    const double          size   = a.norm();
+    const Tensor<1, dim>  da = trace(change.h) * a - transpose(change.h) * a;
+    Sources               result;
+    result.value =
+      dt * term.mobility *
+      (term.penalty * (size * change.p + excess * (a * da) / size) -
+       (change.gradient - transpose(change.h) * term.gradient) * a - w * da);
+    result.gradient =
+      -dt * term.mobility *
+      (term.map * (change.p * a + excess * (da - change.h * a)));
+    return result;
+  }
+
+
+
+  template <int dim>
+  template <int                             n,
+            int                             m,
+            typename WaterPoints<dim>::Pass pass,
+            typename Self,
+            typename Terms>
+  void
+  WaterPoints<dim>::sum_terms(Self &self, Terms &terms)
+  {
+    constexpr int  n_u = power(n, dim), n_p = power(m, dim);
+    constexpr bool with_u    = pass != Pass::spread;
+    constexpr bool with_rows = pass != Pass::spread;
+    for (std::size_t k = 0; k < terms.size();)
+      {
+        const unsigned int         cell = terms[k].cell;
+        const CellGeometry<dim, n> of_u(self.displacement_tables, cell);
+        const CellGeometry<dim, m> of_p(self.pressure_tables,
+                                        self.parents[cell]);
+        double                     u[dim][n_u], p[n_p];
+        double                     f[dim][n_u] = {}, r[n_p] = {};
+        for (int a = 0; a < n_u && with_u; ++a)
+          for (int i = 0; i < dim; ++i)
+            u[i][a] = self.u_buffer[std::size_t(of_u.functions[a]) * dim + i];
+        for (int b = 0; b < n_p; ++b)
+          p[b] = self.p_buffer[of_p.functions[b]];
+        for (; k < terms.size() && terms[k].cell == cell; ++k)
+          {
+            auto                            &term = terms[k];
+            const Gradients<dim, n>          G(of_u, term.x);
+            const ValuesAndGradients<dim, m> q(of_p, term.x);
+            Tensor<2, dim>                   slope; // of u
+            Change                           change;
+            for (int a = 0; a < n_u && with_u; ++a)
+              for (int i = 0; i < dim; ++i)
+                for (int j = 0; j < dim; ++j)
+                  slope[i][j] += u[i][a] * G.values[j][a];
+            Tensor<1, dim> p_slope;
+            for (int b = 0; b < n_p; ++b)
+              {
+                change.p += p[b] * q.values[b];
+                for (int j = 0; j < dim && with_rows; ++j)
+                  p_slope[j] += p[b] * q.gradients.values[j][b];
+              }
+            Sources sources;
+            if constexpr (pass == Pass::evaluate)
+              {
+                const Tensor<2, dim> h = slope * term.to_basis;
+                const Tensor<2, dim> inverse =
+                  invert(Tensor<2, dim>(unit_symmetric_tensor<dim>()) + h);
+                term.change   = change_of_volume(h);
+                term.J        = 1. + term.change;
+                term.map      = term.to_basis * inverse;
+                term.p        = change.p;
+                term.gradient = transpose(term.map) * p_slope;
+                self.finish(term, inverse);
+                sources = self.sources(term);
+              }
+            else
+              {
+                if constexpr (with_u)
+                  {
+                    change.h        = slope * term.map;
+                    change.gradient = transpose(term.map) * p_slope;
+                  }
+                sources = self.derivative(term, change);
+              }
+            for (int a = 0; a < n_u; ++a)
+              for (int i = 0; i < dim; ++i)
+                for (int j = 0; j < dim; ++j)
+                  f[i][a] += sources.force[i][j] * G.values[j][a];
+            for (int b = 0; b < n_p && with_rows; ++b)
+              {
+                r[b] += sources.value * q.values[b];
+                for (int j = 0; j < dim; ++j)
+                  r[b] += sources.gradient[j] * q.gradients.values[j][b];
+              }
+            if constexpr (pass == Pass::evaluate)
+              self.count(term, sources.value);
+          }
+        for (int a = 0; a < n_u; ++a)
+          for (int i = 0; i < dim; ++i)
+            {
+              self.forces[std::size_t(of_u.functions[a]) * dim + i] += f[i][a];
+              if constexpr (pass == Pass::evaluate)
+                self.cell_squares[0] += f[i][a] * f[i][a];
+            }
+        for (int b = 0; b < n_p && with_rows; ++b)
+          {
+            self.row_sums[of_p.functions[b]] += r[b];
+            if constexpr (pass == Pass::evaluate)
+              self.cell_squares[1] += r[b] * r[b];
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  template <typename WaterPoints<dim>::Pass pass, typename Self>
+  void
+  WaterPoints<dim>::run(Self                   &self,
+                        const VectorField<dim> *u,
+                        const VectorType       &p,
+                        VectorField<dim>       &force,
+                        VectorType             *rows)
+  {
+    const auto n_functions = [](const SpacePolynomials<dim> &tables) {
+      return tables.space->owned_functions().size() +
+             tables.space->ghost_functions().size();
+    };
+    const std::size_t n_u = n_functions(self.displacement_tables);
+    const std::size_t n_p = n_functions(self.pressure_tables);
+    self.u_buffer.resize(n_u * dim);
+    for (unsigned int d = 0; d < dim && u; ++d)
+      put_into_buffer((*u)[d], dim, d, self.u_buffer);
+    self.p_buffer.resize(n_p);
+    put_into_buffer(p, 1, 0, self.p_buffer);
+    self.forces.assign(n_u * dim, 0.);
+    self.row_sums.assign(n_p, 0.);
+    const unsigned int q = self.pressure_tables.space->degree();
+    with_order(self.displacement_tables.space->degree(), [&](const auto size) {
+      constexpr int n   = decltype(size)::value;
+      const auto    sum = [&](const auto order) {
+        constexpr int m = decltype(order)::value;
+        sum_terms<n, m, pass>(self, self.points);
+        if (pass != Pass::spread)
+          sum_terms<n, m, pass>(self, self.drained);
+      };
+      // Degrees p and p - 1.
+      if (q + 1 == n)
+        sum(std::integral_constant<int, n>());
+      else
+        sum(std::integral_constant < int, n == 2 ? 2 : n - 1 > ());
+    });
+    for (unsigned int d = 0; d < dim; ++d)
+      take_from_buffer(self.forces, dim, d, force[d]);
+    if (rows)
+      take_from_buffer(self.row_sums, 1, 0, *rows);
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::evaluate(const VectorField<dim> &u,
+                             const VectorType       &p,
+                             VectorField<dim>       &force,
+                             VectorType             &rows)
+  {
+    water_volumes = {};
+    pressure_work = 0.;
+    cell_squares  = {};
+    run<Pass::evaluate>(*this, &u, p, force, &rows);
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::multiply(const VectorField<dim> &du,
+                             const VectorType       &dp,
+                             VectorField<dim>       &force,
+                             VectorType             &rows) const
+  {
+    run<Pass::multiply>(*this, &du, dp, force, &rows);
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::spread(const VectorType &dp, VectorField<dim> &force) const
+  {
+    run<Pass::spread>(*this, nullptr, dp, force, nullptr);
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::add_schur_complement(const SpacePolynomials<dim> &functions,
+                                         StencilMatrix<dim> &matrix) const
+  {
+    with_order(functions.space->degree(), [&](const auto size) {
+      constexpr int      m = decltype(size)::value, n_q = power(m, dim);
+      FullMatrix<double> of_cell(n_q, n_q);
+      // Gradients of all functions at the start, and the action on them.
+      const auto for_each = [&](const auto &terms, const auto &action) {
+        for (std::size_t k = 0; k < terms.size();)
+          {
+            const unsigned int         cell = terms[k].cell;
+            const CellGeometry<dim, m> geometry(functions, parents[cell]);
+            of_cell = 0.;
+            for (; k < terms.size() && terms[k].cell == cell; ++k)
+              {
+                const ValuesAndGradients<dim, m> q(geometry, terms[k].x);
+                double                           slopes[n_q][dim];
+                for (int b = 0; b < n_q; ++b)
+                  for (int j = 0; j < dim; ++j)
+                    {
+                      slopes[b][j] = 0.;
+                      for (int J = 0; J < dim; ++J)
+                        slopes[b][j] +=
+                          terms[k].to_basis[J][j] * q.gradients.values[J][b];
+                    }
+                action(terms[k], q.values, slopes);
+              }
+            matrix.add_cell(parents[cell], of_cell);
+          }
+      };
+      for_each(points,
+               [&](const PointTerm &term, const double *q, const auto &slopes) {
+                 const double mass = term.compliance + term.storage;
+                 const double flow = dt * term.mobility;
+                 for (int a = 0; a < n_q; ++a)
+                   for (int b = a; b < n_q; ++b)
+                     {
+                       double sum = mass * q[a] * q[b];
+                       for (int j = 0; j < dim; ++j)
+                         sum += flow * slopes[a][j] * slopes[b][j];
+                       of_cell(a, b) += sum;
+                     }
+               });
+      for_each(
+        drained,
+        [&](const DrainedTerm &term, const double *q, const auto &slopes) {
+          const double flow    = dt * term.mobility;
+          const double penalty = flow * term.penalty * term.area.norm();
+          double       normal[n_q];
+          for (int a = 0; a < n_q; ++a)
+            {
+              normal[a] = 0.;
+              for (int j = 0; j < dim; ++j)
+                normal[a] += flow * slopes[a][j] * term.area[j];
+            }
+          for (int a = 0; a < n_q; ++a)
+            for (int b = a; b < n_q; ++b)
+              of_cell(a, b) +=
+                penalty * q[a] * q[b] - q[a] * normal[b] - q[b] * normal[a];
+        });
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::store(
+    const std::vector<std::pair<MaterialPoints<dim> *, unsigned int>> &bodies)
+    const
+  {
+    auto term = points.begin();
+    for (const auto &body : bodies)
+      body.first->for_each([&](const unsigned int, const PointRef<dim> p) {
+        p[body.second] = term->p;
+        ++term;
+      });
+  }
+
+
+
+  template class WaterPoints<2>;
+  template class WaterPoints<3>;
+} // namespace greville

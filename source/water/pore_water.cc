@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/quadrature_lib.h>
+
+#include <greville/base/errors.h>
+#include <greville/water/pore_water.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // What a hydraulic conductivity belongs to, m / s^2.
+    constexpr double earth_gravity = 9.81;
+
+    /**
+     * The penalty of Nitsche's method that covers the trace of a displacement
+     * on cells of half the size, times the size of a cell.
+     */
+    constexpr std::array<double, 6> penalties = {{0., 4., 24., 36., 64., 100.}};
+
+
+
+    template <int dim>
+    Expression
+    pressure_of_wall(const std::string &text, const unsigned int wall)
+    {
+      std::vector<std::string> variables = coordinate_names<dim>();
+      variables.push_back("t");
+      return {text,
+              "Walls/" + WallParameters::names[wall] + " pore pressure",
+              variables};
+    }
+
+
+
+    template <int dim>
+    Expression
+    pressure_of_surface(const std::string &text, const std::string &name)
+    {
+      std::vector<std::string> variables = coordinate_names<dim>();
+      for (unsigned int d = 0; d < dim; ++d)
+        variables.push_back(std::string(1, "XYZ"[d]));
+      variables.push_back("t");
+      return {text, "Surface load " + name + "/Pore pressure", variables};
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  PoreWater<dim>::PoreWater(const SplineSpace<dim>        &displacements,
+                            DistributedTriangulation<dim> &triangulation,
+                            const SimulationParameters    &parameters)
+    : displacements(displacements)
+    , parameters(parameters)
+  {
+    const unsigned int p = displacements.degree();
+    const unsigned int q =
+      parameters.water.degree > 0 ? parameters.water.degree : p;
+    orders.reinit(triangulation, q, "direct", true);
+    penalty = penalties[q];
+
+    const auto &lattice = space().lattice();
+    const auto &cells   = space().owned_cells();
+    for (const std::uint64_t position : displacements.owned_cells())
+      {
+        auto index =
+          multi_index<dim>(position, displacements.lattice().n_cells());
+        for (unsigned int d = 0; d < dim; ++d)
+          index[d] /= 2;
+        const std::uint64_t parent =
+          lexicographic<dim>(index, lattice.n_cells());
+        parents.push_back(std::lower_bound(cells.begin(), cells.end(), parent) -
+                          cells.begin());
+      }
+    transfer.reinit(displacements);
+    filling.reinit(space());
+    points.reinit(displacements, space(), parents);
+    tables.resize(orders.n_levels());
+    for (unsigned int l = 0; l < orders.n_levels(); ++l)
+      {
+        levels.push_back(std::make_unique<PressureLevel<dim>>(orders[l]));
+        tables[l].reinit(orders[l]);
+      }
+    for (VectorType *vector : {&pressure, &rows})
+      initialize(*vector);
+
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (const std::string &text = parameters.walls.pore_pressure[w];
+          !text.empty())
+        of_walls.emplace(w, pressure_of_wall<dim>(text, w));
+    const auto &names = parameters.general.surface_loads;
+    for (unsigned int k = 0; k < names.size(); ++k)
+      if (const std::string &text =
+            parameters.surface_loads.at(names[k]).pore_pressure;
+          !text.empty())
+        of_surfaces.emplace(k, pressure_of_surface<dim>(text, names[k]));
+  }
+
+
+
+  template <int dim>
+  WaterConstants
+  PoreWater<dim>::constants(const Body<dim> &body) const
+  {
+    const Material        &material = *body.material;
+    const WaterParameters &water    = parameters.water;
+    return {water.bulk_modulus > 0. ? material.porosity / water.bulk_modulus
+                                    : 0.,
+            material.conductivity / (water.density * earth_gravity)};
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::set_points(const std::vector<Body<dim>>    &bodies,
+                             const std::vector<Surface<dim>> &surfaces)
+  {
+    std::vector<const MaterialPoints<dim> *> of_bodies;
+    for (const Body<dim> &body : bodies)
+      of_bodies.push_back(&body.points);
+    transfer.filling(of_bodies, filled);
+    const unsigned int  n_cells = space().owned_cells().size();
+    std::vector<double> parts(n_cells, 0.);
+    for (unsigned int c = 0; c < filled.size(); ++c)
+      parts[parents[c]] += filled[c] / GeometryInfo<dim>::max_children_per_cell;
+    // Functions are extended to where a surface is drained.
+    for (const auto &drained : of_surfaces)
+      for (const unsigned int cell : surfaces[drained.first].points.cells())
+        if (parts[parents[cell]] <= 0.)
+          parts[parents[cell]] = -1.;
+    const bool changed =
+      filling.update(parts, parameters.scheme.filling_threshold(true), true) ||
+      is_first;
+    is_first = false;
+    for (auto &level : levels)
+      level->begin(filling, parts, changed);
+    multigrid.reset();
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::begin_step(const std::vector<Body<dim>>    &bodies,
+                             const std::vector<Surface<dim>> &surfaces,
+                             const double                     time,
+                             const double                     dt,
+                             const Tensor<1, dim>            &gravity)
+  {
+    points.clear(dt, parameters.water.density * gravity);
+    for (const Body<dim> &body : bodies)
+      points.add(body.points,
+                 body.points.layout().first(field),
+                 constants(body));
+    run_on_all(
+      [&]() {
+        add_walls(bodies, time);
+        add_surfaces(bodies, surfaces, time);
+      },
+      space().communicator());
+    std::vector<double> moduli{points.moduli()[0], points.moduli()[1]};
+    Utilities::MPI::sum(moduli, space().communicator(), moduli);
+    scale = moduli[0] > 0. ? moduli[1] / moduli[0] /
+                               displacements.lattice().smallest_cell_size()
+                           : 1.;
+    multigrid.reset();
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::add_walls(const std::vector<Body<dim>> &bodies,
+                            const double                  time)
+  {
+    const auto                 &lattice = displacements.lattice();
+    const QGauss<dim - 1>       gauss(displacements.degree() + 1);
+    std::array<double, dim + 1> arguments;
+    arguments[dim] = time;
+    for (const auto &[w, formula] : of_walls)
+      {
+        const unsigned int d    = w / 2;
+        const unsigned int side = w % 2;
+        const double       area = lattice.cell_volume() / lattice.cell_size(d);
+        for (unsigned int c = 0; c < displacements.owned_cells().size(); ++c)
+          {
+            const auto index = multi_index<dim>(displacements.owned_cells()[c],
+                                                lattice.n_cells());
+            if (index[d] != (side == 0 ? 0 : lattice.n_cells()[d] - 1))
+              continue;
+            double volume = 0., mobility = 0.;
+            for (const Body<dim> &body : bodies)
+              body.points.for_each_in_cell(c, [&](const ConstPointRef<dim> p) {
+                volume += p.volume();
+                mobility += p.volume() * constants(body).mobility;
+              });
+            if (volume == 0.)
+              continue;
+            const Point<dim> corner = lattice.cell_corner(index);
+            for (unsigned int q = 0; q < gauss.size(); ++q)
+              {
+                DrainedPoint<dim> point;
+                point.cell = c;
+                for (unsigned int e = 0, k = 0; e < dim; ++e)
+                  point.x[e] =
+                    e == d
+                      ? (side == 0 ? lattice.lower(d) : lattice.upper(d))
+                      : corner[e] + lattice.cell_size(e) * gauss.point(q)[k++];
+                point.area[d] = (side == 0 ? -1. : 1.) * area *
+                                gauss.weight(q) * std::min(1., filled[c]);
+                point.to_basis = unit_symmetric_tensor<dim>();
+                point.mobility = mobility / volume;
+                point.penalty  = penalty / (2. * lattice.cell_size(d));
+                for (unsigned int e = 0; e < dim; ++e)
+                  arguments[e] = point.x[e];
+                point.pressure =
+                  formula(ArrayView<const double>(arguments.data(), dim + 1));
+                points.add(point);
+              }
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::add_surfaces(const std::vector<Body<dim>>    &bodies,
+                               const std::vector<Surface<dim>> &surfaces,
+                               const double                     time)
+  {
+    const auto                     &lattice = displacements.lattice();
+    std::array<double, 2 * dim + 1> arguments;
+    arguments[2 * dim] = time;
+    for (const auto &of_surface : of_surfaces)
+      {
+        const Expression       &formula = of_surface.second;
+        const Surface<dim>     &surface = surfaces[of_surface.first];
+        const PointLayout<dim> &layout  = surface.points.layout();
+        const WaterConstants    soil    = constants(bodies[surface.body]);
+        for (const unsigned int cell : surface.points.cells())
+          surface.points.for_each_in_cell(
+            cell, [&](const ConstPointRef<dim> p) {
+              const SurfaceState<dim> state = surface_state<dim>(p, layout);
+              DrainedPoint<dim>       point;
+              point.cell     = cell;
+              point.x        = p.basis_position(layout);
+              point.area     = p.mass() * state.area_vector();
+              point.to_basis = unit_symmetric_tensor<dim>();
+              if (layout.is_total_lagrangian())
+                point.to_basis = invert(state.F);
+              point.mobility = soil.mobility;
+              // The size of the cell along the normal, which has the direction
+              // F^T area in the configuration of the basis functions.
+              Tensor<1, dim> normal = point.area;
+              if (layout.is_total_lagrangian())
+                normal = transpose(state.F) * point.area;
+              double size = 0.;
+              for (unsigned int d = 0; d < dim; ++d)
+                size += std::abs(normal[d]) / (2. * lattice.cell_size(d));
+              point.penalty =
+                penalty * size * point.area.norm() / normal.norm_square();
+              for (unsigned int d = 0; d < dim; ++d)
+                {
+                  arguments[d]       = state.x[d];
+                  arguments[dim + d] = state.X[d];
+                }
+              point.pressure =
+                formula(ArrayView<const double>(arguments.data(), 2 * dim + 1));
+              points.add(point);
+            });
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::evaluate(const VectorField<dim> &u,
+                           const VectorType       &x,
+                           VectorField<dim>       &force,
+                           VectorType             &residual)
+  {
+    pressure.copy_locally_owned_data_from(x);
+    levels.back()->distribute(pressure);
+    points.evaluate(u, pressure, force, rows);
+    levels.back()->condense(rows);
+    rows *= scale;
+    residual.copy_locally_owned_data_from(rows);
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::multiply(const VectorField<dim> &du,
+                           const VectorType       &dx,
+                           VectorField<dim>       &force,
+                           VectorType             &result) const
+  {
+    pressure.copy_locally_owned_data_from(dx);
+    levels.back()->distribute(pressure);
+    points.multiply(du, pressure, force, rows);
+    levels.back()->condense(rows);
+    rows *= scale;
+    result.copy_locally_owned_data_from(rows);
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::spread(const VectorType &dx, VectorField<dim> &force) const
+  {
+    pressure.copy_locally_owned_data_from(dx);
+    levels.back()->distribute(pressure);
+    points.spread(pressure, force);
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::set_up()
+  {
+    if (multigrid)
+      return;
+    for (unsigned int l = 0; l < levels.size(); ++l)
+      {
+        points.add_schur_complement(tables[l], levels[l]->begin_matrix());
+        levels[l]->finish_matrix();
+      }
+    TangentParameters of_cycle; // that of the displacement
+    of_cycle.multigrid.smoother = "chebyshev-ic0";
+    unsigned int n_long         = 0;
+    for (const unsigned int n : space().lattice().n_cells())
+      n_long += n > 1;
+    const auto make = [&](const bool with_levels) {
+      typename PMultigrid<dim>::Levels operators;
+      if (!with_levels)
+        of_cycle.multigrid.coarsening = "none";
+      for (const auto &level : levels)
+        if (with_levels || level == levels.back())
+          operators.push_back(level.get());
+      multigrid =
+        std::make_unique<PMultigrid<dim>>(operators,
+                                          of_cycle.multigrid,
+                                          of_cycle.smoother,
+                                          of_cycle.multigrid.coarse_tolerance);
+    };
+    // In strips one cell wide, IC(0) is exact.
+    make(n_long > 1);
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::precondition(VectorType &dx, const VectorType &of_rows) const
+  {
+    multigrid->vmult(dx, of_rows);
+    dx *= 1. / scale;
+  }
+
+
+
+  template <int dim>
+  double
+  PoreWater<dim>::force_scale() const
+  {
+    return std::sqrt(
+      Utilities::MPI::sum(points.squares()[0], space().communicator()));
+  }
+
+
+
+  template <int dim>
+  double
+  PoreWater<dim>::round_off() const
+  {
+    constexpr double units = 16. * std::numeric_limits<double>::epsilon();
+    return units * scale *
+           std::sqrt(
+             Utilities::MPI::sum(points.squares()[1], space().communicator()));
+  }
+
+
+
+  template <int dim>
+  std::array<double, 2>
+  PoreWater<dim>::advance(std::vector<Body<dim>> &bodies) const
+  {
+    std::vector<std::pair<MaterialPoints<dim> *, unsigned int>> of_bodies;
+    for (Body<dim> &body : bodies)
+      of_bodies.emplace_back(&body.points, body.points.layout().first(field));
+    points.store(of_bodies);
+    return points.volumes();
+  }
+
+
+
+  template class PoreWater<2>;
+  template class PoreWater<3>;
+} // namespace greville
