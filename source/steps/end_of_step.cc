@@ -34,17 +34,20 @@ namespace greville
   namespace
   {
     /**
-     * Let @p action see the numbers of points that a kick may change.
+     * Let @p action see the numbers of points that a kick may change: all
+     * behind the position where the scheme @p deforms points before it.
      */
     template <typename Points, typename Action>
     void
-    for_each_kicked(Points &points, const int dim, const Action &action)
+    for_each_kicked(Points &points, const bool deforms, const Action &action)
     {
       const auto        &layout   = points.layout();
       const unsigned int velocity = layout.velocity,
-                         others   = layout.n_fixed + layout.n_state;
+                         end      = deforms ? layout.size : layout.mass,
+                         others   = deforms ? layout.size
+                                            : layout.n_fixed + layout.n_state;
       points.for_each([&](const unsigned int, auto p) {
-        for (unsigned int k = velocity; k < velocity + dim; ++k)
+        for (unsigned int k = velocity; k < end; ++k)
           action(p[k]);
         for (unsigned int k = others; k < layout.size; ++k)
           action(p[k]);
@@ -57,18 +60,18 @@ namespace greville
   template <int dim>
   EndOfStep<dim>::Before::Before(Simulation<dim> &simulation)
     : simulation(&simulation)
+    , deforms(simulation.stage_parameters().scheme.stress_update == "USF")
     , rest(simulation.current)
     , surfaces(simulation.current.surfaces)
   {
     for (const Body<dim> &body : simulation.current.bodies)
       {
-        const auto &layout = body.points.layout();
-        numbers.emplace_back();
-        numbers.back().reserve(
-          body.points.n_points() *
-          (dim + layout.size - layout.n_fixed - layout.n_state));
-        for_each_kicked(body.points, dim, [&](const double number) {
-          numbers.back().push_back(number);
+        std::vector<double> &kept = numbers.emplace_back();
+        std::size_t          n    = 0;
+        for_each_kicked(body.points, deforms, [&](const double) { ++n; });
+        kept.reserve(n);
+        for_each_kicked(body.points, deforms, [&](const double number) {
+          kept.push_back(number);
         });
       }
   }
@@ -85,7 +88,7 @@ namespace greville
     for (unsigned int b = 0; b < numbers.size(); ++b)
       {
         const double *from = numbers[b].data();
-        for_each_kicked(state.bodies[b].points, dim, [&](double &number) {
+        for_each_kicked(state.bodies[b].points, deforms, [&](double &number) {
           number = *from++;
         });
       }

@@ -61,8 +61,11 @@ namespace
     const auto        material = make_material(name, "Name");
     material->declare(prm);
     prm.print_parameters(parameters, ParameterHandler::ShortPRM);
+    // Those of pore water have no effect on a law (tests/runs/terzaghi_column).
     for (std::string line; std::getline(parameters, line);)
-      declared += line.find("set ") != std::string::npos;
+      declared += line.find("set ") != std::string::npos &&
+                  line.find("Porosity") == std::string::npos &&
+                  line.find("Hydraulic conductivity") == std::string::npos;
     changes.push_back("Density = 1234");
     check("  parameters", declared == changes.size());
     for (const std::string &change : changes)

@@ -59,7 +59,8 @@ namespace greville
 
     /**
      * What a kick may change of a state: of points in bodies their velocity and
-     * the numbers behind those of the material.
+     * the numbers behind those of the material, and with USF, which deforms
+     * them before it finds forces, those of the material, too.
      */
     struct Before
     {
@@ -69,6 +70,7 @@ namespace greville
       restore();
 
       Simulation<dim>                 *simulation;
+      bool                             deforms;
       StateWithoutBodies<dim>          rest;
       std::vector<Surface<dim>>        surfaces;
       std::vector<std::vector<double>> numbers; // for each body
