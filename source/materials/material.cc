@@ -92,8 +92,8 @@ namespace greville
     add_parameter(prm, "Density", density, positive())(
       "Density in the stress-free state. Unit: kg / m^3.");
     add_parameter(prm, "Porosity", porosity)(
-      "With 'Simulation/Pore water': the part of the volume that water fills "
-      "in the stress-free state. 'Density' is that of soil and water "
+      "With 'Simulation/Pore water': the fraction of the volume that water "
+      "fills in the stress-free state. 'Density' is that of soil and water "
       "together. Unit: none.");
     add_parameter(prm, "Hydraulic conductivity", conductivity)(
       "With 'Simulation/Pore water': the flow of water per area where its "

@@ -232,8 +232,8 @@ namespace greville
      */
     double density = 1000.;
 
-    /// With pore water: the part of the volume that it fills in the stress-free
-    /// state, and the hydraulic conductivity, m / s. 0: not given.
+    /// With pore water: the fraction of the volume that it fills in the
+    /// stress-free state, and the hydraulic conductivity, m / s. 0: not given.
     double porosity     = 0.;
     double conductivity = 0.;
   };
