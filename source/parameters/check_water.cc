@@ -156,9 +156,31 @@ namespace greville
                            "makes water incompressible, and no 'Walls/... pore "
                            "pressure' or 'Surface load NAME/Pore pressure' "
                            "gives a pressure anywhere: give one of them."));
-    refuse_with_water(scheme.stress_update != "quasi-static",
-                      "'Scheme/Stress update' = " + scheme.stress_update,
-                      "take quasi-static.");
+    const std::string given_scheme =
+      "'Scheme/Stress update' = " + scheme.stress_update;
+    if (is_explicit_scheme(scheme.stress_update))
+      {
+        refuse_with_water(scheme.stress_update != "USL",
+                          given_scheme,
+                          "points deform with the velocity that the pressure "
+                          "leaves; take USL.");
+        refuse_with_water(time.has_half_steps(),
+                          "'Time/Velocities' = half steps and " + given_scheme,
+                          "the pressure belongs to whole steps; take full "
+                          "steps.");
+        refuse_with_water(!scheme.has_lumped_mass(),
+                          "'Scheme/Mass' = " + scheme.mass + " and " +
+                            given_scheme,
+                          "take lumped.");
+        refuse_with_water(!scheme.sums_over_points(),
+                          "'Scheme/Quadrature' = " + scheme.quadrature +
+                            " and " + given_scheme,
+                          "take points.");
+      }
+    else
+      refuse_with_water(scheme.stress_update != "quasi-static",
+                        given_scheme,
+                        "take quasi-static or USL.");
     refuse_with_water(scheme.has_projection(),
                       "'Scheme/Volumetric projection' = " +
                         scheme.volumetric_projection,

@@ -54,7 +54,9 @@ namespace greville
         term.volume     = p.volume();
         term.storage    = p.volume0() * constants.storage;
         term.mobility   = p.volume() * constants.mobility;
-        term.compliance = p.volume() / p.wave_modulus();
+        term.compliance =
+          constants.kick > 0. ? 0. : p.volume() / p.wave_modulus();
+        term.inertia = constants.kick * p.volume() * p.volume() / p.mass();
         term.old_p      = p[pressure];
         points.push_back(term);
         sums_of_moduli[0] += p.volume();
@@ -76,6 +78,7 @@ namespace greville
     term.given_p  = point.pressure;
     term.mobility = point.mobility;
     term.penalty  = point.penalty;
+    term.inertia  = point.inertia;
     drained.push_back(term);
   }
 
@@ -426,7 +429,7 @@ namespace greville
       for_each(points,
                [&](const PointTerm &term, const double *q, const auto &slopes) {
                  const double mass = term.compliance + term.storage;
-                 const double flow = dt * term.mobility;
+                 const double flow = dt * term.mobility + term.inertia;
                  for (int a = 0; a < n_q; ++a)
                    for (int b = a; b < n_q; ++b)
                      {
@@ -439,7 +442,7 @@ namespace greville
       for_each(
         drained,
         [&](const DrainedTerm &term, const double *q, const auto &slopes) {
-          const double flow    = dt * term.mobility;
+          const double flow    = dt * term.mobility + term.inertia;
           const double penalty = flow * term.penalty * term.area.norm();
           double       normal[n_q];
           for (int a = 0; a < n_q; ++a)

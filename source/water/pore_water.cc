@@ -113,7 +113,8 @@ namespace greville
     const WaterParameters &water    = parameters.water;
     return {water.bulk_modulus > 0. ? material.porosity / water.bulk_modulus
                                     : 0.,
-            material.conductivity / (water.density * earth_gravity)};
+            material.conductivity / (water.density * earth_gravity),
+            kick};
   }
 
 
@@ -153,8 +154,10 @@ namespace greville
                              const std::vector<Surface<dim>> &surfaces,
                              const double                     time,
                              const double                     dt,
-                             const Tensor<1, dim>            &gravity)
+                             const Tensor<1, dim>            &gravity,
+                             const double                     new_kick)
   {
+    kick = new_kick;
     points.clear(dt, parameters.water.density * gravity);
     for (const Body<dim> &body : bodies)
       points.add(body.points,
@@ -258,6 +261,7 @@ namespace greville
               if (layout.is_total_lagrangian())
                 point.to_basis = invert(state.F);
               point.mobility = soil.mobility;
+              point.inertia  = kick / bodies[surface.body].material->density;
               // The size of the cell along the normal, which has the direction
               // F^T area in the configuration of the basis functions.
               Tensor<1, dim> normal = point.area;

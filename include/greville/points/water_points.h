@@ -22,6 +22,10 @@ namespace greville
     double storage = 0.;
     /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s).
     double mobility = 0.;
+    /// Where a pressure accelerates the soil in explicit steps: what a unit of
+    /// acceleration adds to the displacement in the step, s^2. Zero in implicit
+    /// steps, where the soil follows by its stiffness.
+    double kick = 0.;
   };
 
 
@@ -43,6 +47,8 @@ namespace greville
     /// Pa.
     double pressure;
     double mobility;
+    /// WaterConstants::kick over the density where the soil is free, m^5 / N.
+    double inertia = 0.;
     /// Of Nitsche's method, over the size of a cell at the start, 1 / m.
     double penalty;
   };
@@ -131,10 +137,11 @@ namespace greville
     spread(const VectorType &dp, VectorField<dim> &force) const;
 
     /**
-     * Add the derivative of r by p at the start of the step, and the sum of V q
-     * q over the modulus of pressure waves of each point, which stands for what
-     * a displacement that follows the pressure adds: the Schur complement. The
-     * functions are those of any order on the same cells as the pressures.
+     * Add the derivative of r by p at the start of the step, and what stands
+     * for a displacement that follows the pressure: the Schur complement. It is
+     * the sum of V q q over the modulus of pressure waves of each point, in
+     * explicit steps that of V^2 kick / m grad q . grad q. The functions are
+     * those of any order on the same cells as the pressures.
      */
     void
     add_schur_complement(const SpacePolynomials<dim> &functions,
@@ -212,16 +219,16 @@ namespace greville
     struct PointTerm : Term
     {
       double volume; // at the start
-      // Times volumes: V0 phi / K_w, k V / gamma_w at the start, and V over the
-      // modulus of pressure waves.
-      double storage, mobility, compliance;
+      // Times volumes: V0 phi / K_w, k V / gamma_w at the start, V over the
+      // modulus of pressure waves, and V kick / density.
+      double storage, mobility, compliance, inertia;
       double old_p;
     };
 
     struct DrainedTerm : Term
     {
       dealii::Tensor<1, dim> area, end_area;
-      double                 given_p, mobility, penalty;
+      double                 given_p, mobility, penalty, inertia;
     };
 
     /**

@@ -81,15 +81,17 @@ namespace greville
 
     /**
      * Collective. Begin a step of length @p dt (s) that ends at @p time with
-     * the acceleration @p gravity. Throws dealii::ExcMessage where a formula
-     * has no value.
+     * the acceleration @p gravity. In explicit steps an acceleration adds @p
+     * kick (s^2) to the displacement, see WaterConstants. Throws
+     * dealii::ExcMessage where a formula has no value.
      */
     void
     begin_step(const std::vector<Body<dim>>    &bodies,
                const std::vector<Surface<dim>> &surfaces,
                const double                     time,
                const double                     dt,
-               const dealii::Tensor<1, dim>    &gravity);
+               const dealii::Tensor<1, dim>    &gravity,
+               const double                     kick = 0.);
 
     /// Make a vector of coefficients, one for each function of the space.
     void
@@ -194,6 +196,7 @@ namespace greville
     std::unique_ptr<PMultigrid<dim>>                 multigrid;
     bool                                             is_first = true;
 
+    double             kick  = 0.; // of the step
     double             scale = 0.; // N / m^3 (2D: N / m^3)
     mutable VectorType pressure, rows;
   };
