@@ -156,9 +156,14 @@ namespace greville
                            "makes water incompressible, and no 'Walls/... pore "
                            "pressure' or 'Surface load NAME/Pore pressure' "
                            "gives a pressure anywhere: give one of them."));
-    refuse_with_water(scheme.stress_update != "quasi-static",
+    refuse_with_water(!is_implicit_scheme(scheme.stress_update),
                       "'Scheme/Stress update' = " + scheme.stress_update,
-                      "take quasi-static.");
+                      "its steps are explicit; take quasi-static, "
+                      "backward-euler, newmark or generalized-alpha.");
+    refuse_with_water(scheme.stress_update == "implicit-midpoint",
+                      "'Scheme/Stress update' = implicit-midpoint",
+                      "it conserves energy, and water that flows does not; "
+                      "take newmark or generalized-alpha.");
     refuse_with_water(scheme.has_projection(),
                       "'Scheme/Volumetric projection' = " +
                         scheme.volumetric_projection,
