@@ -177,10 +177,10 @@ namespace greville
                             " and " + given_scheme,
                           "take points.");
       }
-    else
-      refuse_with_water(scheme.stress_update != "quasi-static",
-                        given_scheme,
-                        "take quasi-static or USL.");
+    refuse_with_water(scheme.stress_update == "implicit-midpoint",
+                      given_scheme,
+                      "it conserves energy, and water that flows does not; "
+                      "take newmark or generalized-alpha.");
     refuse_with_water(scheme.has_projection(),
                       "'Scheme/Volumetric projection' = " +
                         scheme.volumetric_projection,

@@ -32,6 +32,7 @@ namespace greville
     points.clear();
     drained.clear();
     sums_of_moduli = {};
+    sum_of_masses  = 0.;
   }
 
 
@@ -54,13 +55,13 @@ namespace greville
         term.volume     = p.volume();
         term.storage    = p.volume0() * constants.storage;
         term.mobility   = p.volume() * constants.mobility;
-        term.compliance =
-          constants.kick > 0. ? 0. : p.volume() / p.wave_modulus();
-        term.inertia = constants.kick * p.volume() * p.volume() / p.mass();
+        term.compliance = p.volume() / p.wave_modulus();
+        term.of_mass    = p.volume() * p.volume() / p.mass();
         term.old_p      = p[pressure];
         points.push_back(term);
         sums_of_moduli[0] += p.volume();
         sums_of_moduli[1] += p.volume() * p.wave_modulus();
+        sum_of_masses += p.mass();
       });
   }
 
@@ -78,7 +79,6 @@ namespace greville
     term.given_p  = point.pressure;
     term.mobility = point.mobility;
     term.penalty  = point.penalty;
-    term.inertia  = point.inertia;
     drained.push_back(term);
   }
 
@@ -226,8 +226,10 @@ namespace greville
   WaterPoints<dim>::sum_terms(Self &self, Terms &terms)
   {
     constexpr int  n_u = power(n, dim), n_p = power(m, dim);
-    constexpr bool with_u    = pass != Pass::spread;
-    constexpr bool with_rows = pass != Pass::spread;
+    constexpr bool with_rows  = pass == Pass::evaluate || pass == Pass::multiply;
+    constexpr bool with_u     = with_rows || pass == Pass::free_motion;
+    constexpr bool with_p     = with_rows || pass == Pass::spread;
+    constexpr bool with_force = pass != Pass::free_motion;
     for (std::size_t k = 0; k < terms.size();)
       {
         const unsigned int         cell = terms[k].cell;
@@ -239,7 +241,7 @@ namespace greville
         for (int a = 0; a < n_u && with_u; ++a)
           for (int i = 0; i < dim; ++i)
             u[i][a] = self.u_buffer[std::size_t(of_u.functions[a]) * dim + i];
-        for (int b = 0; b < n_p; ++b)
+        for (int b = 0; b < n_p && with_p; ++b)
           p[b] = self.p_buffer[of_p.functions[b]];
         for (; k < terms.size() && terms[k].cell == cell; ++k)
           {
@@ -253,7 +255,7 @@ namespace greville
                 for (int j = 0; j < dim; ++j)
                   slope[i][j] += u[i][a] * G.values[j][a];
             Tensor<1, dim> p_slope;
-            for (int b = 0; b < n_p; ++b)
+            for (int b = 0; b < n_p && with_p; ++b)
               {
                 change.p += p[b] * q.values[b];
                 for (int j = 0; j < dim && with_rows; ++j)
@@ -273,6 +275,11 @@ namespace greville
                 self.finish(term, inverse);
                 sources = self.sources(term);
               }
+            else if constexpr (pass == Pass::begin)
+              sources.force =
+                -term.volume * term.old_p * transpose(term.to_basis);
+            else if constexpr (pass == Pass::free_motion)
+              term.of_surface = term.volume * trace(slope * term.to_basis);
             else
               {
                 if constexpr (with_u)
@@ -282,7 +289,7 @@ namespace greville
                   }
                 sources = self.derivative(term, change);
               }
-            for (int a = 0; a < n_u; ++a)
+            for (int a = 0; a < n_u && with_force; ++a)
               for (int i = 0; i < dim; ++i)
                 for (int j = 0; j < dim; ++j)
                   f[i][a] += sources.force[i][j] * G.values[j][a];
@@ -295,7 +302,7 @@ namespace greville
             if constexpr (pass == Pass::evaluate)
               self.count(term, sources.value);
           }
-        for (int a = 0; a < n_u; ++a)
+        for (int a = 0; a < n_u && with_force; ++a)
           for (int i = 0; i < dim; ++i)
             {
               self.forces[std::size_t(of_u.functions[a]) * dim + i] += f[i][a];
@@ -318,8 +325,8 @@ namespace greville
   void
   WaterPoints<dim>::run(Self                   &self,
                         const VectorField<dim> *u,
-                        const VectorType       &p,
-                        VectorField<dim>       &force,
+                        const VectorType       *p,
+                        VectorField<dim>       *force,
                         VectorType             *rows)
   {
     const auto n_functions = [](const SpacePolynomials<dim> &tables) {
@@ -332,7 +339,8 @@ namespace greville
     for (unsigned int d = 0; d < dim && u; ++d)
       put_into_buffer((*u)[d], dim, d, self.u_buffer);
     self.p_buffer.resize(n_p);
-    put_into_buffer(p, 1, 0, self.p_buffer);
+    if (p)
+      put_into_buffer(*p, 1, 0, self.p_buffer);
     self.forces.assign(n_u * dim, 0.);
     self.row_sums.assign(n_p, 0.);
     const unsigned int q = self.pressure_tables.space->degree();
@@ -341,7 +349,7 @@ namespace greville
       const auto    sum = [&](const auto order) {
         constexpr int m = decltype(order)::value;
         sum_terms<n, m, pass>(self, self.points);
-        if (pass != Pass::spread)
+        if constexpr (pass == Pass::evaluate || pass == Pass::multiply)
           sum_terms<n, m, pass>(self, self.drained);
       };
       // Degrees p and p - 1.
@@ -350,8 +358,8 @@ namespace greville
       else
         sum(std::integral_constant < int, n == 2 ? 2 : n - 1 > ());
     });
-    for (unsigned int d = 0; d < dim; ++d)
-      take_from_buffer(self.forces, dim, d, force[d]);
+    for (unsigned int d = 0; d < dim && force; ++d)
+      take_from_buffer(self.forces, dim, d, (*force)[d]);
     if (rows)
       take_from_buffer(self.row_sums, 1, 0, *rows);
   }
@@ -368,7 +376,7 @@ namespace greville
     water_volumes = {};
     pressure_work = 0.;
     cell_squares  = {};
-    run<Pass::evaluate>(*this, &u, p, force, &rows);
+    run<Pass::evaluate>(*this, &u, &p, &force, &rows);
   }
 
 
@@ -380,7 +388,7 @@ namespace greville
                              VectorField<dim>       &force,
                              VectorType             &rows) const
   {
-    run<Pass::multiply>(*this, &du, dp, force, &rows);
+    run<Pass::multiply>(*this, &du, &dp, &force, &rows);
   }
 
 
@@ -389,7 +397,25 @@ namespace greville
   void
   WaterPoints<dim>::spread(const VectorType &dp, VectorField<dim> &force) const
   {
-    run<Pass::spread>(*this, nullptr, dp, force, nullptr);
+    run<Pass::spread>(*this, nullptr, &dp, &force, nullptr);
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::begin_force(VectorField<dim> &force) const
+  {
+    run<Pass::begin>(*this, nullptr, nullptr, &force, nullptr);
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::set_free_motion(const VectorField<dim> &u)
+  {
+    run<Pass::free_motion>(*this, &u, nullptr, nullptr, nullptr);
   }
 
 
@@ -397,8 +423,13 @@ namespace greville
   template <int dim>
   void
   WaterPoints<dim>::add_schur_complement(const SpacePolynomials<dim> &functions,
+                                         const double        mobility,
                                          StencilMatrix<dim> &matrix) const
   {
+    // Where the points themselves make the divergence of the free motion, as
+    // they are not Gauss points, it is small.
+    const auto  &lattice  = pressure_tables.space->lattice();
+    const double smallest = 0.1 / std::pow(lattice.smallest_cell_size(), 2);
     with_order(functions.space->degree(), [&](const auto size) {
       constexpr int      m = decltype(size)::value, n_q = power(m, dim);
       FullMatrix<double> of_cell(n_q, n_q);
@@ -428,8 +459,16 @@ namespace greville
       };
       for_each(points,
                [&](const PointTerm &term, const double *q, const auto &slopes) {
-                 const double mass = term.compliance + term.storage;
-                 const double flow = dt * term.mobility + term.inertia;
+                 double mass = term.storage;
+                 double flow = dt * term.mobility;
+                 if (mobility == 0.)
+                   mass += term.compliance;
+                 else
+                   {
+                     flow += mobility * term.of_mass;
+                     if (term.of_surface > smallest * term.of_mass)
+                       mass += mobility * term.of_surface;
+                   }
                  for (int a = 0; a < n_q; ++a)
                    for (int b = a; b < n_q; ++b)
                      {
@@ -442,7 +481,7 @@ namespace greville
       for_each(
         drained,
         [&](const DrainedTerm &term, const double *q, const auto &slopes) {
-          const double flow    = dt * term.mobility + term.inertia;
+          const double flow    = dt * term.mobility;
           const double penalty = flow * term.penalty * term.area.norm();
           double       normal[n_q];
           for (int a = 0; a < n_q; ++a)

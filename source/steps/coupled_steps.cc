@@ -288,15 +288,21 @@ namespace greville
         ImplicitSteps<dim>   &steps = *part.steps;
         const PartTimer       timer(steps.log, "set-up");
         const ImplicitScheme &scheme = steps.scheme;
+        const double          mass_factor =
+          scheme.is_static ? 0.
+                                    : (1. - scheme.alpha_m) * scheme.alpha_u /
+                                        ((1. - scheme.alpha_f) * dt * dt);
         try
           {
-            steps.system.set_operator(
-              scheme.is_static ? 0.
-                               : (1. - scheme.alpha_m) * scheme.alpha_u /
-                                   ((1. - scheme.alpha_f) * dt * dt),
-              steps.is_symmetric && steps.surfaces_are_symmetric);
+            steps.system.set_operator(mass_factor,
+                                      steps.is_symmetric &&
+                                        steps.surfaces_are_symmetric);
             if (steps.water)
-              steps.water->set_up();
+              steps.water->set_up(mass_factor,
+                                  [&](const VectorField<dim> &b,
+                                      VectorField<dim>       &u) {
+                                    steps.solve_mass(u, b);
+                                  });
           }
         catch (const ErrorOnAll &error)
           {

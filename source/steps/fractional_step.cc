@@ -55,8 +55,7 @@ namespace greville
                      state.surfaces,
                      state.time + step,
                      step,
-                     gravity,
-                     kick);
+                     gravity);
     for (unsigned int d = 0; d < dim; ++d)
       {
         displacement[d].equ(step, field.velocity[d]);
@@ -81,7 +80,11 @@ namespace greville
                              std::to_string(k) +
                              " iterations of Newton's method.",
                            false);
-        water.set_up();
+        water.set_up(1. / kick,
+                     [&](const VectorField<dim> &b, VectorField<dim> &u) {
+                       accelerate(field, b);
+                       u = change;
+                     });
         const SolveResult result = solve_krylov(
           {parameters.solver.tolerance, parameters.solver.max_iterations},
           [&](VectorType &rows, const VectorType &p) {

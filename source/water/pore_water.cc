@@ -83,11 +83,17 @@ namespace greville
     filling.reinit(space());
     points.reinit(displacements, space(), parents);
     tables.resize(orders.n_levels());
+    const bool is_dynamic = parameters.scheme.stress_update != "quasi-static";
+    is_explicit           = is_explicit_scheme(parameters.scheme.stress_update);
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
       {
         levels.push_back(std::make_unique<PressureLevel<dim>>(orders[l]));
+        if (is_dynamic)
+          levels_of_mass.push_back(
+            std::make_unique<PressureLevel<dim>>(orders[l]));
         tables[l].reinit(orders[l]);
       }
+    of_cycle.multigrid.smoother = "chebyshev-ic0";
     for (VectorType *vector : {&pressure, &rows})
       initialize(*vector);
 
@@ -113,8 +119,7 @@ namespace greville
     const WaterParameters &water    = parameters.water;
     return {water.bulk_modulus > 0. ? material.porosity / water.bulk_modulus
                                     : 0.,
-            material.conductivity / (water.density * earth_gravity),
-            kick};
+            material.conductivity / (water.density * earth_gravity)};
   }
 
 
@@ -141,9 +146,11 @@ namespace greville
       filling.update(parts, parameters.scheme.filling_threshold(true), true) ||
       is_first;
     is_first = false;
-    for (auto &level : levels)
-      level->begin(filling, parts, changed);
+    for (const Levels *all : {&levels, &levels_of_mass})
+      for (auto &level : *all)
+        level->begin(filling, parts, changed);
     multigrid.reset();
+    multigrid_of_mass.reset();
   }
 
 
@@ -154,10 +161,8 @@ namespace greville
                              const std::vector<Surface<dim>> &surfaces,
                              const double                     time,
                              const double                     dt,
-                             const Tensor<1, dim>            &gravity,
-                             const double                     new_kick)
+                             const Tensor<1, dim>            &gravity)
   {
-    kick = new_kick;
     points.clear(dt, parameters.water.density * gravity);
     for (const Body<dim> &body : bodies)
       points.add(body.points,
@@ -169,12 +174,16 @@ namespace greville
         add_surfaces(bodies, surfaces, time);
       },
       space().communicator());
-    std::vector<double> moduli{points.moduli()[0], points.moduli()[1]};
-    Utilities::MPI::sum(moduli, space().communicator(), moduli);
-    scale = moduli[0] > 0. ? moduli[1] / moduli[0] /
-                               displacements.lattice().smallest_cell_size()
-                           : 1.;
+    std::vector<double> sums{points.moduli()[0],
+                             points.moduli()[1],
+                             points.mass()};
+    Utilities::MPI::sum(sums, space().communicator(), sums);
+    scale = sums[0] > 0. ? sums[1] / sums[0] /
+                             displacements.lattice().smallest_cell_size()
+                         : 1.;
+    speed = sums[2] > 0. ? std::sqrt(sums[1] / sums[2]) : 0.;
     multigrid.reset();
+    multigrid_of_mass.reset();
   }
 
 
@@ -261,7 +270,6 @@ namespace greville
               if (layout.is_total_lagrangian())
                 point.to_basis = invert(state.F);
               point.mobility = soil.mobility;
-              point.inertia  = kick / bodies[surface.body].material->density;
               // The size of the cell along the normal, which has the direction
               // F^T area in the configuration of the basis functions.
               Tensor<1, dim> normal = point.area;
@@ -332,36 +340,73 @@ namespace greville
 
 
   template <int dim>
-  void
-  PoreWater<dim>::set_up()
+  std::unique_ptr<PMultigrid<dim>>
+  PoreWater<dim>::make_cycle(const Levels &of_cycles,
+                             const double  mobility) const
   {
-    if (multigrid)
-      return;
-    for (unsigned int l = 0; l < levels.size(); ++l)
+    for (unsigned int l = 0; l < of_cycles.size(); ++l)
       {
-        points.add_schur_complement(tables[l], levels[l]->begin_matrix());
-        levels[l]->finish_matrix();
+        points.add_schur_complement(tables[l],
+                                    mobility,
+                                    of_cycles[l]->begin_matrix());
+        of_cycles[l]->finish_matrix();
       }
-    TangentParameters of_cycle; // that of the displacement
-    of_cycle.multigrid.smoother = "chebyshev-ic0";
-    unsigned int n_long         = 0;
+    // In strips one cell wide, IC(0) is exact.
+    unsigned int n_long = 0;
     for (const unsigned int n : space().lattice().n_cells())
       n_long += n > 1;
-    const auto make = [&](const bool with_levels) {
-      typename PMultigrid<dim>::Levels operators;
-      if (!with_levels)
-        of_cycle.multigrid.coarsening = "none";
-      for (const auto &level : levels)
-        if (with_levels || level == levels.back())
-          operators.push_back(level.get());
-      multigrid =
-        std::make_unique<PMultigrid<dim>>(operators,
-                                          of_cycle.multigrid,
-                                          of_cycle.smoother,
-                                          of_cycle.multigrid.coarse_tolerance);
-    };
-    // In strips one cell wide, IC(0) is exact.
-    make(n_long > 1);
+    PMultigridParameters cycle = of_cycle.multigrid;
+    if (n_long <= 1)
+      cycle.coarsening = "none";
+    typename PMultigrid<dim>::Levels operators;
+    for (const auto &level : of_cycles)
+      if (n_long > 1 || level == of_cycles.back())
+        operators.push_back(level.get());
+    return std::make_unique<PMultigrid<dim>>(operators,
+                                             cycle,
+                                             of_cycle.smoother,
+                                             cycle.coarse_tolerance);
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::find_free_motion(const SolveMass &solve_mass)
+  {
+    VectorField<dim> force, motion;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        displacements.initialize_vector(force[d]);
+        displacements.initialize_vector(motion[d]);
+      }
+    pressure = 1.;
+    points.spread(pressure, force);
+    for (VectorType &component : force)
+      component *= -1.;
+    solve_mass(force, motion);
+    points.set_free_motion(motion);
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::set_up(const double mass_factor, const SolveMass &solve_mass)
+  {
+    if (multigrid || multigrid_of_mass)
+      return;
+    if (!is_explicit)
+      multigrid = make_cycle(levels, 0.);
+    // Inertia does not count where waves pass the grid in a step.
+    const auto &lattice = space().lattice();
+    double      square  = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      square += std::pow(lattice.upper(d) - lattice.lower(d), 2);
+    if (!is_explicit && speed * speed >= mass_factor * square)
+      return;
+    find_free_motion(solve_mass);
+    multigrid_of_mass = make_cycle(levels_of_mass, 1. / mass_factor);
   }
 
 
@@ -370,7 +415,15 @@ namespace greville
   void
   PoreWater<dim>::precondition(VectorType &dx, const VectorType &of_rows) const
   {
-    multigrid->vmult(dx, of_rows);
+    if (multigrid)
+      multigrid->vmult(dx, of_rows);
+    else
+      dx = 0.;
+    if (multigrid_of_mass)
+      {
+        multigrid_of_mass->vmult(rows, of_rows);
+        dx.add(1., rows);
+      }
     dx *= 1. / scale;
   }
 

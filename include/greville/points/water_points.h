@@ -22,10 +22,6 @@ namespace greville
     double storage = 0.;
     /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s).
     double mobility = 0.;
-    /// Where a pressure accelerates the soil in explicit steps: what a unit of
-    /// acceleration adds to the displacement in the step, s^2. Zero in implicit
-    /// steps, where the soil follows by its stiffness.
-    double kick = 0.;
   };
 
 
@@ -47,8 +43,6 @@ namespace greville
     /// Pa.
     double pressure;
     double mobility;
-    /// WaterConstants::kick over the density where the soil is free, m^5 / N.
-    double inertia = 0.;
     /// Of Nitsche's method, over the size of a cell at the start, 1 / m.
     double penalty;
   };
@@ -137,14 +131,34 @@ namespace greville
     spread(const VectorType &dp, VectorField<dim> &force) const;
 
     /**
-     * Add the derivative of r by p at the start of the step, and what stands
-     * for a displacement that follows the pressure: the Schur complement. It is
-     * the sum of V q q over the modulus of pressure waves of each point, in
-     * explicit steps that of V^2 kick / m grad q . grad q. The functions are
-     * those of any order on the same cells as the pressures.
+     * Collective. f at the start of the step, with the pressures that points
+     * keep.
+     */
+    void
+    begin_force(VectorField<dim> &force) const;
+
+    /**
+     * Collective. The displacement @p u, m^2 s^2 / kg times Pa, by which the
+     * forces of the pressure 1 move a body that has nothing but its mass M, M u
+     * = - f: it is not zero where the body can move at its surface.
+     * add_schur_complement() needs it for bodies with inertia.
+     */
+    void
+    set_free_motion(const VectorField<dim> &u);
+
+    /**
+     * Add the derivative of r by p at the start of the step, and what a
+     * displacement that follows the pressure adds: the Schur complement. With
+     * @p mobility = 0 the latter is that of stiff soil without inertia, the sum
+     * of V q q over the modulus of pressure waves of each point; else that of
+     * soil that has nothing but its mass times 1 / @p mobility (s^2), the sum
+     * of V / rho grad q . grad q and, at free surfaces, of V div u q q with the
+     * u of set_free_motion(). The functions are those of any order on the same
+     * cells as the pressures.
      */
     void
     add_schur_complement(const SpacePolynomials<dim> &functions,
+                         const double                 mobility,
                          StencilMatrix<dim>          &matrix) const;
 
     /**
@@ -197,6 +211,13 @@ namespace greville
       return sums_of_moduli;
     }
 
+    /// The mass of the points of this process, kg (2D: kg / m).
+    double
+    mass() const
+    {
+      return sum_of_masses;
+    }
+
   private:
     /**
      * A term of the sums. Those of a cell follow one another.
@@ -219,16 +240,18 @@ namespace greville
     struct PointTerm : Term
     {
       double volume; // at the start
-      // Times volumes: V0 phi / K_w, k V / gamma_w at the start, V over the
-      // modulus of pressure waves, and V kick / density.
-      double storage, mobility, compliance, inertia;
+      // Times volumes: V0 phi / K_w, k V / gamma_w at the start, and V over the
+      // modulus of pressure waves.
+      double storage, mobility, compliance;
+      // Over the density, and the volume times div u of set_free_motion().
+      double of_mass, of_surface = 0.;
       double old_p;
     };
 
     struct DrainedTerm : Term
     {
       dealii::Tensor<1, dim> area, end_area;
-      double                 given_p, mobility, penalty, inertia;
+      double                 given_p, mobility, penalty;
     };
 
     /**
@@ -257,18 +280,20 @@ namespace greville
     {
       evaluate,
       multiply,
-      spread
+      spread,
+      begin,      // begin_force()
+      free_motion // set_free_motion()
     };
 
     /**
-     * Collective. A pass over all terms. @p rows may be null.
+     * Collective. A pass over all terms. What it does not need is null.
      */
     template <Pass pass, typename Self>
     static void
     run(Self                   &self,
         const VectorField<dim> *u,
-        const VectorType       &p,
-        VectorField<dim>       &force,
+        const VectorType       *p,
+        VectorField<dim>       *force,
         VectorType             *rows);
 
     template <int n, int m, Pass pass, typename Self, typename Terms>
@@ -301,7 +326,7 @@ namespace greville
     dealii::Tensor<1, dim>   weight;
     std::vector<PointTerm>   points;
     std::vector<DrainedTerm> drained;
-    double                   pressure_work = 0.;
+    double                   pressure_work = 0., sum_of_masses = 0.;
     std::array<double, 2>    water_volumes{}, cell_squares{}, sums_of_moduli{};
 
     mutable std::vector<double> u_buffer, p_buffer, forces, row_sums;

@@ -24,9 +24,8 @@ namespace greville
    * @ref Zienkiewicz1980 "Zienkiewicz, Chang and Bettess, 1980".
    *
    * Newton's method solves for p, with the Schur complement C + dt dt' B^T M^-1
-   * B, where B is the derivative of f and C that of r by p, by FGMRES. Its
-   * preconditioner is the cycle of PoreWater for C and the Laplace operator of
-   * dt dt' / density.
+   * B, where B is the derivative of f and C that of r by p, by FGMRES with the
+   * cycle of PoreWater for soil that has nothing but inertia.
    */
   template <int dim>
   class FractionalStep

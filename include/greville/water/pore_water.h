@@ -11,6 +11,7 @@
 #include <greville/points/water_points.h>
 #include <greville/water/pressure_level.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <vector>
@@ -18,7 +19,7 @@
 namespace greville
 {
   /**
-   * The pressure of pore water in quasi-static steps, see WaterPoints for the
+   * The pressure of pore water in implicit steps, see WaterPoints for the
    * equations. Stresses of points are effective ones; the total stress is that
    * less the pressure.
    *
@@ -40,7 +41,10 @@ namespace greville
    * + B dp), with one cycle of p-multigrid each for A and for S, which is C and
    * the sum over points of V / M q q, with the modulus M of pressure waves of
    * each point (close to that of @ref White2011 "White and Borja, 2011", whose
-   * weights are one number).
+   * weights are one number). In dynamic steps A has the mass, too, and S^-1 is
+   * the sum of two inverses: that one, for soil without inertia, and one for
+   * soil that has nothing but inertia (as for fluids, @ref Cahouet1988 "Cahouet
+   * and Chabard, 1988").
    *
    * Rows of the pressure are volumes times scale(), so that they are forces
    * that Newton's method can compare with those of the other rows.
@@ -81,17 +85,15 @@ namespace greville
 
     /**
      * Collective. Begin a step of length @p dt (s) that ends at @p time with
-     * the acceleration @p gravity. In explicit steps an acceleration adds @p
-     * kick (s^2) to the displacement, see WaterConstants. Throws
-     * dealii::ExcMessage where a formula has no value.
+     * the acceleration @p gravity. Throws dealii::ExcMessage where a formula
+     * has no value.
      */
     void
     begin_step(const std::vector<Body<dim>>    &bodies,
                const std::vector<Surface<dim>> &surfaces,
                const double                     time,
                const double                     dt,
-               const dealii::Tensor<1, dim>    &gravity,
-               const double                     kick = 0.);
+               const dealii::Tensor<1, dim>    &gravity);
 
     /// Make a vector of coefficients, one for each function of the space.
     void
@@ -126,11 +128,29 @@ namespace greville
     spread(const VectorType &dx, VectorField<dim> &force) const;
 
     /**
-     * Collective. Make the cycle of the Schur complement of this step, unless
-     * there is one. Throws ErrorOnAll where none can be made.
+     * Collective. The force at the start of the step, with the pressures that
+     * points keep.
      */
     void
-    set_up();
+    begin_force(VectorField<dim> &force) const
+    {
+      points.begin_force(force);
+    }
+
+    /**
+     * What makes the u of M u = b in the second argument out of the b in the
+     * first one.
+     */
+    using SolveMass =
+      std::function<void(const VectorField<dim> &, VectorField<dim> &)>;
+
+    /**
+     * Collective. Make the cycles of the Schur complement of this step, unless
+     * there are any, where A has the mass M times @p mass_factor (1 / s^2), and
+     * nothing else in explicit steps. Throws ErrorOnAll where none can be made.
+     */
+    void
+    set_up(const double mass_factor, const SolveMass &solve_mass);
 
     /**
      * Collective. dx = S^-1 rows.
@@ -179,6 +199,19 @@ namespace greville
     WaterConstants
     constants(const Body<dim> &body) const;
 
+    /// The levels of a Schur complement.
+    using Levels = std::vector<std::unique_ptr<PressureLevel<dim>>>;
+
+    /// WaterPoints::add_schur_complement(), and the cycle.
+    std::unique_ptr<PMultigrid<dim>>
+    make_cycle(const Levels &levels, const double mobility) const;
+
+    /**
+     * Collective. WaterPoints::set_free_motion().
+     */
+    void
+    find_free_motion(const SolveMass &solve_mass);
+
     const SplineSpace<dim>     &displacements;
     const SimulationParameters &parameters;
     OrderHierarchy<dim>         orders;
@@ -191,13 +224,15 @@ namespace greville
 
     std::map<unsigned int, Expression> of_walls, of_surfaces;
 
-    std::vector<std::unique_ptr<PressureLevel<dim>>> levels;
-    std::vector<SpacePolynomials<dim>>               tables; // by level
-    std::unique_ptr<PMultigrid<dim>>                 multigrid;
-    bool                                             is_first = true;
+    // Without inertia; and with nothing but it, in dynamic steps.
+    Levels                             levels, levels_of_mass;
+    std::vector<SpacePolynomials<dim>> tables; // by level
+    std::unique_ptr<PMultigrid<dim>>   multigrid, multigrid_of_mass;
+    TangentParameters                  of_cycle;
+    bool                               is_first = true, is_explicit = false;
 
-    double             kick  = 0.; // of the step
     double             scale = 0.; // N / m^3 (2D: N / m^3)
+    double             speed = 0.; // of pressure waves, m / s
     mutable VectorType pressure, rows;
   };
 } // namespace greville
