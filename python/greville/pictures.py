@@ -9,6 +9,8 @@ points.pvd or points.vtkhdf
                   where there is none, the energies. A measured surface and
                   failure line, with that of the run, are drawn over the last of
                   the four times.
+                  Of what --check --draw has written: picture.png with bodies, walls,
+                  surfaces, and probes by their names.
 failure/          of a ramp: failure.png, the increment of displacement at failure, and
                   the displacement of probes over the factor.
 convergence.csv   a sweep: convergence.png, errors over the number of cells.
@@ -37,6 +39,7 @@ from .drawing import (BODY_COLOURS, COLOURS, STYLE, EllipseCollection, Image, Tr
                       matplotlib, need_libraries, np, patheffects, plt)
 from .results import ResultsError, Run, has_points, pretty, runs_in
 from .scene import Simulation, add_axes, add_colour_bar, axes_order, draw_points, frame, panel_ratio, read_reference
+from .set_up import draw_set_up
 
 
 class Picture:
@@ -294,7 +297,12 @@ def draw(arguments):
                 raise ResultsError(f"{folder} has no statistics.csv, so its energies cannot be compared.")
         draw_all_energies(folders, Path(os.path.commonpath([folder.resolve().parent for folder in folders])))
     elif has_points(folder):
-        simulation = Simulation(folder, arguments.field, arguments.magnify, not arguments.no_rigid_bodies)
+        is_set_up = not (folder / "statistics.csv").exists() and not (folder / "messages.log").exists()
+        field = arguments.field or ("body" if is_set_up and "body" in Run(folder).point_fields else None)
+        simulation = Simulation(folder, field, arguments.magnify, not arguments.no_rigid_bodies)
+        if is_set_up:
+            draw_set_up(simulation, axes_order(simulation), arguments.mesh)
+            return
         draw_picture(simulation, arguments.mesh)
         if has_points(folder / "failure") and "ramp" in simulation.run.summary:
             draw_failure(simulation)

@@ -410,6 +410,7 @@ namespace greville
                                 const OutputParameters &parameters)
     : directory(directory)
     , parameters(parameters)
+    , series(directory)
   {}
 
 
@@ -471,7 +472,46 @@ namespace greville
 
 
   template <int dim>
-  void
+  std::string
+  FieldOutput<dim>::go_on_with_series(const MPI_Comm comm)
+  {
+    const auto points = times_and_names.find("points");
+    if (points == times_and_names.end())
+      return "";
+    const bool was_series =
+      points->second.back().second == PointSeries<dim>::file_name;
+    AssertThrow(was_series == parameters.points_in_one_file(),
+                ExcMessage("the parameter 'Output/Points format' is " +
+                           parameters.points_format + ", and was " +
+                           (was_series ? "vtkhdf" : "vtu") +
+                           " when the run began: it has to stay as it was"));
+    if (!was_series)
+      return "";
+    try
+      {
+        series.go_on(points->second.size(), comm);
+        return "";
+      }
+    catch (const ErrorOnAll &error)
+      {
+        const std::string file = directory + "/" + PointSeries<dim>::file_name;
+        times_and_names.erase(points);
+        run_on_first(
+          [&]() {
+            std::error_code none;
+            std::filesystem::remove(file + ".changing", none);
+            std::filesystem::rename(file, file + ".refused", none);
+          },
+          comm);
+        return message_of(error) + " If it is there it is renamed to <" + file +
+               ".refused>; a new one begins with the next time.";
+      }
+  }
+
+
+
+  template <int dim>
+  std::string
   FieldOutput<dim>::go_on(const std::string &record, const MPI_Comm comm)
   {
     times_and_names.clear();
@@ -497,6 +537,7 @@ namespace greville
           }
       },
       comm);
+    return go_on_with_series(comm);
   }
 
 
@@ -507,10 +548,17 @@ namespace greville
                                  const BodyList<dim> &bodies,
                                  const MPI_Comm       comm)
   {
-    PointsOut<dim> points(bodies,
-                          point_fields(parameters.fields,
-                                       bodies,
-                                       Utilities::MPI::this_mpi_process(comm)));
+    const auto given = point_fields(parameters.fields,
+                                    bodies,
+                                    Utilities::MPI::this_mpi_process(comm));
+    if (parameters.points_in_one_file())
+      {
+        series.write(time, bodies, given, comm);
+        times_and_names["points"].emplace_back(time,
+                                               PointSeries<dim>::file_name);
+        return;
+      }
+    PointsOut<dim> points(bodies, given);
     write_next("points", time, points, comm);
   }
 

@@ -24,6 +24,9 @@ namespace greville
     std::string meaning;
     bool        value_is_needed = true;
     bool        may_be_repeated = false;
+    /// What the value may be; empty: what it likes. One that is not needed is
+    /// what follows the option only where it is one of these.
+    std::vector<std::string> words = {};
   };
 
 
@@ -83,6 +86,12 @@ namespace greville
     std::function<std::string(const std::string              &file,
                               const std::vector<std::string> &settings)>
       all_parameters;
+    /// Call a function with the parameters of a file, or with the defaults for
+    /// an empty name.
+    std::function<void(const std::string              &file,
+                       const std::vector<std::string> &settings,
+                       const UseParameters            &use)>
+      use_parameters;
     /// Call a function with the reference of all parameters.
     std::function<void(const UseParameters &use)> reference;
     /// The text of parameter files, of which the reference shows sections.

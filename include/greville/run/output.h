@@ -8,6 +8,7 @@
 #include <greville/points/body_list.h>
 #include <greville/points/point_transfer.h>
 #include <greville/points/surface.h>
+#include <greville/run/point_series.h>
 
 #include <map>
 #include <string>
@@ -51,7 +52,8 @@ namespace greville
    * surface_NNNN.pvtu and rigid_NAME_NNNN.pvtu, with points.pvd, grid.pvd,
    * surface.pvd and rigid_NAME.pvd that hold the times. The .pvd files
    * are replaced after each of them, so that they never name what is not
-   * there.
+   * there. Points are written to a PointSeries instead where the parameters
+   * ask for it.
    */
   template <int dim>
   class FieldOutput
@@ -126,9 +128,12 @@ namespace greville
 
     /**
      * Collective. Go on with what an earlier run has written, its record():
-     * numbered files that it wrote later are removed.
+     * numbered files that it wrote later are removed, and times are removed
+     * from the file with all of them. Returns a warning where that file cannot
+     * be read; it is renamed, and begins anew. Throws dealii::ExcMessage where
+     * points had been written in another format.
      */
-    void
+    std::string
     go_on(const std::string &record, const MPI_Comm comm);
 
   private:
@@ -144,8 +149,15 @@ namespace greville
                const MPI_Comm     comm,
                const bool         is_of_first = false);
 
+    /**
+     * Collective. What go_on() does for the file with all times.
+     */
+    std::string
+    go_on_with_series(const MPI_Comm comm);
+
     const std::string       directory;
     const OutputParameters &parameters;
+    PointSeries<dim>        series;
     // By name: "points", "grid", "surface".
     std::map<std::string, std::vector<std::pair<double, std::string>>>
       times_and_names;
