@@ -102,29 +102,28 @@ main(int argc, char **argv)
     return file.empty() ? SimulationParameters::defaults()
                         : SimulationParameters(file, settings).used();
   };
-  program.use_parameters = SimulationParameters::use;
-  program.reference      = SimulationParameters::use_reference;
-  program.examples       = simulation_examples();
-  program.lists          = {{"materials", "Material NAME/Model", {}},
-                            {"shapes", "", shape_names},
-                            {"placements", "Body NAME/Placement", {}},
-                            {"integrators", "Scheme/Stress update", {}},
-                            {"formulations", "Scheme/Formulation", {}},
-                            {"masses", "", mass_names},
-                            {"solvers", "Solver/Method", {}},
-                            {"implicit-solvers", "Implicit solver/Method", {}},
-                            {"smoothers", "", smoother_names},
-                            {"transfers", "Scheme/Transfer", {}},
-                            {"quadratures", "Scheme/Quadrature", {}},
-                            {"walls", "Walls/Left", {}},
-                            {"surface-loads", "Surface load NAME/Kind", {}},
-                            {"fields", "Output/Fields", {}},
-                            {"element-tests", "", element_test_names},
-                            {"history", "", history_names},
-                            {"columns", "", []() {
+  program.reference = SimulationParameters::use_reference;
+  program.examples  = simulation_examples();
+  program.lists     = {{"materials", "Material NAME/Model", {}},
+                       {"shapes", "", shape_names},
+                       {"placements", "Body NAME/Placement", {}},
+                       {"integrators", "Scheme/Stress update", {}},
+                       {"formulations", "Scheme/Formulation", {}},
+                       {"masses", "", mass_names},
+                       {"solvers", "Solver/Method", {}},
+                       {"implicit-solvers", "Implicit solver/Method", {}},
+                       {"smoothers", "", smoother_names},
+                       {"transfers", "Scheme/Transfer", {}},
+                       {"quadratures", "Scheme/Quadrature", {}},
+                       {"walls", "Walls/Left", {}},
+                       {"surface-loads", "Surface load NAME/Kind", {}},
+                       {"fields", "Output/Fields", {}},
+                       {"element-tests", "", element_test_names},
+                       {"history", "", history_names},
+                       {"columns", "", []() {
                       return boost::algorithm::join(Statistics<2>::names(),
                                                     "|");
                     }}};
-  program.templates      = simulation_templates();
+  program.templates = simulation_templates();
   return run_program(program, argc, argv);
 }

@@ -24,21 +24,6 @@ main(int argc, char **argv)
     return file.empty() ? Benchmark().defaults()
                         : Benchmark().read(file, settings);
   };
-  program.use_parameters = [](const std::string              &file,
-                              const std::vector<std::string> &settings,
-                              const UseParameters            &use) {
-    Benchmark                benchmark;
-    dealii::ParameterHandler prm;
-    benchmark.declare(prm);
-    if (!file.empty())
-      parse_parameter_lines(prm,
-                            read_parameter_lines(file,
-                                                 "Benchmark",
-                                                 {"Simulation"},
-                                                 "greville",
-                                                 settings));
-    use(prm);
-  };
   program.reference = [](const UseParameters &use) {
     Benchmark                benchmark;
     dealii::ParameterHandler prm;

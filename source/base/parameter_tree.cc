@@ -9,8 +9,10 @@
 #include <boost/algorithm/string/join.hpp>
 #include <boost/property_tree/json_parser.hpp>
 #include <boost/property_tree/xml_parser.hpp>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <regex>
 #include <sstream>
 
@@ -161,6 +163,79 @@ namespace greville
 
 
 
+    std::string
+    mangle(const std::string &name)
+    {
+      std::string result;
+      for (const unsigned char c : name)
+        if (std::isalnum(c))
+          result += char(c);
+        else
+          {
+            char code[4];
+            std::snprintf(code, sizeof(code), "_%02x", unsigned(c));
+            result += code;
+          }
+      return result;
+    }
+
+
+
+    /**
+     * The section of a path, which is made where it is not there.
+     */
+    Tree &
+    section_of(Tree &tree, const std::vector<std::string> &path)
+    {
+      Tree *section = &tree;
+      for (const std::string &name : path)
+        {
+          const auto found = section->find(name);
+          section          = found != section->not_found()
+                               ? &found->second
+                               : &section->push_back({name, Tree()})->second;
+        }
+      return *section;
+    }
+
+
+
+    /**
+     * What a reference, as a tree, knows of a parameter in a section that may
+     * be one of a body, a stage, a material of this model, ... Null: nothing.
+     */
+    const Tree *
+    description_of(const Tree                     &reference,
+                   const std::vector<std::string> &path,
+                   const std::string              &name,
+                   const std::string              &model)
+    {
+      std::vector<std::string> sections = path;
+      // What stages have of the whole run is described there.
+      if (sections.size() > 1 && sections[0].compare(0, 6, "Stage ") == 0)
+        sections.erase(sections.begin());
+      std::vector<std::string> names = {sections.empty() ? "" : sections[0]};
+      const std::string        first = names[0];
+      for (auto blank = first.find(' '); blank != std::string::npos;
+           blank      = first.find(' ', blank + 1))
+        for (const std::string &end : {" of model " + model, std::string()})
+          names.push_back(first.substr(0, blank) + " NAME" + end);
+      for (const std::string &candidate : names)
+        {
+          if (!sections.empty())
+            sections[0] = candidate;
+          std::string place;
+          for (const std::string &section : sections)
+            place += mangle(section) + "/";
+          const Tree::path_type key(place + mangle(name), '/');
+          if (const auto found = reference.get_child_optional(key))
+            return &*found;
+        }
+      return nullptr;
+    }
+
+
+
     void
     write_text(std::ostream &out, const std::string &text)
     {
@@ -271,18 +346,54 @@ namespace greville
     Tree tree;
     for (const ParameterLine &line : parameter_lines_of(text, ""))
       {
-        Tree *section = &tree;
-        for (const std::string &name : line.path)
-          {
-            const auto found = section->find(name);
-            section          = found != section->not_found()
-                                 ? &found->second
-                                 : &section->push_back({name, Tree()})->second;
-          }
+        Tree &section = section_of(tree, line.path);
         if (!line.name.empty())
-          section->push_back({line.name, Tree(line.value)});
+          section.push_back({line.name, Tree(line.value)});
       }
     write_tree(out, tree, "");
     out << '\n';
+  }
+
+
+
+  void
+  write_as_xml(std::ostream           &out,
+               const std::string      &text,
+               const ParameterHandler &reference)
+  {
+    std::stringstream json;
+    reference.print_parameters(json, ParameterHandler::JSON);
+    Tree known;
+    boost::property_tree::read_json(json, known);
+    const auto                         lines = parameter_lines_of(text, "");
+    std::map<std::string, std::string> models;
+    for (const ParameterLine &line : lines)
+      if (line.name == "Model")
+        models[line.section] = line.value;
+    Tree tree;
+    for (const ParameterLine &line : lines)
+      {
+        std::vector<std::string> path = {"ParameterHandler"};
+        for (const std::string &name : line.path)
+          path.push_back(mangle(name));
+        Tree &section = section_of(tree, path);
+        if (line.name.empty())
+          continue;
+        Tree        entry;
+        const Tree *description =
+          description_of(known, line.path, line.name, models[line.section]);
+        entry.put("value", line.value);
+        for (const char *key : {"default_value",
+                                "documentation",
+                                "pattern",
+                                "pattern_description"})
+          entry.put(key,
+                    description ? description->get<std::string>(key, "") : "");
+        section.push_back({mangle(line.name), entry});
+      }
+    boost::property_tree::write_xml(
+      out,
+      tree,
+      boost::property_tree::xml_writer_make_settings<std::string>(' ', 2));
   }
 } // namespace greville

@@ -337,15 +337,14 @@ namespace greville
                      const std::string              &file,
                      const std::vector<std::string> &settings)
     {
+      const std::string text = program.all_parameters(file, settings);
       if (format == "xml")
-        program.use_parameters(
-          file, settings, [&](const ParameterHandler &prm) {
-            prm.print_parameters(out, ParameterHandler::XML);
-          });
+        program.reference(
+          [&](const ParameterHandler &prm) { write_as_xml(out, text, prm); });
       else if (format == "json")
-        write_as_json(out, program.all_parameters(file, settings));
+        write_as_json(out, text);
       else
-        out << program.all_parameters(file, settings);
+        out << text;
     }
 
 

@@ -218,43 +218,6 @@ namespace greville
 
 
 
-    std::vector<ParameterLine>
-    lines_of_file(const std::string              &file,
-                  const std::vector<std::string> &settings)
-    {
-      return read_parameter_lines(file,
-                                  "Simulation",
-                                  {"Benchmark", "Problem"},
-                                  "greville_benchmark",
-                                  settings);
-    }
-
-
-
-    constexpr const char *default_file = "defaults.prm";
-
-    /**
-     * A simulation needs a body.
-     */
-    std::vector<ParameterLine>
-    default_lines()
-    {
-      return parameter_lines_of("subsection Simulation\n"
-                                "  set Bodies    = block\n"
-                                "  set Materials = solid\n"
-                                "end\n"
-                                "subsection Body block\n"
-                                "  set Material = solid\n"
-                                "  set Shape = box(0.25, 0.25, 0.75, 0.75)\n"
-                                "end\n"
-                                "subsection Material solid\n"
-                                "  set Model = linear-elastic\n"
-                                "end\n",
-                                default_file);
-    }
-
-
-
     /**
      * The lines of some sections, which begin with a name that is cut off.
      */
@@ -289,7 +252,12 @@ namespace greville
     const std::string &file, const std::vector<std::string> &settings)
     : SimulationParameters()
   {
-    read(file, lines_of_file(file, settings));
+    read(file,
+         read_parameter_lines(file,
+                              "Simulation",
+                              {"Benchmark", "Problem"},
+                              "greville_benchmark",
+                              settings));
   }
 
 
@@ -306,8 +274,7 @@ namespace greville
 
   void
   SimulationParameters::read(const std::string                &file,
-                             const std::vector<ParameterLine> &given_lines,
-                             const UseParameters              &action)
+                             const std::vector<ParameterLine> &given_lines)
   {
     const auto lines =
       with_libraries(given_lines, std::filesystem::path(file).parent_path());
@@ -421,8 +388,6 @@ namespace greville
     std::ostringstream text;
     prm.print_parameters(text, ParameterHandler::PRM);
     used_text = without_common_times(text.str());
-    if (action)
-      action(prm);
 
     for (const auto &law : laws)
       law.second->reinit("Material " + law.first);
@@ -601,22 +566,21 @@ namespace greville
   SimulationParameters::defaults()
   {
     SimulationParameters parameters;
-    parameters.read(default_file, default_lines());
+    parameters.read("defaults.prm",
+                    parameter_lines_of("subsection Simulation\n"
+                                       "  set Bodies    = block\n"
+                                       "  set Materials = solid\n"
+                                       "end\n"
+                                       "subsection Body block\n"
+                                       "  set Material = solid\n"
+                                       "  set Shape = box(0.25, 0.25, 0.75, "
+                                       "0.75)\n"
+                                       "end\n"
+                                       "subsection Material solid\n"
+                                       "  set Model = linear-elastic\n"
+                                       "end\n",
+                                       "defaults.prm"));
     return parameters.used();
-  }
-
-
-
-  void
-  SimulationParameters::use(const std::string              &file,
-                            const std::vector<std::string> &settings,
-                            const UseParameters            &action)
-  {
-    SimulationParameters parameters;
-    if (file.empty())
-      parameters.read(default_file, default_lines(), action);
-    else
-      parameters.read(file, lines_of_file(file, settings), action);
   }
 
 

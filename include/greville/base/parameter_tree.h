@@ -34,6 +34,16 @@ namespace greville
    */
   void
   write_as_json(std::ostream &out, const std::string &text);
+
+  /**
+   * Write the text of a .prm file as XML with all that dealii::ParameterHandler
+   * writes of its parameters, which @p reference knows. That has sections for
+   * all names and models, as print_parameter_reference() shows them.
+   */
+  void
+  write_as_xml(std::ostream                   &out,
+               const std::string              &text,
+               const dealii::ParameterHandler &reference);
 } // namespace greville
 
 #endif

@@ -86,12 +86,6 @@ namespace greville
     std::function<std::string(const std::string              &file,
                               const std::vector<std::string> &settings)>
       all_parameters;
-    /// Call a function with the parameters of a file, or with the defaults for
-    /// an empty name.
-    std::function<void(const std::string              &file,
-                       const std::vector<std::string> &settings,
-                       const UseParameters            &use)>
-      use_parameters;
     /// Call a function with the reference of all parameters.
     std::function<void(const UseParameters &use)> reference;
     /// The text of parameter files, of which the reference shows sections.

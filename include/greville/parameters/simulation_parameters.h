@@ -53,15 +53,6 @@ namespace greville
     static std::string
     defaults();
 
-    /**
-     * Call a function with the parameters of a file, or with defaults() for an
-     * empty name. Throws as the constructor.
-     */
-    static void
-    use(const std::string              &file,
-        const std::vector<std::string> &settings,
-        const UseParameters            &action);
-
     GeneralParameters   general;
     GridParameters      grid;
     WaterParameters     water;
@@ -185,13 +176,10 @@ namespace greville
 
   private:
     /**
-     * Take what @p lines say, which are those of @p file, and call @p action
-     * with them, where there is one.
+     * Take what @p lines say, which are those of @p file.
      */
     void
-    read(const std::string                &file,
-         const std::vector<ParameterLine> &lines,
-         const UseParameters              &action = {});
+    read(const std::string &file, const std::vector<ParameterLine> &lines);
 
     /**
      * All parameters but those of materials.

@@ -47,23 +47,33 @@ namespace greville
 
 
   /**
+   * Whether 'Output/Points format' asks for all times of the points in one
+   * file.
+   */
+  bool
+  points_in_one_file(const SimulationParameters &parameters);
+
+
+
+  /**
    * Writes points, grid fields, the points of loads and contacts on surfaces,
    * and rigid bodies for ParaView: points_NNNN.pvtu, grid_NNNN.pvtu,
    * surface_NNNN.pvtu and rigid_NAME_NNNN.pvtu, with points.pvd, grid.pvd,
    * surface.pvd and rigid_NAME.pvd that hold the times. The .pvd files
    * are replaced after each of them, so that they never name what is not
-   * there. Points are written to a PointSeries instead where the parameters
-   * ask for it.
+   * there.
    */
   template <int dim>
   class FieldOutput
   {
   public:
     /**
-     * The parameters are kept by reference.
+     * The parameters are kept by reference. Points go to a PointSeries where
+     * they are wanted in one file.
      */
     FieldOutput(const std::string      &directory,
-                const OutputParameters &parameters);
+                const OutputParameters &parameters,
+                const bool              points_in_one_file = false);
 
     /**
      * Collective. Write the points: the fields of the parameters, see
@@ -157,6 +167,7 @@ namespace greville
 
     const std::string       directory;
     const OutputParameters &parameters;
+    const bool              has_series;
     PointSeries<dim>        series;
     // By name: "points", "grid", "surface".
     std::map<std::string, std::vector<std::pair<double, std::string>>>
