@@ -4,6 +4,7 @@
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
 #include <greville/run/check_materials.h>
+#include <greville/run/ensemble_output.h>
 #include <greville/run/run_header.h>
 #include <greville/run/simulation_run.h>
 #include <greville/steps/load_balance.h>
@@ -87,7 +88,7 @@ namespace greville
     , ensemble(parameters, comm)
     , exact(parameters.exact)
     , measured(parameters.reference)
-    , fields(directory, parameters.output)
+    , fields(directory, parameters.output, points_in_one_file(parameters))
     , probes(parameters.output.probes,
              parameters.output.fields,
              ensemble.bodies_of_all_stages().list,
@@ -364,51 +365,25 @@ namespace greville
 
 
   template <int dim>
-  std::vector<SurfaceNumbers>
-  SimulationRun<dim>::numbers_of_surfaces(const Simulation<dim> &part) const
-  {
-    const auto place = [](const std::vector<std::string> &names,
-                          const std::string              &name) {
-      return unsigned(std::find(names.begin(), names.end(), name) -
-                      names.begin());
-    };
-    const auto                 &loads = parameters.general.surface_loads;
-    std::vector<SurfaceNumbers> numbers;
-    for (const Surface<dim> &surface : part.state().surfaces)
-      numbers.push_back(
-        {!surface.contact.empty()
-           ? unsigned(loads.size()) +
-               place(parameters.general.contacts, surface.contact)
-           : place(loads, surface.name),
-         place(parameters.general.bodies, part.bodies()[surface.body].name)});
-    return numbers;
-  }
-
-
-
-  template <int dim>
   void
   SimulationRun<dim>::write_fields()
   {
     const OutputParameters &output = parameters.output;
     const double            time   = common().time;
     last_written_fields            = common().n_steps;
-    fields.write_points(time, ensemble.bodies(), comm);
+    write_bodies(fields, ensemble, parameters, comm);
+    if (!output.grid_fields)
+      return;
     const auto wants = [&](const std::string &name) {
       return std::find(output.fields.begin(), output.fields.end(), name) !=
              output.fields.end();
     };
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
-        Simulation<dim>  &part  = ensemble.part(k);
-        const State<dim> &state = part.state();
-        const std::string body =
-          ensemble.n_parts() > 1 ? state.bodies[0].name : "";
-        fields.write_surfaces(
-          time, part.loaded_surfaces(), numbers_of_surfaces(part), comm, body);
-        if (!output.grid_fields)
-          continue;
-        const auto &grid_fields = part.grid().fields();
+        Simulation<dim>  &part        = ensemble.part(k);
+        const State<dim> &state       = part.state();
+        const std::string body        = name_of_part(ensemble, k);
+        const auto       &grid_fields = part.grid().fields();
         for (unsigned int f = 0; f < grid_fields.size(); ++f)
           {
             GridFields<dim>  grid;
@@ -434,29 +409,6 @@ namespace greville
                                 : body);
           }
       }
-    // Half spaces end two cells beyond the grids.
-    std::vector<Point<dim>> corners(2);
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        corners[0][d] = parameters.grid.lower[d];
-        corners[1][d] = parameters.grid.upper[d];
-        const double h =
-          (corners[1][d] - corners[0][d]) / double(parameters.grid.cells[d]);
-        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
-          {
-            const auto &lattice = ensemble.part(k).space().lattice();
-            corners[0][d]       = std::min(corners[0][d], lattice.lower(d));
-            corners[1][d]       = std::max(corners[1][d], lattice.upper(d));
-          }
-        corners[0][d] -= 2. * h;
-        corners[1][d] += 2. * h;
-      }
-    for (unsigned int k = 0; k < ensemble.rigid_bodies().size(); ++k)
-      fields.write_rigid_body(time,
-                              ensemble.rigid_bodies()[k],
-                              common().rigid_bodies[k].now,
-                              BoundingBox<dim>(corners),
-                              comm);
   }
 
 

@@ -197,12 +197,6 @@ namespace greville
     write_fields();
 
     /**
-     * Those of the surfaces of a part.
-     */
-    std::vector<SurfaceNumbers>
-    numbers_of_surfaces(const Simulation<dim> &part) const;
-
-    /**
      * What is due after a step.
      */
     void
