@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>
 
 #include <cmath>

@@ -3,6 +3,7 @@
 #include <deal.II/base/quadrature_lib.h>
 
 #include <greville/base/errors.h>
+#include <greville/parameters/names.h>
 #include <greville/water/pore_water.h>
 
 #include <algorithm>
