@@ -9,7 +9,7 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  FractionalStep<dim>::FractionalStep(Discretization<dim>        &discretization,
+  FractionalStep<dim>::FractionalStep(Discretization<dim> &discretization,
                                       const SimulationParameters &parameters)
     : discretization(discretization)
     , parameters(parameters)
@@ -51,11 +51,8 @@ namespace greville
         water.set_points(state.bodies, state.surfaces);
         stamp = state.points_stamp;
       }
-    water.begin_step(state.bodies,
-                     state.surfaces,
-                     state.time + step,
-                     step,
-                     gravity);
+    water.begin_step(
+      state.bodies, state.surfaces, state.time + step, step, gravity);
     for (unsigned int d = 0; d < dim; ++d)
       {
         displacement[d].equ(step, field.velocity[d]);
@@ -72,8 +69,8 @@ namespace greville
         const double norm = residual.l2_norm();
         if (k == 0)
           first = norm;
-        if (norm <= std::max(parameters.solver.tolerance * first,
-                             water.round_off()))
+        if (norm <=
+            std::max(parameters.solver.tolerance * first, water.round_off()))
           break;
         if (k == most_iterations)
           throw StepFailed("The pore pressure did not converge in " +
