@@ -40,7 +40,10 @@ namespace greville
         held_at[place] = held[f];
 
       std::vector<std::vector<Block<dim>>> rows(n);
-      const auto                           add =
+      const unsigned int length = 2 * extended.matrix().space().degree() + 1;
+      for (auto &row : rows)
+        row.reserve(Utilities::fixed_power<dim>(length));
+      const auto add =
         [&](const unsigned int i, const unsigned int j, const auto &entry_of) {
           extended.unknowns().for_each_unknown(
             i, [&](const unsigned int u, const double weight_u) {
@@ -74,9 +77,12 @@ namespace greville
       });
       for (auto &row : rows)
         {
-          std::sort(row.begin(), row.end(), [](const auto &a, const auto &b) {
+          // Most rows are, as the order of unknowns is that of places.
+          const auto is_before = [](const auto &a, const auto &b) {
             return a.column < b.column;
-          });
+          };
+          if (!std::is_sorted(row.begin(), row.end(), is_before))
+            std::sort(row.begin(), row.end(), is_before);
           unsigned int n_columns = 0;
           for (const Block<dim> &entry : row)
             if (n_columns > 0 && row[n_columns - 1].column == entry.column)
