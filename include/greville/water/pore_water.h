@@ -99,6 +99,13 @@ namespace greville
     }
 
     /**
+     * Collective. The pressure that a trial step begins with: zero, or where
+     * the flow depends on it, that of the points at the start.
+     */
+    void
+    guess(VectorType &x);
+
+    /**
      * Collective. The pressure x, the force on the grid, which is overwritten,
      * and the residual of the balance of water.
      */
@@ -124,8 +131,9 @@ namespace greville
     spread(const VectorType &dx, VectorField<dim> &force) const;
 
     /**
-     * Collective. Make the cycle of the Schur complement of this step, unless
-     * there is one. Throws ErrorOnAll where none can be made.
+     * Collective. Make the cycle of the Schur complement of the last
+     * evaluate(), unless there is one of this step and the flow is linear.
+     * Throws ErrorOnAll where none can be made.
      */
     void
     set_up();
@@ -148,11 +156,11 @@ namespace greville
 
     /**
      * Collective. Give the points the pressure of the last evaluate(). Returns
-     * the share of this process of the water that has come to the pores and of
-     * that which has left through drained boundaries in the step, m^3 (2D:
-     * m^2).
+     * the share of this process of the water that has come to the pores, of
+     * that which has left through all boundaries in the step, and through each
+     * wall and each surface, m^3 (2D: m^2).
      */
-    std::array<double, 2>
+    std::vector<double>
     advance(std::vector<Body<dim>> &bodies) const;
 
     /// WaterPoints::work().
@@ -163,6 +171,25 @@ namespace greville
     }
 
   private:
+    using Kind = typename DrainedPoint<dim>::Kind;
+
+    /**
+     * What is given at a wall or a surface: a pressure, or a flow.
+     */
+    struct Given
+    {
+      Expression formula;
+      Kind       kind;
+    };
+
+    static Given
+    make_given(const std::string              &pressure,
+               const std::string              &flux,
+               const bool                      is_seepage_face,
+               const std::string              &pressure_name,
+               const std::string              &flux_name,
+               const std::vector<std::string> &variables);
+
     /**
      * The points of drained walls and surfaces.
      */
@@ -173,6 +200,21 @@ namespace greville
     add_surfaces(const std::vector<Body<dim>>    &bodies,
                  const std::vector<Surface<dim>> &surfaces,
                  const double                     time);
+
+    /**
+     * Set what is given at a point whose mobility in full pores is known.
+     */
+    void
+    set(DrainedPoint<dim>                     &point,
+        const Given                           &given,
+        const dealii::ArrayView<const double> &arguments) const;
+
+    /**
+     * The mean of the mobility in full pores at the points of a body in a cell
+     * at the start, weighted by volume, and these volumes.
+     */
+    std::array<double, 2>
+    mean_mobility(const Body<dim> &body, const unsigned int cell) const;
 
     WaterConstants
     constants(const Body<dim> &body) const;
@@ -187,7 +229,8 @@ namespace greville
     WaterPoints<dim>            points;
     double                      penalty = 0.; // of Nitsche's method, over h
 
-    std::map<unsigned int, Expression> of_walls, of_surfaces;
+    std::map<unsigned int, Given> of_walls, of_surfaces;
+    bool                          flow_is_linear = true;
 
     std::vector<std::unique_ptr<PressureLevel<dim>>> levels;
     std::vector<SpacePolynomials<dim>>               tables; // by level
