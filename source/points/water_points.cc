@@ -3,11 +3,43 @@
 #include <greville/points/water_points.h>
 
 #include "gradients.h"
+#include <algorithm>
+#include <cmath>
 
 namespace greville
 {
   using namespace dealii;
   using namespace internal;
+
+  std::array<double, 2>
+  kozeny_carman(const double J, const double solid)
+  {
+    constexpr double smallest = 1e-6;
+    const double     e = J / solid - 1., e0 = 1. / solid - 1.;
+    if (e <= 0.)
+      return {{smallest, 0.}};
+    const double value = std::pow(e / e0, 3) / J;
+    if (value <= smallest)
+      return {{smallest, 0.}};
+    return {{value, value * (3. / (e * solid) - 1. / J)}};
+  }
+
+
+
+  std::array<double, 2>
+  relative_conductivity(const double p, const double suction)
+  {
+    constexpr double smallest = 1e-3;
+    if (p >= 0. || suction == 0.)
+      return {{1., 0.}};
+    if (p <= -suction)
+      return {{smallest, 0.}};
+    const double s = 1. + p / suction;
+    return {{smallest + (1. - smallest) * s * s * (3. - 2. * s),
+             (1. - smallest) * 6. * s * (1. - s) / suction}};
+  }
+
+
 
   template <int dim>
   void
@@ -31,6 +63,7 @@ namespace greville
     weight = new_weight;
     points.clear();
     drained.clear();
+    water_volumes.assign(2, 0.);
     sums_of_moduli = {};
     sum_of_masses  = 0.;
   }
@@ -58,6 +91,10 @@ namespace greville
         term.compliance = p.volume() / p.wave_modulus();
         term.of_mass    = p.volume() * p.volume() / p.mass();
         term.old_p      = p[pressure];
+        term.old_J      = p.volume() / p.volume0();
+        term.solid      = constants.solid;
+        term.suction    = constants.suction;
+        term.p          = term.old_p;
         points.push_back(term);
         sums_of_moduli[0] += p.volume();
         sums_of_moduli[1] += p.volume() * p.wave_modulus();
@@ -73,13 +110,18 @@ namespace greville
   {
     DrainedTerm term;
     term.cell     = point.cell;
+    term.kind     = point.kind;
     term.x        = point.x;
     term.to_basis = point.to_basis;
     term.area     = point.area;
-    term.given_p  = point.pressure;
+    term.value    = point.value;
     term.mobility = point.mobility;
     term.penalty  = point.penalty;
+    term.boundary = point.boundary;
     drained.push_back(term);
+    water_volumes.resize(std::max<std::size_t>(water_volumes.size(),
+                                               3 + point.boundary),
+                         0.);
   }
 
 
@@ -96,9 +138,10 @@ namespace greville
 
   template <int dim>
   void
-  WaterPoints<dim>::count(const DrainedTerm &, const double volume)
+  WaterPoints<dim>::count(const DrainedTerm &term, const double volume)
   {
     water_volumes[1] += volume;
+    water_volumes[2 + term.boundary] += volume;
   }
 
 
@@ -141,6 +184,41 @@ namespace greville
 
 
   template <int dim>
+  typename WaterPoints<dim>::Mobility
+  WaterPoints<dim>::mobility(const PointTerm &term) const
+  {
+    Mobility result{term.mobility, 0., 0.};
+    if (term.solid > 0.)
+      {
+        const double J  = term.old_J * term.J;
+        const auto   by = kozeny_carman(J, term.solid);
+        result.value *= by[0];
+        result.by_volume = term.mobility * J * by[1];
+      }
+    if (term.suction > 0.)
+      {
+        const auto by      = relative_conductivity(term.p, term.suction);
+        result.by_pressure = result.value * by[1];
+        result.value *= by[0];
+        result.by_volume *= by[0];
+      }
+    return result;
+  }
+
+
+
+  template <int dim>
+  double
+  WaterPoints<dim>::outflow(const DrainedTerm &term) const
+  {
+    const Tensor<1, dim> &a = term.end_area;
+    return term.mobility * (term.penalty * a.norm() * (term.p - term.value) -
+                            (term.gradient - weight) * a);
+  }
+
+
+
+  template <int dim>
   typename WaterPoints<dim>::Sources
   WaterPoints<dim>::sources(const PointTerm &term) const
   {
@@ -148,8 +226,8 @@ namespace greville
     result.force = -term.volume * term.J * term.p * transpose(term.map);
     result.value =
       term.volume * term.change + term.storage * (term.p - term.old_p);
-    result.gradient =
-      dt * term.mobility * term.J * (term.map * (term.gradient - weight));
+    result.gradient = dt * mobility(term).value * term.J *
+                      (term.map * (term.gradient - weight));
     return result;
   }
 
@@ -159,13 +237,19 @@ namespace greville
   typename WaterPoints<dim>::Sources
   WaterPoints<dim>::sources(const DrainedTerm &term) const
   {
-    const Tensor<1, dim> &a      = term.end_area;
-    const double          excess = term.p - term.given_p;
+    using Kind              = typename DrainedPoint<dim>::Kind;
+    const Tensor<1, dim> &a = term.end_area;
     Sources               result;
-    result.value =
-      dt * term.mobility *
-      (term.penalty * a.norm() * excess - (term.gradient - weight) * a);
-    result.gradient = -dt * term.mobility * excess * (term.map * a);
+    if (term.kind == Kind::flux)
+      result.value = dt * term.value * a.norm();
+    else if (term.kind == Kind::seepage)
+      result.value = dt * std::max(0., outflow(term));
+    else
+      {
+        result.value = dt * outflow(term);
+        result.gradient =
+          -dt * term.mobility * (term.p - term.value) * (term.map * a);
+      }
     return result;
   }
 
@@ -179,15 +263,18 @@ namespace greville
     const double         V    = term.volume * term.J;
     const double         rate = trace(change.h);
     const Tensor<1, dim> w    = term.gradient - weight;
+    const Mobility       k    = mobility(term);
     Sources              result;
     // d map = - map h.
     result.force = -V * ((change.p + rate * term.p) * transpose(term.map) -
                          term.p * (transpose(change.h) * transpose(term.map)));
     result.value = V * rate + term.storage * change.p;
     result.gradient =
-      dt * term.mobility * term.J *
-      (term.map * (rate * w + change.gradient -
-                   transpose(change.h) * term.gradient - change.h * w));
+      dt * term.J *
+      (term.map *
+       (k.value * (rate * w + change.gradient -
+                   transpose(change.h) * term.gradient - change.h * w) +
+        (k.by_volume * rate + k.by_pressure * change.p) * w));
     return result;
   }
 
@@ -198,19 +285,28 @@ namespace greville
   WaterPoints<dim>::derivative(const DrainedTerm &term,
                                const Change      &change) const
   {
+    using Kind                   = typename DrainedPoint<dim>::Kind;
     const Tensor<1, dim> &a      = term.end_area;
     const Tensor<1, dim>  w      = term.gradient - weight;
-    const double          excess = term.p - term.given_p;
+    const double          excess = term.p - term.value;
     const double          size   = a.norm();
     const Tensor<1, dim>  da = trace(change.h) * a - transpose(change.h) * a;
     Sources               result;
+    if (term.kind == Kind::flux)
+      {
+        result.value = dt * term.value * (a * da) / size;
+        return result;
+      }
+    if (term.kind == Kind::seepage && outflow(term) <= 0.)
+      return result;
     result.value =
       dt * term.mobility *
       (term.penalty * (size * change.p + excess * (a * da) / size) -
        (change.gradient - transpose(change.h) * term.gradient) * a - w * da);
-    result.gradient =
-      -dt * term.mobility *
-      (term.map * (change.p * a + excess * (da - change.h * a)));
+    if (term.kind == Kind::pressure)
+      result.gradient =
+        -dt * term.mobility *
+        (term.map * (change.p * a + excess * (da - change.h * a)));
     return result;
   }
 
@@ -226,9 +322,9 @@ namespace greville
   WaterPoints<dim>::sum_terms(Self &self, Terms &terms)
   {
     constexpr int  n_u = power(n, dim), n_p = power(m, dim);
-    constexpr bool with_rows  = pass == Pass::evaluate || pass == Pass::multiply;
-    constexpr bool with_u     = with_rows || pass == Pass::free_motion;
-    constexpr bool with_p     = with_rows || pass == Pass::spread;
+    constexpr bool with_rows = pass == Pass::evaluate || pass == Pass::multiply;
+    constexpr bool with_u    = with_rows || pass == Pass::free_motion;
+    constexpr bool with_p    = with_rows || pass == Pass::spread;
     constexpr bool with_force = pass != Pass::free_motion;
     for (std::size_t k = 0; k < terms.size();)
       {
@@ -373,7 +469,7 @@ namespace greville
                              VectorField<dim>       &force,
                              VectorType             &rows)
   {
-    water_volumes = {};
+    std::fill(water_volumes.begin(), water_volumes.end(), 0.);
     pressure_work = 0.;
     cell_squares  = {};
     run<Pass::evaluate>(*this, &u, &p, &force, &rows);
@@ -423,7 +519,7 @@ namespace greville
   template <int dim>
   void
   WaterPoints<dim>::add_schur_complement(const SpacePolynomials<dim> &functions,
-                                         const double        mobility,
+                                         const double                 kick,
                                          StencilMatrix<dim> &matrix) const
   {
     // Where the points themselves make the divergence of the free motion, as
@@ -460,14 +556,14 @@ namespace greville
       for_each(points,
                [&](const PointTerm &term, const double *q, const auto &slopes) {
                  double mass = term.storage;
-                 double flow = dt * term.mobility;
-                 if (mobility == 0.)
+                 double flow = dt * mobility(term).value;
+                 if (kick == 0.)
                    mass += term.compliance;
                  else
                    {
-                     flow += mobility * term.of_mass;
+                     flow += kick * term.of_mass;
                      if (term.of_surface > smallest * term.of_mass)
-                       mass += mobility * term.of_surface;
+                       mass += kick * term.of_surface;
                    }
                  for (int a = 0; a < n_q; ++a)
                    for (int b = a; b < n_q; ++b)
@@ -481,6 +577,11 @@ namespace greville
       for_each(
         drained,
         [&](const DrainedTerm &term, const double *q, const auto &slopes) {
+          // The form that is symmetric, of seepage faces, too.
+          using Kind = typename DrainedPoint<dim>::Kind;
+          if (term.kind == Kind::flux ||
+              (term.kind == Kind::seepage && outflow(term) <= 0.))
+            return;
           const double flow    = dt * term.mobility;
           const double penalty = flow * term.penalty * term.area.norm();
           double       normal[n_q];
@@ -496,6 +597,39 @@ namespace greville
                 penalty * q[a] * q[b] - q[a] * normal[b] - q[b] * normal[a];
         });
     });
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::average_old_pressure(VectorType &p) const
+  {
+    const SplineSpace<dim> &space = *pressure_tables.space;
+    const std::size_t       n =
+      space.owned_functions().size() + space.ghost_functions().size();
+    std::vector<double> sums(n, 0.), volumes(n, 0.);
+    with_order(space.degree(), [&](const auto size) {
+      constexpr int m = decltype(size)::value, n_q = power(m, dim);
+      for (const PointTerm &term : points)
+        {
+          const CellGeometry<dim, m> of_p(pressure_tables, parents[term.cell]);
+          const ValuesAndGradients<dim, m> q(of_p, term.x);
+          for (int b = 0; b < n_q; ++b)
+            {
+              const double part = term.volume * q.values[b];
+              volumes[of_p.functions[b]] += part;
+              sums[of_p.functions[b]] += part * term.old_p;
+            }
+        }
+    });
+    VectorType weights;
+    space.initialize_vector(weights);
+    take_from_buffer(volumes, 1, 0, weights);
+    take_from_buffer(sums, 1, 0, p);
+    for (unsigned int i = 0; i < p.locally_owned_size(); ++i)
+      if (weights.local_element(i) > 0.)
+        p.local_element(i) /= weights.local_element(i);
   }
 
 

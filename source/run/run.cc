@@ -63,6 +63,40 @@ namespace greville
 
 
 
+    /**
+     * The walls and surfaces through which water passes in some stage, as their
+     * numbers in State::water, and their columns; none where there is one.
+     */
+    template <int dim>
+    std::vector<std::pair<unsigned int, std::string>>
+    outflows_of(const SimulationParameters &parameters)
+    {
+      std::vector<std::pair<unsigned int, std::string>> result;
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        {
+          bool is_open = false;
+          for (unsigned int k = 0; k < parameters.n_stages(); ++k)
+            {
+              SimulationParameters stage = parameters;
+              stage.enter_stage(k);
+              is_open = is_open || stage.walls.passes_water(w);
+            }
+          std::string name = WallParameters::names[w];
+          name[0] += 'a' - 'A';
+          if (is_open)
+            result.emplace_back(2 + w, "water_outflow_wall_" + name);
+        }
+      const auto &names = parameters.general.surface_loads;
+      for (unsigned int k = 0; k < names.size(); ++k)
+        if (parameters.surface_loads.at(names[k]).passes_water())
+          result.emplace_back(2 + 2 * dim + k, "water_outflow_" + names[k]);
+      if (result.size() == 1)
+        result.clear();
+      return result;
+    }
+
+
+
     std::string
     reaction_name(const unsigned int wall, const unsigned int component)
     {
@@ -95,6 +129,7 @@ namespace greville
              comm)
     , notes(directory, out, comm)
     , reactions(reactions_of<dim>(parameters))
+    , outflows(outflows_of<dim>(parameters))
     , end_of_run(parameters, columns_of(parameters, probes))
     , is_terminal(is_terminal_with_lines())
   {
@@ -121,7 +156,11 @@ namespace greville
     if (parameters.has_ramp())
       columns.push_back("factor");
     if (parameters.general.pore_water)
-      columns.insert(columns.end(), {"water_stored", "water_outflow"});
+      {
+        columns.insert(columns.end(), {"water_stored", "water_outflow"});
+        for (const auto &outflow : outflows_of<dim>(parameters))
+          columns.push_back(outflow.second);
+      }
     if (parameters.output.load)
       columns.insert(columns.end(),
                      {"largest_load", "imbalance", "partitions"});
@@ -423,12 +462,17 @@ namespace greville
     if (end_of_run.has_ramp())
       row.more.push_back(end_of_run.factor(common().stage, common().time));
     if (parameters.general.pore_water)
-      for (unsigned int k = 0; k < 2; ++k)
-        row.more.push_back(
-          Utilities::MPI::sum(ensemble.sum([&](const Simulation<dim> &part) {
-            return part.state().water[k];
-          }),
-                              comm));
+      {
+        std::vector<unsigned int> numbers{0, 1};
+        for (const auto &outflow : outflows)
+          numbers.push_back(outflow.first);
+        for (const unsigned int k : numbers)
+          row.more.push_back(
+            Utilities::MPI::sum(ensemble.sum([&](const Simulation<dim> &part) {
+              return part.state().water[k];
+            }),
+                                comm));
+      }
     if (parameters.output.load)
       {
         // Of all parts, which go in common steps.

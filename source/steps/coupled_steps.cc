@@ -90,7 +90,7 @@ namespace greville
       }
     if (has_water())
       {
-        parts[0].steps->water->initialize(blocks.back());
+        parts[0].steps->water->guess(blocks.back());
         n_local += blocks.back().locally_owned_size();
       }
     products = blocks;

@@ -20,19 +20,53 @@ namespace greville
   {
     /// Porosity over the bulk modulus of water, 1 / Pa.
     double storage = 0.;
-    /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s).
+    /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s), in
+    /// the stress-free state where there is a solid part.
     double mobility = 0.;
+    /// 1 - porosity where the conductivity follows the void ratio; 0: it is
+    /// constant.
+    double solid = 0.;
+    /// Pa, see relative_conductivity().
+    double suction = 0.;
   };
 
 
 
   /**
-   * A point of the boundary at which the pressure is given.
+   * The law of Kozeny and Carman (@ref Carman1937 "1937"): e^3 / (1 + e) over
+   * its value for J = 1, with the void ratio e of 1 + e = J / solid, and its
+   * derivative by J. At least 1e-6, where hardly a pore is left.
+   */
+  std::array<double, 2>
+  kozeny_carman(const double J, const double solid);
+
+  /**
+   * The conductivity at a pressure p (Pa) over that of full pores, and its
+   * derivative: it falls smoothly from 1 at p = 0 to 1e-3 at p = -suction. 1
+   * where the suction is 0. This lets water leave the soil above a free surface
+   * (@ref Bathe1979 "Bathe and Khoshgoftaar, 1979"); the pores stay full.
+   */
+  std::array<double, 2>
+  relative_conductivity(const double p, const double suction);
+
+
+
+  /**
+   * A point of the boundary at which the pressure or the flow is given.
    */
   template <int dim>
   struct DrainedPoint
   {
-    unsigned int cell; // owned
+    enum class Kind
+    {
+      pressure,
+      seepage, // p is at most the pressure, and water only leaves
+      flux
+    };
+
+    Kind         kind = Kind::pressure;
+    unsigned int cell;     // owned
+    unsigned int boundary; // the number of the wall or the surface
     /// Where the basis functions are taken, m.
     dealii::Point<dim> x;
     /// The normal, outwards, times the area at the start of the step.
@@ -40,11 +74,12 @@ namespace greville
     /// From gradients with respect to x to those at the start of the step:
     /// 1, or the inverse of F in total Lagrangian steps.
     dealii::Tensor<2, dim> to_basis;
-    /// Pa.
-    double pressure;
-    double mobility;
+    /// Pa; of the kind flux the flow outwards, m / s.
+    double value;
+    /// At the start of the step.
+    double mobility = 0.;
     /// Of Nitsche's method, over the size of a cell at the start, 1 / m.
-    double penalty;
+    double penalty = 0.;
   };
 
 
@@ -65,7 +100,12 @@ namespace greville
    * @f}
    * where all gradients, V = J V_0 and areas are those at the end of the step.
    * The last line is Nitsche's method for the pressure of drained boundaries.
-   * The change of volume is summed at the points of the displacement, and the
+   * The flow outwards is \f$\kappa (\beta / h \, (p - \bar p) - w \cdot n)\f$
+   * there. A seepage face has the positive part of it, times q_b, in place of
+   * the line (@ref Chouly2015 "Chouly, Hild and Renard, 2015", theta = 0),
+   * which is not less stable: its points change between drained and impervious
+   * ones within Newton's method. Where a flow is given, that stands there. The
+   * change of volume is summed at the points of the displacement, and the
    * storage is that per V_0.
    *
    * The p_n is that which points keep, sampled at their places: where points
@@ -149,17 +189,24 @@ namespace greville
     /**
      * Add the derivative of r by p at the start of the step, and what a
      * displacement that follows the pressure adds: the Schur complement. With
-     * @p mobility = 0 the latter is that of stiff soil without inertia, the sum
+     * @p kick = 0 the latter is that of stiff soil without inertia, the sum
      * of V q q over the modulus of pressure waves of each point; else that of
-     * soil that has nothing but its mass times 1 / @p mobility (s^2), the sum
+     * soil that has nothing but its mass times @p kick (s^2), the sum
      * of V / rho grad q . grad q and, at free surfaces, of V div u q q with the
      * u of set_free_motion(). The functions are those of any order on the same
      * cells as the pressures.
      */
     void
     add_schur_complement(const SpacePolynomials<dim> &functions,
-                         const double                 mobility,
+                         const double                 kick,
                          StencilMatrix<dim>          &matrix) const;
+
+    /**
+     * Collective. The mean of the pressure at the start around each function of
+     * the pressure, 0 where there are no points.
+     */
+    void
+    average_old_pressure(VectorType &p) const;
 
     /**
      * Give the points of all bodies, in the order in which they were added,
@@ -172,10 +219,10 @@ namespace greville
 
     /**
      * Of the last evaluate() on this process: the volume of water that the step
-     * has brought to the pores, and that which has left through drained
-     * boundaries, m^3 (2D: m^2).
+     * has brought to the pores, that which has left through all boundaries, and
+     * through each of them, m^3 (2D: m^2).
      */
-    const std::array<double, 2> &
+    const std::vector<double> &
     volumes() const
     {
       return water_volumes;
@@ -245,13 +292,24 @@ namespace greville
       double storage, mobility, compliance;
       // Over the density, and the volume times div u of set_free_motion().
       double of_mass, of_surface = 0.;
-      double old_p;
+      double old_p, old_J, solid, suction;
     };
 
     struct DrainedTerm : Term
     {
-      dealii::Tensor<1, dim> area, end_area;
-      double                 given_p, mobility, penalty;
+      typename DrainedPoint<dim>::Kind kind;
+      dealii::Tensor<1, dim>           area, end_area;
+      double                           value, mobility, penalty;
+      unsigned int                     boundary;
+    };
+
+    /**
+     * The mobility, times what that of the term is times, and its derivatives
+     * by the relative change of volume and by the pressure.
+     */
+    struct Mobility
+    {
+      double value, by_volume, by_pressure;
     };
 
     /**
@@ -310,6 +368,12 @@ namespace greville
     void
     count(const DrainedTerm &term, const double volume);
 
+    Mobility
+    mobility(const PointTerm &term) const;
+    /// Times the area at the end; of seepage faces without its sign.
+    double
+    outflow(const DrainedTerm &term) const;
+
     Sources
     sources(const PointTerm &term) const;
     Sources
@@ -327,7 +391,8 @@ namespace greville
     std::vector<PointTerm>   points;
     std::vector<DrainedTerm> drained;
     double                   pressure_work = 0., sum_of_masses = 0.;
-    std::array<double, 2>    water_volumes{}, cell_squares{}, sums_of_moduli{};
+    std::vector<double>      water_volumes;
+    std::array<double, 2>    cell_squares{}, sums_of_moduli{};
 
     mutable std::vector<double> u_buffer, p_buffer, forces, row_sums;
   };

@@ -103,6 +103,13 @@ namespace greville
     }
 
     /**
+     * Collective. The pressure that a trial step begins with: zero, or where
+     * the flow depends on it, that of the points at the start.
+     */
+    void
+    guess(VectorType &x);
+
+    /**
      * Collective. The pressure x, the force on the grid, which is overwritten,
      * and the residual of the balance of water.
      */
@@ -145,8 +152,9 @@ namespace greville
       std::function<void(const VectorField<dim> &, VectorField<dim> &)>;
 
     /**
-     * Collective. Make the cycles of the Schur complement of this step, unless
-     * there are any, where A has the mass M times @p mass_factor (1 / s^2), and
+     * Collective. Make the cycles of the Schur complement of the last
+     * evaluate(), unless there are any of this step and the flow is linear,
+     * where A has the mass M times @p mass_factor (1 / s^2), and
      * nothing else in explicit steps. Throws ErrorOnAll where none can be made.
      */
     void
@@ -170,11 +178,11 @@ namespace greville
 
     /**
      * Collective. Give the points the pressure of the last evaluate(). Returns
-     * the share of this process of the water that has come to the pores and of
-     * that which has left through drained boundaries in the step, m^3 (2D:
-     * m^2).
+     * the share of this process of the water that has come to the pores, of
+     * that which has left through all boundaries in the step, and through each
+     * wall and each surface, m^3 (2D: m^2).
      */
-    std::array<double, 2>
+    std::vector<double>
     advance(std::vector<Body<dim>> &bodies) const;
 
     /// WaterPoints::work().
@@ -185,6 +193,25 @@ namespace greville
     }
 
   private:
+    using Kind = typename DrainedPoint<dim>::Kind;
+
+    /**
+     * What is given at a wall or a surface: a pressure, or a flow.
+     */
+    struct Given
+    {
+      Expression formula;
+      Kind       kind;
+    };
+
+    static Given
+    make_given(const std::string              &pressure,
+               const std::string              &flux,
+               const bool                      is_seepage_face,
+               const std::string              &pressure_name,
+               const std::string              &flux_name,
+               const std::vector<std::string> &variables);
+
     /**
      * The points of drained walls and surfaces.
      */
@@ -195,6 +222,21 @@ namespace greville
     add_surfaces(const std::vector<Body<dim>>    &bodies,
                  const std::vector<Surface<dim>> &surfaces,
                  const double                     time);
+
+    /**
+     * Set what is given at a point whose mobility in full pores is known.
+     */
+    void
+    set(DrainedPoint<dim>                     &point,
+        const Given                           &given,
+        const dealii::ArrayView<const double> &arguments) const;
+
+    /**
+     * The mean of the mobility in full pores at the points of a body in a cell
+     * at the start, weighted by volume, and these volumes.
+     */
+    std::array<double, 2>
+    mean_mobility(const Body<dim> &body, const unsigned int cell) const;
 
     WaterConstants
     constants(const Body<dim> &body) const;
@@ -222,7 +264,8 @@ namespace greville
     WaterPoints<dim>            points;
     double                      penalty = 0.; // of Nitsche's method, over h
 
-    std::map<unsigned int, Expression> of_walls, of_surfaces;
+    std::map<unsigned int, Given> of_walls, of_surfaces;
+    bool                          flow_is_linear = true;
 
     // Without inertia; and with nothing but it, in dynamic steps.
     Levels                             levels, levels_of_mass;
