@@ -81,7 +81,10 @@ namespace greville
       }
     transfer.reinit(displacements);
     filling.reinit(space());
-    points.reinit(displacements, space(), parents);
+    points.reinit(displacements,
+                  space(),
+                  parents,
+                  parameters.grid.is_axisymmetric());
     tables.resize(orders.n_levels());
     const bool is_dynamic = parameters.scheme.stress_update != "quasi-static";
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
@@ -176,9 +179,9 @@ namespace greville
                              points.moduli()[1],
                              points.mass()};
     Utilities::MPI::sum(sums, space().communicator(), sums);
-    scale = sums[0] > 0. ? sums[1] / sums[0] /
-                             displacements.lattice().smallest_cell_size()
-                         : 1.;
+    scale = sums[0] > 0.
+              ? sums[1] / sums[0] / displacements.lattice().smallest_cell_size()
+              : 1.;
     speed = sums[2] > 0. ? std::sqrt(sums[1] / sums[2]) : 0.;
     multigrid.reset();
   }
@@ -226,6 +229,11 @@ namespace greville
                 point.area[d] = (side == 0 ? -1. : 1.) * area *
                                 gauss.weight(q) * std::min(1., filled[c]);
                 point.to_basis = unit_symmetric_tensor<dim>();
+                if (parameters.grid.is_axisymmetric())
+                  {
+                    point.radius = point.x[0];
+                    point.area *= point.radius;
+                  }
                 point.mobility = mobility / volume;
                 point.penalty  = penalty / (2. * lattice.cell_size(d));
                 for (unsigned int e = 0; e < dim; ++e)
@@ -266,6 +274,8 @@ namespace greville
               point.to_basis = unit_symmetric_tensor<dim>();
               if (layout.is_total_lagrangian())
                 point.to_basis = invert(state.F);
+              if (parameters.grid.is_axisymmetric())
+                point.radius = state.x[0];
               point.mobility = soil.mobility;
               // The size of the cell along the normal, which has the direction
               // F^T area in the configuration of the basis functions.
