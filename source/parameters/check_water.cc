@@ -139,9 +139,6 @@ namespace greville
                              " cells: with 'Simulation/Pore water' numbers of "
                              "cells are even, as the pressure has cells of "
                              "twice the size."));
-    refuse_with_water(grid.is_axisymmetric(),
-                      "'Grid/Geometry' = axisymmetric",
-                      "take plane strain or 3D.");
     refuse_with_water(has_body_grids(),
                       "'Grid/Per body' and sections 'Grid' of bodies",
                       "water passes between bodies on one grid.");
@@ -193,6 +190,9 @@ namespace greville
         refuse_with_water(w >= 2 * general.dimension,
                           given,
                           "there is no such wall in 2D.");
+        refuse_with_water(grid.has_axis() && w == 0,
+                          given,
+                          "the wall is the axis, through which nothing flows.");
         refuse_with_water(walls.is_periodic(w),
                           given,
                           "the wall is periodic, so that it has no end there.");

@@ -42,7 +42,7 @@ namespace greville
       "and other parts, relative to the folder of this file.");
     add_parameter(prm, "Pore water", pore_water)(
       "Whether water fills the pores of all bodies, with a pressure of its "
-      "own: stresses are effective ones then. For quasi-static steps.");
+      "own: stresses are effective ones then. For implicit steps.");
   }
 
 

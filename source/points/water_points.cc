@@ -45,11 +45,13 @@ namespace greville
   void
   WaterPoints<dim>::reinit(const SplineSpace<dim>          &displacements,
                            const SplineSpace<dim>          &pressures,
-                           const std::vector<unsigned int> &given_parents)
+                           const std::vector<unsigned int> &given_parents,
+                           const bool                       axisymmetric)
   {
     displacement_tables.reinit(displacements);
     pressure_tables.reinit(pressures);
-    parents = given_parents;
+    parents         = given_parents;
+    is_axisymmetric = axisymmetric;
     AssertDimension(parents.size(), displacements.owned_cells().size());
   }
 
@@ -80,11 +82,16 @@ namespace greville
     for (const unsigned int cell : of_body.cells())
       of_body.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
         PointTerm term;
-        term.cell       = cell;
-        term.x          = p.basis_position(layout);
-        term.to_basis   = layout.is_total_lagrangian()
-                            ? inverse_F<dim>(p, layout)
-                            : Tensor<2, dim>(unit_symmetric_tensor<dim>());
+        term.cell     = cell;
+        term.x        = p.basis_position(layout);
+        term.to_basis = layout.is_total_lagrangian()
+                          ? inverse_F<dim>(p, layout)
+                          : Tensor<2, dim>(unit_symmetric_tensor<dim>());
+        if (is_axisymmetric)
+          {
+            term.radius      = p.position(0);
+            term.radius_of_F = radius_of_F<dim>(p, layout);
+          }
         term.volume     = p.volume();
         term.storage    = p.volume0() * constants.storage;
         term.mobility   = p.volume() * constants.mobility;
@@ -114,10 +121,11 @@ namespace greville
     term.x        = point.x;
     term.to_basis = point.to_basis;
     term.area     = point.area;
-    term.value    = point.value;
-    term.mobility = point.mobility;
-    term.penalty  = point.penalty;
-    term.boundary = point.boundary;
+    term.radius = term.radius_of_F = point.radius;
+    term.value                     = point.value;
+    term.mobility                  = point.mobility;
+    term.penalty                   = point.penalty;
+    term.boundary                  = point.boundary;
     drained.push_back(term);
     water_volumes.resize(std::max<std::size_t>(water_volumes.size(),
                                                3 + point.boundary),
@@ -224,6 +232,8 @@ namespace greville
   {
     Sources result;
     result.force = -term.volume * term.J * term.p * transpose(term.map);
+    if (is_axisymmetric)
+      result.radial = -term.volume * term.J * term.p / term.end_radius;
     result.value =
       term.volume * term.change + term.storage * (term.p - term.old_p);
     result.gradient = dt * mobility(term).value * term.J *
@@ -261,13 +271,16 @@ namespace greville
                                const Change    &change) const
   {
     const double         V    = term.volume * term.J;
-    const double         rate = trace(change.h);
+    const double         rate = trace(change.h) + change.hoop;
     const Tensor<1, dim> w    = term.gradient - weight;
     const Mobility       k    = mobility(term);
     Sources              result;
     // d map = - map h.
     result.force = -V * ((change.p + rate * term.p) * transpose(term.map) -
                          term.p * (transpose(change.h) * transpose(term.map)));
+    if (is_axisymmetric)
+      result.radial =
+        -V * (change.p + trace(change.h) * term.p) / term.end_radius;
     result.value = V * rate + term.storage * change.p;
     result.gradient =
       dt * term.J *
@@ -290,8 +303,9 @@ namespace greville
     const Tensor<1, dim>  w      = term.gradient - weight;
     const double          excess = term.p - term.value;
     const double          size   = a.norm();
-    const Tensor<1, dim>  da = trace(change.h) * a - transpose(change.h) * a;
-    Sources               result;
+    const Tensor<1, dim>  da =
+      (trace(change.h) + change.hoop) * a - transpose(change.h) * a;
+    Sources result;
     if (term.kind == Kind::flux)
       {
         result.value = dt * term.value * (a * da) / size;
@@ -341,11 +355,19 @@ namespace greville
           p[b] = self.p_buffer[of_p.functions[b]];
         for (; k < terms.size() && terms[k].cell == cell; ++k)
           {
-            auto                            &term = terms[k];
-            const Gradients<dim, n>          G(of_u, term.x);
+            auto                            &term  = terms[k];
+            const auto                       shape = evaluated(of_u, term.x);
+            const Gradients<dim, n>          G(shape);
             const ValuesAndGradients<dim, m> q(of_p, term.x);
-            Tensor<2, dim>                   slope; // of u
-            Change                           change;
+            double                           N[n_u], u_r = 0.;
+            if (self.is_axisymmetric)
+              {
+                shape.multiply(N);
+                for (int a = 0; a < n_u && with_u; ++a)
+                  u_r += u[0][a] * N[a];
+              }
+            Tensor<2, dim> slope; // of u
+            Change         change;
             for (int a = 0; a < n_u && with_u; ++a)
               for (int i = 0; i < dim; ++i)
                 for (int j = 0; j < dim; ++j)
@@ -363,7 +385,14 @@ namespace greville
                 const Tensor<2, dim> h = slope * term.to_basis;
                 const Tensor<2, dim> inverse =
                   invert(Tensor<2, dim>(unit_symmetric_tensor<dim>()) + h);
-                term.change   = change_of_volume(h);
+                term.change = change_of_volume(h);
+                if (self.is_axisymmetric)
+                  {
+                    term.end_radius = term.radius + u_r;
+                    term.change += (1. + term.change) *
+                                   (term.radius - term.radius_of_F + u_r) /
+                                   term.radius_of_F;
+                  }
                 term.J        = 1. + term.change;
                 term.map      = term.to_basis * inverse;
                 term.p        = change.p;
@@ -372,14 +401,24 @@ namespace greville
                 sources = self.sources(term);
               }
             else if constexpr (pass == Pass::begin)
-              sources.force =
-                -term.volume * term.old_p * transpose(term.to_basis);
+              {
+                sources.force =
+                  -term.volume * term.old_p * transpose(term.to_basis);
+                if (self.is_axisymmetric)
+                  sources.radial = -term.volume * term.old_p / term.radius;
+              }
             else if constexpr (pass == Pass::free_motion)
-              term.of_surface = term.volume * trace(slope * term.to_basis);
+              {
+                term.of_surface = term.volume * trace(slope * term.to_basis);
+                if (self.is_axisymmetric)
+                  term.of_surface += term.volume * u_r / term.radius;
+              }
             else
               {
                 if constexpr (with_u)
                   {
+                    if (self.is_axisymmetric)
+                      change.hoop = u_r / term.end_radius;
                     change.h        = slope * term.map;
                     change.gradient = transpose(term.map) * p_slope;
                   }
@@ -389,6 +428,8 @@ namespace greville
               for (int i = 0; i < dim; ++i)
                 for (int j = 0; j < dim; ++j)
                   f[i][a] += sources.force[i][j] * G.values[j][a];
+            for (int a = 0; a < n_u && self.is_axisymmetric; ++a)
+              f[0][a] += sources.radial * N[a];
             for (int b = 0; b < n_p && with_rows; ++b)
               {
                 r[b] += sources.value * q.values[b];

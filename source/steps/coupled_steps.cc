@@ -287,11 +287,11 @@ namespace greville
       {
         ImplicitSteps<dim>   &steps = *part.steps;
         const PartTimer       timer(steps.log, "set-up");
-        const ImplicitScheme &scheme = steps.scheme;
-        const double          mass_factor =
-          scheme.is_static ? 0.
-                                    : (1. - scheme.alpha_m) * scheme.alpha_u /
-                                        ((1. - scheme.alpha_f) * dt * dt);
+        const ImplicitScheme &scheme      = steps.scheme;
+        const double          mass_factor = scheme.is_static
+                                              ? 0.
+                                              : (1. - scheme.alpha_m) * scheme.alpha_u /
+                                         ((1. - scheme.alpha_f) * dt * dt);
         try
           {
             steps.system.set_operator(mass_factor,

@@ -66,7 +66,10 @@ namespace greville
       }
     transfer.reinit(displacements);
     filling.reinit(space());
-    points.reinit(displacements, space(), parents);
+    points.reinit(displacements,
+                  space(),
+                  parents,
+                  parameters.grid.is_axisymmetric());
     tables.resize(orders.n_levels());
     const bool is_dynamic = parameters.scheme.stress_update != "quasi-static";
     is_explicit           = is_explicit_scheme(parameters.scheme.stress_update);
@@ -301,6 +304,11 @@ namespace greville
                 point.area[d] = (side == 0 ? -1. : 1.) * area *
                                 gauss.weight(q) * std::min(1., filled[c]);
                 point.to_basis = unit_symmetric_tensor<dim>();
+                if (parameters.grid.is_axisymmetric())
+                  {
+                    point.radius = point.x[0];
+                    point.area *= point.radius;
+                  }
                 point.mobility = mobility / volume;
                 point.penalty  = penalty / (2. * lattice.cell_size(d));
                 for (unsigned int e = 0; e < dim; ++e)
@@ -345,6 +353,8 @@ namespace greville
                 point.to_basis = unit_symmetric_tensor<dim>();
                 if (layout.is_total_lagrangian())
                   point.to_basis = invert(state.F);
+                if (parameters.grid.is_axisymmetric())
+                  point.radius = state.x[0];
                 point.mobility = mobility;
                 // The size of the cell along the normal, which has the
                 // direction F^T area in the configuration of the basis

@@ -80,6 +80,8 @@ namespace greville
     double mobility = 0.;
     /// Of Nitsche's method, over the size of a cell at the start, 1 / m.
     double penalty = 0.;
+    /// The distance from the axis at the start, m; 0 without axisymmetry.
+    double radius = 0.;
   };
 
 
@@ -111,6 +113,9 @@ namespace greville
    * The p_n is that which points keep, sampled at their places: where points
    * stay in the space of the pressure, as in total Lagrangian steps, this is
    * the same as its coefficients.
+   *
+   * Axisymmetric points have volumes and areas per radian. Their J has the
+   * factor r / r_n, and forces have the part @f$- V p N_a / r@f$ along r.
    */
   template <int dim>
   class WaterPoints
@@ -124,7 +129,8 @@ namespace greville
     void
     reinit(const SplineSpace<dim>          &displacements,
            const SplineSpace<dim>          &pressures,
-           const std::vector<unsigned int> &parents);
+           const std::vector<unsigned int> &parents,
+           const bool                       is_axisymmetric = false);
 
     /**
      * Begin a step of length @p dt (s) with the weight of water per volume (N /
@@ -274,6 +280,9 @@ namespace greville
       unsigned int           cell;
       dealii::Point<dim>     x;
       dealii::Tensor<2, dim> to_basis;
+      // Of axisymmetric ones: the distance from the axis at the start, that to
+      // which the change of the volume is relative, and that at the end.
+      double radius = 0., radius_of_F = 0., end_radius = 0.;
 
       // At the end of a trial step: the volume relative to the start and its
       // change, what makes gradients there of those of the basis functions, and
@@ -313,13 +322,14 @@ namespace greville
     };
 
     /**
-     * What a term gives: to the force by gradients of N, to the rows by q and
-     * by gradients of q.
+     * What a term gives: to the force by gradients of N and, along r, by N; to
+     * the rows by q and by gradients of q.
      */
     struct Sources
     {
       dealii::Tensor<2, dim> force;
-      double                 value = 0.;
+      double                 radial = 0.;
+      double                 value  = 0.;
       dealii::Tensor<1, dim> gradient;
     };
 
@@ -328,8 +338,9 @@ namespace greville
      */
     struct Change
     {
-      dealii::Tensor<2, dim> h; // of the displacement
-      double                 p = 0.;
+      dealii::Tensor<2, dim> h;         // of the displacement
+      double                 hoop = 0.; // that along r over r
+      double                 p    = 0.;
       dealii::Tensor<1, dim> gradient;
     };
 
@@ -385,6 +396,7 @@ namespace greville
 
     SpacePolynomials<dim>     displacement_tables, pressure_tables;
     std::vector<unsigned int> parents;
+    bool                      is_axisymmetric = false;
 
     double                   dt = 0.;
     dealii::Tensor<1, dim>   weight;
