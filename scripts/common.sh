@@ -2,7 +2,7 @@
 # from the project's root. Installs what is missing, configures and builds.
 
 packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
-drawing_packages="python3-matplotlib python3-vtk9 python3-pil"
+drawing_packages="python3-matplotlib python3-vtk9 python3-pil python3-h5py"
 test_packages="numdiff gfortran lld clang-format-14 doxygen python3-numpy python3-yaml python3-nbclient python3-ipykernel $drawing_packages"
 checking_packages="clang-14 clang-tidy-14 libclang-rt-14-dev valgrind gcc"
 

@@ -222,6 +222,10 @@ class Case:
         result.__dict__.update(self.__dict__, settings=dict(self.settings))
         return result
 
+    def as_prm(self):
+        """The text of a parameter file with the sections of a dict, JSON or YAML; settings are not in it."""
+        return f"subsection Simulation\n  set Name = {self.name}\nend\n" + as_prm(self.tree)
+
     def _call(self, *options, processes=1, progress=None):
         options += tuple(word for name, value in self.settings.items() for word in ("--set", f"{name}={value}"))
         if self.tree is None:
@@ -230,7 +234,7 @@ class Case:
         descriptor, file = tempfile.mkstemp(".prm", f".{self.name}_", self.folder, text=True)
         try:
             with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
-                stream.write(f"subsection Simulation\n  set Name = {self.name}\nend\n" + as_prm(self.tree))
+                stream.write(self.as_prm())
             return call([file, *options], processes, progress).replace(file, self.name)
         except RunFailed as error:
             raise RunFailed(str(error).replace(file, self.name), error.output) from None

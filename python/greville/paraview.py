@@ -32,6 +32,7 @@ BODIES = {bodies!r}
 LOWER, UPPER = {lower!r}, {upper!r}   # of the grid, m
 IS_3D, UP = {is_3d!r}, {up!r}
 COLOURS = {colours!r}
+ONE_FILE = {one_file!r}
 
 paraview.simple._DisableFirstRenderCameraReset()
 view = GetActiveViewOrCreate("RenderView")
@@ -40,7 +41,11 @@ view.UseColorPaletteForBackground = 0
 view.Background = [1., 1., 1.]
 view.OrientationAxesVisibility = int(IS_3D)
 
-points = PVDReader(registrationName="points", FileName=os.path.join(FOLDER, "points.pvd"))
+if ONE_FILE:
+    # All times are in points.vtkhdf, beside it.
+    points = XDMFReader(registrationName="points", FileNames=[os.path.join(FOLDER, "points.xdmf")])
+else:
+    points = PVDReader(registrationName="points", FileName=os.path.join(FOLDER, "points.pvd"))
 scene = GetAnimationScene()
 scene.UpdateAnimationUsingDataTimeSteps()
 scene.GoToLast()
@@ -154,6 +159,7 @@ def script_of(run, field):
     return SCRIPT.format(path=folder / "view.py", field=name, component=component, folder=str(folder),
                          units={name: run.unit("points.pvd", name) for name in available if run.unit("points.pvd", name)},
                          bodies=run.bodies, lower=lower, upper=upper, is_3d=run.dim == 3, up=up,
+                         one_file=(folder / "points.xdmf").exists(),
                          surfaces=sorted(path.stem for path in folder.glob("surface*.pvd")),
                          rigid=["rigid_" + name for name in run.rigid_bodies],
                          colours=[[0., .447, .698], [.835, .369, 0.], [0., .62, .451], [.8, .475, .655], [.902, .624, 0.], [.337, .706, .914]])

@@ -1,8 +1,9 @@
-"""Write the points of a file of VTK (.vtu, .vtp, .pvtu, .pvtp or .vtk) and their arrays
+"""Write the points of a file of VTK (.vtu, .vtp, .pvtu, .pvtp, .vtk or .vtkhdf) and their arrays
 as a table that 'Body NAME/Points file' takes. Columns are x, y, z and the arrays at
 points; those with several components are as many columns: NAME_x, NAME_y, NAME_z of
 three, NAME_xx, NAME_yy, NAME_zz, NAME_xy, NAME_yz, NAME_xz of six, NAME_xx, NAME_xy,
-... of nine. A point that cells share is written once. Needs Debian's python3-vtk9.
+... of nine. A point that cells share is written once. Needs Debian's python3-vtk9, or
+python3-h5py for points.vtkhdf, of which it writes the last time or that of --time.
 """
 import argparse
 import sys
@@ -26,7 +27,7 @@ def read(file):
         raise ResultsError(how_to_install("vtkmodules")) from None
     ending = Path(file).suffix.lower()
     if ending not in XML + (".vtk",):
-        raise ResultsError(f"<{file}> ends with <{ending}>, none of {', '.join(XML)}, .vtk.")
+        raise ResultsError(f"<{file}> ends with <{ending}>, none of {', '.join(XML)}, .vtk, .vtkhdf.")
     if not Path(file).is_file():
         raise ResultsError(f"there is no file <{file}>.")
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
@@ -53,19 +54,33 @@ def columns_of(name, values):
 def main(program=None):
     parser = argparse.ArgumentParser(prog=program, description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("file", metavar="FILE", help="points; the table goes to the standard output")
-    run_command(parser, lambda arguments: write(arguments.file))
+    parser.add_argument("--time", type=float, metavar="SECONDS", help="the time of points.vtkhdf that is nearest to this")
+    run_command(parser, lambda arguments: write(arguments.file, arguments.time))
 
 
-def write(file):
-    data = read(file)
+def write_table(stream, x, arrays):
+    """Columns of positions and of arrays by name, to a stream."""
     import numpy as np
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    x = vtk_to_numpy(data.GetPoints().GetData())
     columns = [("xyz"[d], x[:, d]) for d in range(3)]
+    for name, values in arrays.items():
+        columns += columns_of(name, values)
+    print(",".join(name for name, _ in columns), file=stream)
+    np.savetxt(stream, np.column_stack([values.astype(float) for _, values in columns]), "%.9g", ",")
+
+
+def write(file, time=None):
+    if Path(file).suffix.lower() == ".vtkhdf":
+        if not Path(file).is_file():
+            raise ResultsError(f"there is no file <{file}>.")
+        from .vtkhdf import PointSeries
+        points = PointSeries(file)(-1 if time is None else time)
+        return write_table(sys.stdout, points.x, points)
+    if time is not None:
+        raise ResultsError(f"--time is for points.vtkhdf; <{file}> has one time.")
+    data = read(file)
+    from vtkmodules.util.numpy_support import vtk_to_numpy
     arrays = data.GetPointData()
-    for k in range(arrays.GetNumberOfArrays()):
-        array = arrays.GetArray(k)
-        if array is not None:   # Strings are none.
-            columns += columns_of(array.GetName(), vtk_to_numpy(array))
-    print(",".join(name for name, _ in columns))
-    np.savetxt(sys.stdout, np.column_stack([values.astype(float) for _, values in columns]), "%.9g", ",")
+    given = [arrays.GetArray(k) for k in range(arrays.GetNumberOfArrays())]
+    # Strings are none.
+    return write_table(sys.stdout, vtk_to_numpy(data.GetPoints().GetData()),
+                       {array.GetName(): vtk_to_numpy(array) for array in given if array is not None})

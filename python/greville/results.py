@@ -29,7 +29,7 @@ AXES = "xyz"
 
 # The packages of Debian that bring the modules.
 PACKAGES = {"numpy": "python3-numpy", "matplotlib": "python3-matplotlib", "vtkmodules": "python3-vtk9",
-            "meshio": "python3-meshio", "PIL": "python3-pil", "yaml": "python3-yaml"}
+            "h5py": "python3-h5py", "meshio": "python3-meshio", "PIL": "python3-pil", "yaml": "python3-yaml"}
 # The smallest upper end of the scale of a field. A plastic strain of less than a
 # hundredth does not change the shape of a body visibly; on a scale that fits it, a
 # body that stands would look like one that fails.
@@ -185,7 +185,18 @@ class Fields(dict):
     def as_pyvista(self):
         """The data set of VTK for pyvista, which has to be installed."""
         import pyvista
-        return pyvista.wrap(self.dataset)
+        if self.dataset is not None:
+            return pyvista.wrap(self.dataset)
+        points = pyvista.PolyData(self.x)
+        for name, values in self.items():
+            points[name] = values
+        return points
+
+    def save_csv(self, path):
+        """Write positions and fields as a table, a row for each point, which 'Body NAME/Points file' takes."""
+        from . import points_to_csv
+        with open(path, "w", encoding="utf-8") as stream:
+            points_to_csv.write_table(stream, self.x, self)
 
 
 def pieces_of(path):
@@ -280,14 +291,22 @@ class Series:
         """The names of the fields, which are those of the first file."""
         return pieces_of(self.files[0])[1]
 
-    def __call__(self, k, names=None):
+    def place_of(self, k):
+        """The number of the time that is nearest to a float, or k."""
         if not isinstance(k, Integral):
-            k = min(range(len(self)), key=lambda i: abs(self.times[i] - k))
-        try:
-            file, time = self.files[k], self.times[k]
-        except IndexError:
-            raise ResultsError(f"{self.path} has {len(self)} times, and no number {k}.") from None
-        return read_fields(file, names, time)
+            return min(range(len(self)), key=lambda i: abs(self.times[i] - k))
+        if not -len(self) <= k < len(self):
+            raise ResultsError(f"{self.path} has {len(self)} times, and no number {k}.")
+        return k
+
+    def __call__(self, k, names=None):
+        k = self.place_of(k)
+        return read_fields(self.files[k], names, self.times[k])
+
+
+def has_points(folder):
+    """Whether a run has written points into a folder, in either format."""
+    return any((Path(folder) / name).exists() for name in ("points.pvd", "points.vtkhdf"))
 
 
 class Run:
@@ -313,8 +332,8 @@ class Run:
         self.folder = Path(folder)
         if not self.folder.is_dir():
             raise ResultsError(f"{folder} is not a folder." if self.folder.exists() else f"There is no folder {folder}.")
-        if not any((self.folder / name).exists() for name in ("statistics.csv", "points.pvd")):
-            raise ResultsError(f"{folder} has no results of a simulation: no statistics.csv and no points.pvd.")
+        if not (self.folder / "statistics.csv").exists() and not has_points(self.folder):
+            raise ResultsError(f"{folder} has no results of a simulation: no statistics.csv, points.pvd or points.vtkhdf.")
         self.name = self.folder.resolve().name
         self._known = {}
 
@@ -425,11 +444,16 @@ class Run:
 
     def series(self, name):
         """The Series of points, grid, surface, or grid_BODY, surface_BODY where bodies have grids of their own."""
-        return self._once(name + ".pvd", lambda: Series(self.folder / (name + ".pvd")))
+        def read():
+            if name == "points" and (self.folder / "points.vtkhdf").exists():
+                from .vtkhdf import PointSeries
+                return PointSeries(self.folder / "points.vtkhdf")
+            return Series(self.folder / (name + ".pvd"))
+        return self._once(name + ".pvd", read)
 
     @property
     def has_points(self):
-        return (self.folder / "points.pvd").exists()
+        return has_points(self.folder)
 
     @property
     def times(self):

@@ -44,6 +44,21 @@ namespace greville
 
 
     /**
+     * Whether there is room on the disk, which not all file systems can tell.
+     */
+    bool
+    allocate(const int           descriptor,
+             const int           mode,
+             const off_t         begin,
+             const std::uint64_t size)
+    {
+      return fallocate(descriptor, mode, begin, off_t(size)) == 0 ||
+             errno == EOPNOTSUPP || errno == ENOSYS || errno == ENODEV;
+    }
+
+
+
+    /**
      * Collective. The checksum of the first bytes of a file, taken as doubles,
      * the last of which is filled up with zeros.
      */
@@ -110,14 +125,27 @@ namespace greville
     const int descriptor =
       open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
     AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
-    // Not all file systems can tell.
-    const bool has_room = fallocate(descriptor, 0, 0, off_t(size)) == 0 ||
-                          errno == EOPNOTSUPP || errno == ENOSYS ||
-                          errno == ENODEV;
-    const std::string message = write_error(file);
+    const bool        has_room = allocate(descriptor, 0, 0, size);
+    const std::string message  = write_error(file);
     close(descriptor);
     if (!has_room)
       unlink(file.c_str());
+    AssertThrow(has_room, ExcMessage(message));
+  }
+
+
+
+  void
+  reserve_room(const std::string &file, const std::uint64_t size)
+  {
+    errno                = 0;
+    const int descriptor = open(file.c_str(), O_WRONLY);
+    AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
+    const off_t end = lseek(descriptor, 0, SEEK_END);
+    const bool  has_room =
+      end < 0 || allocate(descriptor, FALLOC_FL_KEEP_SIZE, end, size);
+    const std::string message = write_error(file);
+    close(descriptor);
     AssertThrow(has_room, ExcMessage(message));
   }
 

@@ -3,6 +3,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/parameter_tree.h>
 #include <greville/base/parameters.h>
 #include <greville/base/text_file.h>
 
@@ -66,7 +67,6 @@ namespace greville
                const std::string          &file,
                std::vector<std::string>   &sections,
                std::vector<ParameterLine> &result,
-               std::set<std::string>      &all_sections,
                const unsigned int          n_includes)
     {
       std::string  text, line;
@@ -101,7 +101,6 @@ namespace greville
                           ExcMessage(place +
                                      ": 'subsection' is without a name."));
               sections.push_back(words);
-              all_sections.insert(boost::algorithm::join(sections, "/"));
               // A section is known by its lines: one without any, too.
               result.push_back({boost::algorithm::join(sections, "/"),
                                 "",
@@ -126,8 +125,7 @@ namespace greville
               const std::string name =
                 std::filesystem::exists(beside) ? beside : words;
               std::ifstream included = open(name);
-              read_lines(
-                included, name, sections, result, all_sections, n_includes + 1);
+              read_lines(included, name, sections, result, n_includes + 1);
             }
           else
             {
@@ -198,9 +196,8 @@ namespace greville
   {
     std::vector<ParameterLine> result;
     std::vector<std::string>   sections;
-    std::set<std::string>      all_sections;
     std::istringstream         stream(text);
-    read_lines(stream, name, sections, result, all_sections, 0);
+    read_lines(stream, name, sections, result, 0);
     return result;
   }
 
@@ -215,9 +212,14 @@ namespace greville
   {
     std::vector<ParameterLine> result;
     std::vector<std::string>   sections;
-    std::set<std::string>      all_sections;
     std::ifstream              stream = open(file);
-    read_lines(stream, file, sections, result, all_sections, 0);
+    if (is_parameter_tree(file))
+      result = parameter_lines_of_tree(stream, file);
+    else
+      read_lines(stream, file, sections, result, 0);
+    std::set<std::string> all_sections;
+    for (const ParameterLine &line : result)
+      all_sections.insert(line.section);
     for (const std::string &section : other_sections)
       AssertThrow(all_sections.count(section) == 0 ||
                     all_sections.count(own_section) > 0,

@@ -4,9 +4,11 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/parameter_tree.h>
 #include <greville/base/program.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -38,9 +40,12 @@ namespace greville
        "lists",
        false},
       {"print-parameters",
-       "",
+       "FORMAT",
        "print a parameter file with all parameters: those that FILE.prm leads "
-       "to, or the defaults"},
+       "to, or the defaults; prm, json, or xml for deal.II's parameter GUI",
+       false,
+       false,
+       {"prm", "json", "xml"}},
       {"parameters", "", "print the reference of all parameters as a page"},
       {"completion",
        "SHELL",
@@ -224,10 +229,21 @@ namespace greville
             if (option.value.empty() && !values.empty())
               throw CommandLineError("the option <" + argument +
                                      "> takes no value.");
+            const auto is_word = [&](const std::string &word) {
+              return option.words.empty() || std::count(option.words.begin(),
+                                                        option.words.end(),
+                                                        word) > 0;
+            };
             if (!option.value.empty() && values.empty() &&
                 k + 1 < arguments.size() &&
-                (option.value_is_needed || !is_option(arguments[k + 1])))
+                (option.value_is_needed ||
+                 (!is_option(arguments[k + 1]) && is_word(arguments[k + 1]))))
               values.push_back(arguments[++k]);
+            if (!values.empty() && !is_word(values[0]))
+              throw CommandLineError(
+                "the option <" + argument + "> takes one of " +
+                boost::algorithm::join(option.words, "|") + ", not <" +
+                values[0] + ">." + did_you_mean(values[0], option.words));
             if (option.value_is_needed && !option.value.empty() &&
                 values.empty())
               throw CommandLineError("the option <" + argument +
@@ -314,6 +330,25 @@ namespace greville
 
 
 
+    void
+    print_parameters(std::ostream                   &out,
+                     const Program                  &program,
+                     const std::string              &format,
+                     const std::string              &file,
+                     const std::vector<std::string> &settings)
+    {
+      const std::string text = program.all_parameters(file, settings);
+      if (format == "xml")
+        program.reference(
+          [&](const ParameterHandler &prm) { write_as_xml(out, text, prm); });
+      else if (format == "json")
+        write_as_json(out, text);
+      else
+        out << text;
+    }
+
+
+
     /**
      * Let bash complete options, their values where they are known, and files.
      */
@@ -344,6 +379,8 @@ namespace greville
           << "    --new) COMPREPLY=($(compgen -W '" << templates
           << "' -- \"$word\"));;\n"
           << "    --completion) COMPREPLY=(bash);;\n"
+          << "    --print-parameters) COMPREPLY=($(compgen -W 'prm json xml' "
+          << "-- \"$word\"; compgen -f -X '!*.prm' -- \"$word\"));;\n"
           << "    --set) COMPREPLY=();;\n";
       for (const ProgramOption &option : program.options)
         if (option.value == "FOLDER")
@@ -462,10 +499,13 @@ namespace greville
       else if (action == "new")
         write_template(out, program, line.value_of_action(), files);
       else if (action == "print-parameters")
-        out << program.all_parameters(files.empty() ? "" : files[0],
-                                      settings == line.given.end()
-                                        ? std::vector<std::string>()
-                                        : settings->second);
+        print_parameters(out,
+                         program,
+                         line.value_of_action(),
+                         files.empty() ? "" : files[0],
+                         settings == line.given.end()
+                           ? std::vector<std::string>()
+                           : settings->second);
       else if (files.empty())
         throw CommandLineError("there is no parameter file to run.");
       else

@@ -26,6 +26,7 @@ namespace greville
       static const std::regex names(
         R"((parameters\.prm|summary\.json|messages\.log|)"
         R"((statistics|probes|newton|units|convergence|element_test)\.csv)"
+        R"(|points\.(vtkhdf(\.refused|\.changing)?|xdmf))"
         R"(|(points|grid|surface)[A-Za-z0-9_-]*\.(pvd|pvtu|vtu)|)"
         R"((points|grid|surface)\w*_[0-9]+\.[0-9]+\.vtu|)"
         R"(checkpoint_[0-9]+\.h5(\.new|\.refused)?)(\.tmp)?)");

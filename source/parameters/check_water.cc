@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>
 
 #include <cmath>
@@ -33,6 +34,30 @@ namespace greville
                              "' is for pore water, and 'Simulation/Pore water' "
                              "is false."));
     }
+
+
+
+    /**
+     * What a wall or a surface may have beside one another. The @p names are
+     * those of its pressure, seepage face and flux in a @p section.
+     */
+    void
+    check_boundary(const std::string                &section,
+                   const std::array<std::string, 3> &names,
+                   const std::string                &pressure,
+                   const bool                        is_seepage_face,
+                   const std::string                &flux)
+    {
+      AssertThrow(pressure.empty() || flux.empty(),
+                  ExcMessage("The parameters '" + section + names[0] +
+                             "' and '" + names[2] +
+                             "' are both given: water has one of them at a "
+                             "boundary."));
+      AssertThrow(!pressure.empty() || !is_seepage_face,
+                  ExcMessage("The parameter '" + section + names[1] +
+                             "' is true and needs '" + names[0] +
+                             "': 0 in air."));
+    }
   } // namespace
 
 
@@ -50,6 +75,8 @@ namespace greville
                                  section + "Porosity");
             refuse_without_water(material->conductivity != 0.,
                                  section + "Hydraulic conductivity");
+            refuse_without_water(material->conductivity_law != "constant",
+                                 section + "Conductivity law");
             continue;
           }
         AssertThrow(material->porosity > 0. && material->porosity < 1.,
@@ -71,19 +98,33 @@ namespace greville
         refuse_without_water(water.bulk_modulus != none.bulk_modulus,
                              "Water/Bulk modulus");
         refuse_without_water(water.degree != none.degree, "Water/Order");
+        refuse_without_water(!water.table.empty(), "Water/Table");
+        refuse_without_water(water.capillary_height != 0.,
+                             "Water/Capillary height");
         for (const auto &[name, load] : surface_loads)
-          refuse_without_water(!load.pore_pressure.empty(),
-                               "Surface load " + name + "/Pore pressure");
+          for (const auto &[is_given, parameter] :
+               {std::make_pair(!load.pore_pressure.empty(), "/Pore pressure"),
+                std::make_pair(load.seepage_face, "/Seepage face"),
+                std::make_pair(!load.flux.empty(), "/Flux")})
+            refuse_without_water(is_given, "Surface load " + name + parameter);
         return;
       }
+    for (const auto &[name, load] : surface_loads)
+      check_boundary("Surface load " + name + "/",
+                     {"Pore pressure", "Seepage face", "Flux"},
+                     load.pore_pressure,
+                     load.seepage_face,
+                     load.flux);
     for (const auto &[name, value] :
          {std::make_pair("Density", water.density),
-          std::make_pair("Bulk modulus", water.bulk_modulus)})
+          std::make_pair("Bulk modulus", water.bulk_modulus),
+          std::make_pair("Capillary height", water.capillary_height)})
       AssertThrow(std::isfinite(value),
                   ExcMessage(std::string("The parameter 'Water/") + name +
                              "' is " + text_of(value) +
                              ": it has to be finite. Water of the 'Bulk "
-                             "modulus' 0 is incompressible."));
+                             "modulus' 0 is incompressible, and pores of the "
+                             "'Capillary height' 0 stay full."));
     AssertThrow(water.degree == 0 || water.degree == grid.degree ||
                   water.degree + 1 == grid.degree,
                 ExcMessage(
@@ -98,23 +139,18 @@ namespace greville
                              " cells: with 'Simulation/Pore water' numbers of "
                              "cells are even, as the pressure has cells of "
                              "twice the size."));
-    refuse_with_water(grid.is_axisymmetric(),
-                      "'Grid/Geometry' = axisymmetric",
-                      "take plane strain or 3D.");
     refuse_with_water(has_body_grids(),
                       "'Grid/Per body' and sections 'Grid' of bodies",
                       "water passes between bodies on one grid.");
     refuse_with_water(!contacts.empty(),
                       "'Simulation/Contacts'",
                       "what passes where bodies touch is not known.");
-    refuse_with_water(has_ramp(),
-                      "'Time/Ramp until failure'",
-                      "time is that of the flow.");
     for (const auto &[name, body] : bodies)
-      refuse_with_water(body.K0 >= 0.,
-                        "'Body " + name + "/K0'",
-                        "it knows no weight of water. Give the effective "
-                        "'Stress', or begin with a stage that finds it.");
+      refuse_with_water(body.K0 >= 0. && water.table.empty(),
+                        "'Body " + name + "/K0' without a 'Water/Table'",
+                        "it is the weight of the soil less the pressure of "
+                        "the water. Give the table, the effective 'Stress', "
+                        "or begin with a stage that finds it.");
   }
 
 
@@ -125,18 +161,38 @@ namespace greville
     bool is_drained = false;
     for (unsigned int w = 0; w < 6; ++w)
       {
-        const std::string wall =
-          "Walls/" + WallParameters::names[w] + " pore pressure";
+        const std::string  section  = "Walls/";
+        const std::string  name     = WallParameters::names[w];
         const std::string &pressure = walls.pore_pressure[w];
+        const std::string &flux     = walls.flux[w];
         is_drained                  = is_drained || !pressure.empty();
         if (!general.pore_water)
-          refuse_without_water(!pressure.empty(), wall);
-        if (pressure.empty())
+          {
+            refuse_without_water(!pressure.empty(),
+                                 section + name + " pore pressure");
+            refuse_without_water(walls.seepage_face[w],
+                                 section + name + " seepage face");
+            refuse_without_water(!flux.empty(), section + name + " flux");
+            continue;
+          }
+        check_boundary(section,
+                       {name + " pore pressure",
+                        name + " seepage face",
+                        name + " flux"},
+                       pressure,
+                       walls.seepage_face[w],
+                       flux);
+        if (pressure.empty() && flux.empty())
           continue;
-        const std::string given = "'" + wall + "', which is <" + pressure + ">";
+        const std::string given =
+          "'" + section + name + (flux.empty() ? " pore pressure" : " flux") +
+          "', which is <" + (flux.empty() ? pressure : flux) + ">";
         refuse_with_water(w >= 2 * general.dimension,
                           given,
                           "there is no such wall in 2D.");
+        refuse_with_water(grid.has_axis() && w == 0,
+                          given,
+                          "the wall is the axis, through which nothing flows.");
         refuse_with_water(walls.is_periodic(w),
                           given,
                           "the wall is periodic, so that it has no end there.");
@@ -144,8 +200,8 @@ namespace greville
           scheme.is_total_lagrangian(),
           "'Scheme/Formulation' = total Lagrangian and " + given,
           "bodies leave the wall, whose place is that of the initial "
-          "configuration. Give the 'Pore pressure' of a 'Surface load', or "
-          "take updated Lagrangian.");
+          "configuration. Give that of a 'Surface load', or take updated "
+          "Lagrangian.");
       }
     if (!general.pore_water)
       return;
@@ -156,9 +212,31 @@ namespace greville
                            "makes water incompressible, and no 'Walls/... pore "
                            "pressure' or 'Surface load NAME/Pore pressure' "
                            "gives a pressure anywhere: give one of them."));
-    refuse_with_water(scheme.stress_update != "quasi-static",
-                      "'Scheme/Stress update' = " + scheme.stress_update,
-                      "take quasi-static.");
+    const std::string given_scheme =
+      "'Scheme/Stress update' = " + scheme.stress_update;
+    if (is_explicit_scheme(scheme.stress_update))
+      {
+        refuse_with_water(scheme.stress_update != "USL",
+                          given_scheme,
+                          "points deform with the velocity that the pressure "
+                          "leaves; take USL.");
+        refuse_with_water(time.has_half_steps(),
+                          "'Time/Velocities' = half steps and " + given_scheme,
+                          "the pressure belongs to whole steps; take full "
+                          "steps.");
+        refuse_with_water(!scheme.has_lumped_mass(),
+                          "'Scheme/Mass' = " + scheme.mass + " and " +
+                            given_scheme,
+                          "take lumped.");
+        refuse_with_water(!scheme.sums_over_points(),
+                          "'Scheme/Quadrature' = " + scheme.quadrature +
+                            " and " + given_scheme,
+                          "take points.");
+      }
+    refuse_with_water(scheme.stress_update == "implicit-midpoint",
+                      given_scheme,
+                      "it conserves energy, and water that flows does not; "
+                      "take newmark or generalized-alpha.");
     refuse_with_water(scheme.has_projection(),
                       "'Scheme/Volumetric projection' = " +
                         scheme.volumetric_projection,

@@ -121,6 +121,15 @@ namespace greville
       "a message), remove. Other files stay as they are.");
     add_parameter(prm, "Fields every", fields_every, Double(0.))(
       "Time between two .pvtu files; 0: initial and last state only. Unit: s.");
+    // See points_in_one_file().
+    prm.declare_entry(
+      "Points format",
+      "vtu",
+      Selection("vtu|vtkhdf"),
+      "vtu: points.pvd with a file for each time and process. vtkhdf: all "
+      "times "
+      "of the points in one file, points.vtkhdf, with points.xdmf for ParaView "
+      "5.11. Grid, surfaces and rigid bodies are .vtu files either way.");
     add_parameter(prm, "Statistics every", statistics_every)(
       "Time between two lines of statistics.csv; auto: a part in 400 of the "
       "time from the start to the end of the run; 0: each step. Unit: s.");

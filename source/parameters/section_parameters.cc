@@ -42,7 +42,7 @@ namespace greville
       "and other parts, relative to the folder of this file.");
     add_parameter(prm, "Pore water", pore_water)(
       "Whether water fills the pores of all bodies, with a pressure of its "
-      "own: stresses are effective ones then. For quasi-static steps.");
+      "own: stresses are effective ones then. For implicit steps.");
   }
 
 
@@ -58,6 +58,15 @@ namespace greville
     add_parameter(prm, "Order", degree, Integer(0, SplineSpace<2>::max_degree))(
       "Order of the B-splines of the pore pressure, on cells of twice the "
       "size: 'Grid/Order' or one less. 0: 'Grid/Order'. Unit: none.");
+    add_parameter(prm, "Table", table)(
+      "The water table at the start, as the coordinate along gravity's axis: a "
+      "formula of x, y (, z). Bodies begin with the pressure of water at rest, "
+      "and 'K0' with the weight of the soil less that. Empty: the pressure is "
+      "0. Unit: m.");
+    add_parameter(prm, "Capillary height", capillary_height, Double(0.))(
+      "The suction, as a height of water, at which pores are so empty that "
+      "the conductivity is a thousandth; it falls from 0 on. 0: pores stay "
+      "full at any suction. Unit: m.");
   }
 
 
@@ -168,6 +177,14 @@ namespace greville
       "the surface, a formula of the variables of 'Traction'. Tractions and "
       "pressures of loads are total ones, of soil and water. Empty: no water "
       "passes. Unit: Pa.");
+    add_parameter(prm, "Seepage face", seepage_face)(
+      "Whether water only leaves where 'Pore pressure' is 0 or less, as in "
+      "air: the pressure is at most the given one there. Where it is above 0, "
+      "as below a water level, water passes both ways.");
+    add_parameter(prm, "Flux", flux)(
+      "In place of 'Pore pressure': the water that leaves per area and time "
+      "(negative: that comes, as rain), a formula of the same variables. Unit: "
+      "m / s.");
   }
 
 

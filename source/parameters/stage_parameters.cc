@@ -202,6 +202,13 @@ namespace greville
           "With 'Simulation/Pore water': the pressure of the water at this "
           "wall, a formula of x, y (, z) and t. Empty: no water passes. Unit: "
           "Pa.");
+        add_parameter(prm, names[w] + " seepage face", seepage_face[w])(
+          "Whether water only leaves where the pore pressure that is given at "
+          "this wall is 0 or less (see 'Surface load NAME/Seepage face').");
+        add_parameter(prm, names[w] + " flux", flux[w])(
+          "In place of a pore pressure: the water that leaves per area and "
+          "time (negative: that comes), a formula of x, y (, z) and t. Unit: m "
+          "/ s.");
       }
   }
 

@@ -31,9 +31,11 @@ namespace greville
                     const Tensor<1, dim>         &gravity,
                     const Lattice<dim>           &lattice,
                     const double                  density,
-                    const std::vector<SoilLayer> &soil)
+                    const std::vector<SoilLayer> &soil,
+                    const WaterTable<dim>        &table)
         : K0(parameters.K0)
         , g(gravity)
+        , table(table)
         , weight(density * gravity.norm())
       {
         if (!parameters.stress.empty())
@@ -94,8 +96,8 @@ namespace greville
                           " m there, which is " + text_of(depth) +
                           " m above this point: more than " + text_of(deepest) +
                           " heights of the grid. Is it given in m?"));
-            const double pressure =
-              weight * std::max(0., depth) + pressure_above(x, height);
+            const double pressure = weight * std::max(0., depth) +
+                                    pressure_above(x, height) - table(x);
             for (unsigned int d = 0; d < 3; ++d)
               result[d][d] = -pressure * (d == axis ? 1. : K0);
           }
@@ -117,7 +119,8 @@ namespace greville
       };
 
       /**
-       * The weight of the layers above the surface at a place, Pa.
+       * The weight of the layers above the surface at a place, and of water
+       * above them, Pa.
        */
       double
       pressure_above(Point<dim> x, const double height) const
@@ -147,11 +150,13 @@ namespace greville
                 last = h;
               }
           }
-        return pressure;
+        x[axis] = upwards * last;
+        return pressure + std::max(0., table(x));
       }
 
       double             K0;
       Tensor<1, dim>     g;
+      WaterTable<dim>    table;
       double             weight;
       std::vector<Layer> layers;
       unsigned int       axis    = dim;
@@ -372,15 +377,17 @@ namespace greville
                   const PointsOfFile<dim>             &file,
                   const std::string                   &section,
                   const Tensor<1, dim>                &gravity,
-                  const std::vector<SoilLayer>        &layers)
+                  const std::vector<SoilLayer>        &layers,
+                  const WaterTable<dim>               &table)
     {
       const BodyParameters    &parameters = *body.parameters;
       const Material          &material   = *body.material;
       const PointLayout<dim>  &layout     = body.points.layout();
       const PointField        *affine     = layout.find("affine");
+      const PointField        *pressure   = layout.find("pore_pressure");
       const Lattice<dim>      &lattice    = body.points.space().lattice();
       const InitialStress<dim> stress(
-        parameters, section, gravity, lattice, material.density, layers);
+        parameters, section, gravity, lattice, material.density, layers, table);
       const auto formulas = [&](const std::string &text, const char *name) {
         return text.empty() ? VectorExpression<dim>()
                             : VectorExpression<dim>(text,
@@ -429,6 +436,8 @@ namespace greville
                 material.initialize(state, stress(point.image));
               else
                 initialize_from_file<dim>(state, file, k, material);
+              if (pressure)
+                p[pressure->first] = table(point.image);
               J_of_shape = state.J;
               if (layout.initial_F != 0)
                 for (unsigned int d = 0; d < dim; ++d)
@@ -521,7 +530,8 @@ namespace greville
               const SplineSpace<dim>       &space,
               const Tensor<1, dim>         &gravity,
               const PointLayout<dim>       &layout,
-              const std::vector<SoilLayer> &layers)
+              const std::vector<SoilLayer> &layers,
+              const WaterTable<dim>        &table)
   {
     const BodyParameters &parameters = *body.parameters;
     const std::string     section    = "Body " + body.name;
@@ -540,7 +550,7 @@ namespace greville
                                      layout.is_total_lagrangian(),
                                      layout.is_axisymmetric(),
                                      space);
-        insert_points(body, file.points, file, section, gravity, layers);
+        insert_points(body, file.points, file, section, gravity, layers, table);
       },
       space.communicator());
 
@@ -571,7 +581,8 @@ namespace greville
     const SplineSpace<dim> &,                          \
     const Tensor<1, dim> &,                            \
     const PointLayout<dim> &,                          \
-    const std::vector<SoilLayer> &);
+    const std::vector<SoilLayer> &,                    \
+    const WaterTable<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)
 #undef INSTANTIATE

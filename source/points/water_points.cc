@@ -3,21 +3,55 @@
 #include <greville/points/water_points.h>
 
 #include "gradients.h"
+#include <algorithm>
+#include <cmath>
 
 namespace greville
 {
   using namespace dealii;
   using namespace internal;
 
+  std::array<double, 2>
+  kozeny_carman(const double J, const double solid)
+  {
+    constexpr double smallest = 1e-6;
+    const double     e = J / solid - 1., e0 = 1. / solid - 1.;
+    if (e <= 0.)
+      return {{smallest, 0.}};
+    const double value = std::pow(e / e0, 3) / J;
+    if (value <= smallest)
+      return {{smallest, 0.}};
+    return {{value, value * (3. / (e * solid) - 1. / J)}};
+  }
+
+
+
+  std::array<double, 2>
+  relative_conductivity(const double p, const double suction)
+  {
+    constexpr double smallest = 1e-3;
+    if (p >= 0. || suction == 0.)
+      return {{1., 0.}};
+    if (p <= -suction)
+      return {{smallest, 0.}};
+    const double s = 1. + p / suction;
+    return {{smallest + (1. - smallest) * s * s * (3. - 2. * s),
+             (1. - smallest) * 6. * s * (1. - s) / suction}};
+  }
+
+
+
   template <int dim>
   void
   WaterPoints<dim>::reinit(const SplineSpace<dim>          &displacements,
                            const SplineSpace<dim>          &pressures,
-                           const std::vector<unsigned int> &given_parents)
+                           const std::vector<unsigned int> &given_parents,
+                           const bool                       axisymmetric)
   {
     displacement_tables.reinit(displacements);
     pressure_tables.reinit(pressures);
-    parents = given_parents;
+    parents         = given_parents;
+    is_axisymmetric = axisymmetric;
     AssertDimension(parents.size(), displacements.owned_cells().size());
   }
 
@@ -31,7 +65,9 @@ namespace greville
     weight = new_weight;
     points.clear();
     drained.clear();
+    water_volumes.assign(2, 0.);
     sums_of_moduli = {};
+    sum_of_masses  = 0.;
   }
 
 
@@ -46,19 +82,30 @@ namespace greville
     for (const unsigned int cell : of_body.cells())
       of_body.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
         PointTerm term;
-        term.cell       = cell;
-        term.x          = p.basis_position(layout);
-        term.to_basis   = layout.is_total_lagrangian()
-                            ? inverse_F<dim>(p, layout)
-                            : Tensor<2, dim>(unit_symmetric_tensor<dim>());
+        term.cell     = cell;
+        term.x        = p.basis_position(layout);
+        term.to_basis = layout.is_total_lagrangian()
+                          ? inverse_F<dim>(p, layout)
+                          : Tensor<2, dim>(unit_symmetric_tensor<dim>());
+        if (is_axisymmetric)
+          {
+            term.radius      = p.position(0);
+            term.radius_of_F = radius_of_F<dim>(p, layout);
+          }
         term.volume     = p.volume();
         term.storage    = p.volume0() * constants.storage;
         term.mobility   = p.volume() * constants.mobility;
         term.compliance = p.volume() / p.wave_modulus();
+        term.of_mass    = p.volume() * p.volume() / p.mass();
         term.old_p      = p[pressure];
+        term.old_J      = p.volume() / p.volume0();
+        term.solid      = constants.solid;
+        term.suction    = constants.suction;
+        term.p          = term.old_p;
         points.push_back(term);
         sums_of_moduli[0] += p.volume();
         sums_of_moduli[1] += p.volume() * p.wave_modulus();
+        sum_of_masses += p.mass();
       });
   }
 
@@ -70,13 +117,19 @@ namespace greville
   {
     DrainedTerm term;
     term.cell     = point.cell;
+    term.kind     = point.kind;
     term.x        = point.x;
     term.to_basis = point.to_basis;
     term.area     = point.area;
-    term.given_p  = point.pressure;
-    term.mobility = point.mobility;
-    term.penalty  = point.penalty;
+    term.radius = term.radius_of_F = point.radius;
+    term.value                     = point.value;
+    term.mobility                  = point.mobility;
+    term.penalty                   = point.penalty;
+    term.boundary                  = point.boundary;
     drained.push_back(term);
+    water_volumes.resize(std::max<std::size_t>(water_volumes.size(),
+                                               3 + point.boundary),
+                         0.);
   }
 
 
@@ -93,9 +146,10 @@ namespace greville
 
   template <int dim>
   void
-  WaterPoints<dim>::count(const DrainedTerm &, const double volume)
+  WaterPoints<dim>::count(const DrainedTerm &term, const double volume)
   {
     water_volumes[1] += volume;
+    water_volumes[2 + term.boundary] += volume;
   }
 
 
@@ -138,15 +192,52 @@ namespace greville
 
 
   template <int dim>
+  typename WaterPoints<dim>::Mobility
+  WaterPoints<dim>::mobility(const PointTerm &term) const
+  {
+    Mobility result{term.mobility, 0., 0.};
+    if (term.solid > 0.)
+      {
+        const double J  = term.old_J * term.J;
+        const auto   by = kozeny_carman(J, term.solid);
+        result.value *= by[0];
+        result.by_volume = term.mobility * J * by[1];
+      }
+    if (term.suction > 0.)
+      {
+        const auto by      = relative_conductivity(term.p, term.suction);
+        result.by_pressure = result.value * by[1];
+        result.value *= by[0];
+        result.by_volume *= by[0];
+      }
+    return result;
+  }
+
+
+
+  template <int dim>
+  double
+  WaterPoints<dim>::outflow(const DrainedTerm &term) const
+  {
+    const Tensor<1, dim> &a = term.end_area;
+    return term.mobility * (term.penalty * a.norm() * (term.p - term.value) -
+                            (term.gradient - weight) * a);
+  }
+
+
+
+  template <int dim>
   typename WaterPoints<dim>::Sources
   WaterPoints<dim>::sources(const PointTerm &term) const
   {
     Sources result;
     result.force = -term.volume * term.J * term.p * transpose(term.map);
+    if (is_axisymmetric)
+      result.radial = -term.volume * term.J * term.p / term.end_radius;
     result.value =
       term.volume * term.change + term.storage * (term.p - term.old_p);
-    result.gradient =
-      dt * term.mobility * term.J * (term.map * (term.gradient - weight));
+    result.gradient = dt * mobility(term).value * term.J *
+                      (term.map * (term.gradient - weight));
     return result;
   }
 
@@ -156,13 +247,19 @@ namespace greville
   typename WaterPoints<dim>::Sources
   WaterPoints<dim>::sources(const DrainedTerm &term) const
   {
-    const Tensor<1, dim> &a      = term.end_area;
-    const double          excess = term.p - term.given_p;
+    using Kind              = typename DrainedPoint<dim>::Kind;
+    const Tensor<1, dim> &a = term.end_area;
     Sources               result;
-    result.value =
-      dt * term.mobility *
-      (term.penalty * a.norm() * excess - (term.gradient - weight) * a);
-    result.gradient = -dt * term.mobility * excess * (term.map * a);
+    if (term.kind == Kind::flux)
+      result.value = dt * term.value * a.norm();
+    else if (term.kind == Kind::seepage)
+      result.value = dt * std::max(0., outflow(term));
+    else
+      {
+        result.value = dt * outflow(term);
+        result.gradient =
+          -dt * term.mobility * (term.p - term.value) * (term.map * a);
+      }
     return result;
   }
 
@@ -174,17 +271,23 @@ namespace greville
                                const Change    &change) const
   {
     const double         V    = term.volume * term.J;
-    const double         rate = trace(change.h);
+    const double         rate = trace(change.h) + change.hoop;
     const Tensor<1, dim> w    = term.gradient - weight;
+    const Mobility       k    = mobility(term);
     Sources              result;
     // d map = - map h.
     result.force = -V * ((change.p + rate * term.p) * transpose(term.map) -
                          term.p * (transpose(change.h) * transpose(term.map)));
+    if (is_axisymmetric)
+      result.radial =
+        -V * (change.p + trace(change.h) * term.p) / term.end_radius;
     result.value = V * rate + term.storage * change.p;
     result.gradient =
-      dt * term.mobility * term.J *
-      (term.map * (rate * w + change.gradient -
-                   transpose(change.h) * term.gradient - change.h * w));
+      dt * term.J *
+      (term.map *
+       (k.value * (rate * w + change.gradient -
+                   transpose(change.h) * term.gradient - change.h * w) +
+        (k.by_volume * rate + k.by_pressure * change.p) * w));
     return result;
   }
 
@@ -195,19 +298,29 @@ namespace greville
   WaterPoints<dim>::derivative(const DrainedTerm &term,
                                const Change      &change) const
   {
+    using Kind                   = typename DrainedPoint<dim>::Kind;
     const Tensor<1, dim> &a      = term.end_area;
     const Tensor<1, dim>  w      = term.gradient - weight;
-    const double          excess = term.p - term.given_p;
+    const double          excess = term.p - term.value;
     const double          size   = a.norm();
-    const Tensor<1, dim>  da = trace(change.h) * a - transpose(change.h) * a;
-    Sources               result;
+    const Tensor<1, dim>  da =
+      (trace(change.h) + change.hoop) * a - transpose(change.h) * a;
+    Sources result;
+    if (term.kind == Kind::flux)
+      {
+        result.value = dt * term.value * (a * da) / size;
+        return result;
+      }
+    if (term.kind == Kind::seepage && outflow(term) <= 0.)
+      return result;
     result.value =
       dt * term.mobility *
       (term.penalty * (size * change.p + excess * (a * da) / size) -
        (change.gradient - transpose(change.h) * term.gradient) * a - w * da);
-    result.gradient =
-      -dt * term.mobility *
-      (term.map * (change.p * a + excess * (da - change.h * a)));
+    if (term.kind == Kind::pressure)
+      result.gradient =
+        -dt * term.mobility *
+        (term.map * (change.p * a + excess * (da - change.h * a)));
     return result;
   }
 
@@ -223,8 +336,10 @@ namespace greville
   WaterPoints<dim>::sum_terms(Self &self, Terms &terms)
   {
     constexpr int  n_u = power(n, dim), n_p = power(m, dim);
-    constexpr bool with_u    = pass != Pass::spread;
-    constexpr bool with_rows = pass != Pass::spread;
+    constexpr bool with_rows = pass == Pass::evaluate || pass == Pass::multiply;
+    constexpr bool with_u    = with_rows || pass == Pass::free_motion;
+    constexpr bool with_p    = with_rows || pass == Pass::spread;
+    constexpr bool with_force = pass != Pass::free_motion;
     for (std::size_t k = 0; k < terms.size();)
       {
         const unsigned int         cell = terms[k].cell;
@@ -236,21 +351,29 @@ namespace greville
         for (int a = 0; a < n_u && with_u; ++a)
           for (int i = 0; i < dim; ++i)
             u[i][a] = self.u_buffer[std::size_t(of_u.functions[a]) * dim + i];
-        for (int b = 0; b < n_p; ++b)
+        for (int b = 0; b < n_p && with_p; ++b)
           p[b] = self.p_buffer[of_p.functions[b]];
         for (; k < terms.size() && terms[k].cell == cell; ++k)
           {
-            auto                            &term = terms[k];
-            const Gradients<dim, n>          G(of_u, term.x);
+            auto                            &term  = terms[k];
+            const auto                       shape = evaluated(of_u, term.x);
+            const Gradients<dim, n>          G(shape);
             const ValuesAndGradients<dim, m> q(of_p, term.x);
-            Tensor<2, dim>                   slope; // of u
-            Change                           change;
+            double                           N[n_u], u_r = 0.;
+            if (self.is_axisymmetric)
+              {
+                shape.multiply(N);
+                for (int a = 0; a < n_u && with_u; ++a)
+                  u_r += u[0][a] * N[a];
+              }
+            Tensor<2, dim> slope; // of u
+            Change         change;
             for (int a = 0; a < n_u && with_u; ++a)
               for (int i = 0; i < dim; ++i)
                 for (int j = 0; j < dim; ++j)
                   slope[i][j] += u[i][a] * G.values[j][a];
             Tensor<1, dim> p_slope;
-            for (int b = 0; b < n_p; ++b)
+            for (int b = 0; b < n_p && with_p; ++b)
               {
                 change.p += p[b] * q.values[b];
                 for (int j = 0; j < dim && with_rows; ++j)
@@ -262,7 +385,14 @@ namespace greville
                 const Tensor<2, dim> h = slope * term.to_basis;
                 const Tensor<2, dim> inverse =
                   invert(Tensor<2, dim>(unit_symmetric_tensor<dim>()) + h);
-                term.change   = change_of_volume(h);
+                term.change = change_of_volume(h);
+                if (self.is_axisymmetric)
+                  {
+                    term.end_radius = term.radius + u_r;
+                    term.change += (1. + term.change) *
+                                   (term.radius - term.radius_of_F + u_r) /
+                                   term.radius_of_F;
+                  }
                 term.J        = 1. + term.change;
                 term.map      = term.to_basis * inverse;
                 term.p        = change.p;
@@ -270,19 +400,36 @@ namespace greville
                 self.finish(term, inverse);
                 sources = self.sources(term);
               }
+            else if constexpr (pass == Pass::begin)
+              {
+                sources.force =
+                  -term.volume * term.old_p * transpose(term.to_basis);
+                if (self.is_axisymmetric)
+                  sources.radial = -term.volume * term.old_p / term.radius;
+              }
+            else if constexpr (pass == Pass::free_motion)
+              {
+                term.of_surface = term.volume * trace(slope * term.to_basis);
+                if (self.is_axisymmetric)
+                  term.of_surface += term.volume * u_r / term.radius;
+              }
             else
               {
                 if constexpr (with_u)
                   {
+                    if (self.is_axisymmetric)
+                      change.hoop = u_r / term.end_radius;
                     change.h        = slope * term.map;
                     change.gradient = transpose(term.map) * p_slope;
                   }
                 sources = self.derivative(term, change);
               }
-            for (int a = 0; a < n_u; ++a)
+            for (int a = 0; a < n_u && with_force; ++a)
               for (int i = 0; i < dim; ++i)
                 for (int j = 0; j < dim; ++j)
                   f[i][a] += sources.force[i][j] * G.values[j][a];
+            for (int a = 0; a < n_u && self.is_axisymmetric; ++a)
+              f[0][a] += sources.radial * N[a];
             for (int b = 0; b < n_p && with_rows; ++b)
               {
                 r[b] += sources.value * q.values[b];
@@ -292,7 +439,7 @@ namespace greville
             if constexpr (pass == Pass::evaluate)
               self.count(term, sources.value);
           }
-        for (int a = 0; a < n_u; ++a)
+        for (int a = 0; a < n_u && with_force; ++a)
           for (int i = 0; i < dim; ++i)
             {
               self.forces[std::size_t(of_u.functions[a]) * dim + i] += f[i][a];
@@ -315,8 +462,8 @@ namespace greville
   void
   WaterPoints<dim>::run(Self                   &self,
                         const VectorField<dim> *u,
-                        const VectorType       &p,
-                        VectorField<dim>       &force,
+                        const VectorType       *p,
+                        VectorField<dim>       *force,
                         VectorType             *rows)
   {
     const auto n_functions = [](const SpacePolynomials<dim> &tables) {
@@ -329,7 +476,8 @@ namespace greville
     for (unsigned int d = 0; d < dim && u; ++d)
       put_into_buffer((*u)[d], dim, d, self.u_buffer);
     self.p_buffer.resize(n_p);
-    put_into_buffer(p, 1, 0, self.p_buffer);
+    if (p)
+      put_into_buffer(*p, 1, 0, self.p_buffer);
     self.forces.assign(n_u * dim, 0.);
     self.row_sums.assign(n_p, 0.);
     const unsigned int q = self.pressure_tables.space->degree();
@@ -338,7 +486,7 @@ namespace greville
       const auto    sum = [&](const auto order) {
         constexpr int m = decltype(order)::value;
         sum_terms<n, m, pass>(self, self.points);
-        if (pass != Pass::spread)
+        if constexpr (pass == Pass::evaluate || pass == Pass::multiply)
           sum_terms<n, m, pass>(self, self.drained);
       };
       // Degrees p and p - 1.
@@ -347,8 +495,8 @@ namespace greville
       else
         sum(std::integral_constant < int, n == 2 ? 2 : n - 1 > ());
     });
-    for (unsigned int d = 0; d < dim; ++d)
-      take_from_buffer(self.forces, dim, d, force[d]);
+    for (unsigned int d = 0; d < dim && force; ++d)
+      take_from_buffer(self.forces, dim, d, (*force)[d]);
     if (rows)
       take_from_buffer(self.row_sums, 1, 0, *rows);
   }
@@ -362,10 +510,10 @@ namespace greville
                              VectorField<dim>       &force,
                              VectorType             &rows)
   {
-    water_volumes = {};
+    std::fill(water_volumes.begin(), water_volumes.end(), 0.);
     pressure_work = 0.;
     cell_squares  = {};
-    run<Pass::evaluate>(*this, &u, p, force, &rows);
+    run<Pass::evaluate>(*this, &u, &p, &force, &rows);
   }
 
 
@@ -377,7 +525,7 @@ namespace greville
                              VectorField<dim>       &force,
                              VectorType             &rows) const
   {
-    run<Pass::multiply>(*this, &du, dp, force, &rows);
+    run<Pass::multiply>(*this, &du, &dp, &force, &rows);
   }
 
 
@@ -386,7 +534,25 @@ namespace greville
   void
   WaterPoints<dim>::spread(const VectorType &dp, VectorField<dim> &force) const
   {
-    run<Pass::spread>(*this, nullptr, dp, force, nullptr);
+    run<Pass::spread>(*this, nullptr, &dp, &force, nullptr);
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::begin_force(VectorField<dim> &force) const
+  {
+    run<Pass::begin>(*this, nullptr, nullptr, &force, nullptr);
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::set_free_motion(const VectorField<dim> &u)
+  {
+    run<Pass::free_motion>(*this, &u, nullptr, nullptr, nullptr);
   }
 
 
@@ -394,8 +560,13 @@ namespace greville
   template <int dim>
   void
   WaterPoints<dim>::add_schur_complement(const SpacePolynomials<dim> &functions,
+                                         const double                 kick,
                                          StencilMatrix<dim> &matrix) const
   {
+    // Where the points themselves make the divergence of the free motion, as
+    // they are not Gauss points, it is small.
+    const auto  &lattice  = pressure_tables.space->lattice();
+    const double smallest = 0.1 / std::pow(lattice.smallest_cell_size(), 2);
     with_order(functions.space->degree(), [&](const auto size) {
       constexpr int      m = decltype(size)::value, n_q = power(m, dim);
       FullMatrix<double> of_cell(n_q, n_q);
@@ -425,8 +596,16 @@ namespace greville
       };
       for_each(points,
                [&](const PointTerm &term, const double *q, const auto &slopes) {
-                 const double mass = term.compliance + term.storage;
-                 const double flow = dt * term.mobility;
+                 double mass = term.storage;
+                 double flow = dt * mobility(term).value;
+                 if (kick == 0.)
+                   mass += term.compliance;
+                 else
+                   {
+                     flow += kick * term.of_mass;
+                     if (term.of_surface > smallest * term.of_mass)
+                       mass += kick * term.of_surface;
+                   }
                  for (int a = 0; a < n_q; ++a)
                    for (int b = a; b < n_q; ++b)
                      {
@@ -439,6 +618,11 @@ namespace greville
       for_each(
         drained,
         [&](const DrainedTerm &term, const double *q, const auto &slopes) {
+          // The form that is symmetric, of seepage faces, too.
+          using Kind = typename DrainedPoint<dim>::Kind;
+          if (term.kind == Kind::flux ||
+              (term.kind == Kind::seepage && outflow(term) <= 0.))
+            return;
           const double flow    = dt * term.mobility;
           const double penalty = flow * term.penalty * term.area.norm();
           double       normal[n_q];
@@ -454,6 +638,39 @@ namespace greville
                 penalty * q[a] * q[b] - q[a] * normal[b] - q[b] * normal[a];
         });
     });
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::average_old_pressure(VectorType &p) const
+  {
+    const SplineSpace<dim> &space = *pressure_tables.space;
+    const std::size_t       n =
+      space.owned_functions().size() + space.ghost_functions().size();
+    std::vector<double> sums(n, 0.), volumes(n, 0.);
+    with_order(space.degree(), [&](const auto size) {
+      constexpr int m = decltype(size)::value, n_q = power(m, dim);
+      for (const PointTerm &term : points)
+        {
+          const CellGeometry<dim, m> of_p(pressure_tables, parents[term.cell]);
+          const ValuesAndGradients<dim, m> q(of_p, term.x);
+          for (int b = 0; b < n_q; ++b)
+            {
+              const double part = term.volume * q.values[b];
+              volumes[of_p.functions[b]] += part;
+              sums[of_p.functions[b]] += part * term.old_p;
+            }
+        }
+    });
+    VectorType weights;
+    space.initialize_vector(weights);
+    take_from_buffer(volumes, 1, 0, weights);
+    take_from_buffer(sums, 1, 0, p);
+    for (unsigned int i = 0; i < p.locally_owned_size(); ++i)
+      if (weights.local_element(i) > 0.)
+        p.local_element(i) /= weights.local_element(i);
   }
 
 

@@ -8,6 +8,7 @@
 #include <greville/base/memory.h>
 #include <greville/base/parameters.h>
 #include <greville/run/check_materials.h>
+#include <greville/run/ensemble_output.h>
 #include <greville/run/run.h>
 #include <greville/run/run_header.h>
 #include <greville/run/simulation_run.h>
@@ -148,9 +149,11 @@ namespace greville
             write_atomically(folder + "/parameters.prm", parameters.used());
           },
           comm);
-        FieldOutput<dim>(folder, parameters.output)
-          .write_points(common().time, ensemble.bodies(), comm);
-        out << "  initial points: " << folder << "/points.pvd\n";
+        const bool       in_one_file = points_in_one_file(parameters);
+        FieldOutput<dim> output(folder, parameters.output, in_one_file);
+        write_bodies(output, ensemble, parameters, comm);
+        out << "  initial points: " << folder
+            << (in_one_file ? "/points.vtkhdf\n" : "/points.pvd\n");
       }
 
       /**

@@ -405,11 +405,27 @@ namespace greville
 
 
 
+  bool
+  points_in_one_file(const SimulationParameters &parameters)
+  {
+    bool result = false;
+    for (const ParameterLine &line :
+         parameter_lines_of(parameters.used(), "parameters"))
+      if (line.section == "Output" && line.name == "Points format")
+        result = line.value == "vtkhdf";
+    return result;
+  }
+
+
+
   template <int dim>
   FieldOutput<dim>::FieldOutput(const std::string      &directory,
-                                const OutputParameters &parameters)
+                                const OutputParameters &parameters,
+                                const bool              points_in_one_file)
     : directory(directory)
     , parameters(parameters)
+    , has_series(points_in_one_file)
+    , series(directory)
   {}
 
 
@@ -471,7 +487,46 @@ namespace greville
 
 
   template <int dim>
-  void
+  std::string
+  FieldOutput<dim>::go_on_with_series(const MPI_Comm comm)
+  {
+    const auto points = times_and_names.find("points");
+    if (points == times_and_names.end())
+      return "";
+    const bool was_series =
+      points->second.back().second == PointSeries<dim>::file_name;
+    AssertThrow(was_series == has_series,
+                ExcMessage("the parameter 'Output/Points format' is " +
+                           std::string(has_series ? "vtkhdf" : "vtu") +
+                           ", and was " + (was_series ? "vtkhdf" : "vtu") +
+                           " when the run began: it has to stay as it was"));
+    if (!was_series)
+      return "";
+    try
+      {
+        series.go_on(points->second.size(), comm);
+        return "";
+      }
+    catch (const ErrorOnAll &error)
+      {
+        const std::string file = directory + "/" + PointSeries<dim>::file_name;
+        times_and_names.erase(points);
+        run_on_first(
+          [&]() {
+            std::error_code none;
+            std::filesystem::remove(file + ".changing", none);
+            std::filesystem::rename(file, file + ".refused", none);
+          },
+          comm);
+        return message_of(error) + " If it is there it is renamed to <" + file +
+               ".refused>; a new one begins with the next time.";
+      }
+  }
+
+
+
+  template <int dim>
+  std::string
   FieldOutput<dim>::go_on(const std::string &record, const MPI_Comm comm)
   {
     times_and_names.clear();
@@ -497,6 +552,7 @@ namespace greville
           }
       },
       comm);
+    return go_on_with_series(comm);
   }
 
 
@@ -507,10 +563,17 @@ namespace greville
                                  const BodyList<dim> &bodies,
                                  const MPI_Comm       comm)
   {
-    PointsOut<dim> points(bodies,
-                          point_fields(parameters.fields,
-                                       bodies,
-                                       Utilities::MPI::this_mpi_process(comm)));
+    const auto given = point_fields(parameters.fields,
+                                    bodies,
+                                    Utilities::MPI::this_mpi_process(comm));
+    if (has_series)
+      {
+        series.write(time, bodies, given, comm);
+        times_and_names["points"].emplace_back(time,
+                                               PointSeries<dim>::file_name);
+        return;
+      }
+    PointsOut<dim> points(bodies, given);
     write_next("points", time, points, comm);
   }
 

@@ -4,6 +4,7 @@
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
 #include <greville/run/check_materials.h>
+#include <greville/run/ensemble_output.h>
 #include <greville/run/run_header.h>
 #include <greville/run/simulation_run.h>
 #include <greville/steps/load_balance.h>
@@ -62,6 +63,40 @@ namespace greville
 
 
 
+    /**
+     * The walls and surfaces through which water passes in some stage, as their
+     * numbers in State::water, and their columns; none where there is one.
+     */
+    template <int dim>
+    std::vector<std::pair<unsigned int, std::string>>
+    outflows_of(const SimulationParameters &parameters)
+    {
+      std::vector<std::pair<unsigned int, std::string>> result;
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        {
+          bool is_open = false;
+          for (unsigned int k = 0; k < parameters.n_stages(); ++k)
+            {
+              SimulationParameters stage = parameters;
+              stage.enter_stage(k);
+              is_open = is_open || stage.walls.passes_water(w);
+            }
+          std::string name = WallParameters::names[w];
+          name[0] += 'a' - 'A';
+          if (is_open)
+            result.emplace_back(2 + w, "water_outflow_wall_" + name);
+        }
+      const auto &names = parameters.general.surface_loads;
+      for (unsigned int k = 0; k < names.size(); ++k)
+        if (parameters.surface_loads.at(names[k]).passes_water())
+          result.emplace_back(2 + 2 * dim + k, "water_outflow_" + names[k]);
+      if (result.size() == 1)
+        result.clear();
+      return result;
+    }
+
+
+
     std::string
     reaction_name(const unsigned int wall, const unsigned int component)
     {
@@ -87,13 +122,14 @@ namespace greville
     , ensemble(parameters, comm)
     , exact(parameters.exact)
     , measured(parameters.reference)
-    , fields(directory, parameters.output)
+    , fields(directory, parameters.output, points_in_one_file(parameters))
     , probes(parameters.output.probes,
              parameters.output.fields,
              ensemble.bodies_of_all_stages().list,
              comm)
     , notes(directory, out, comm)
     , reactions(reactions_of<dim>(parameters))
+    , outflows(outflows_of<dim>(parameters))
     , end_of_run(parameters, columns_of(parameters, probes))
     , is_terminal(is_terminal_with_lines())
   {
@@ -120,7 +156,11 @@ namespace greville
     if (parameters.has_ramp())
       columns.push_back("factor");
     if (parameters.general.pore_water)
-      columns.insert(columns.end(), {"water_stored", "water_outflow"});
+      {
+        columns.insert(columns.end(), {"water_stored", "water_outflow"});
+        for (const auto &outflow : outflows_of<dim>(parameters))
+          columns.push_back(outflow.second);
+      }
     if (parameters.output.load)
       columns.insert(columns.end(),
                      {"largest_load", "imbalance", "partitions"});
@@ -364,51 +404,25 @@ namespace greville
 
 
   template <int dim>
-  std::vector<SurfaceNumbers>
-  SimulationRun<dim>::numbers_of_surfaces(const Simulation<dim> &part) const
-  {
-    const auto place = [](const std::vector<std::string> &names,
-                          const std::string              &name) {
-      return unsigned(std::find(names.begin(), names.end(), name) -
-                      names.begin());
-    };
-    const auto                 &loads = parameters.general.surface_loads;
-    std::vector<SurfaceNumbers> numbers;
-    for (const Surface<dim> &surface : part.state().surfaces)
-      numbers.push_back(
-        {!surface.contact.empty()
-           ? unsigned(loads.size()) +
-               place(parameters.general.contacts, surface.contact)
-           : place(loads, surface.name),
-         place(parameters.general.bodies, part.bodies()[surface.body].name)});
-    return numbers;
-  }
-
-
-
-  template <int dim>
   void
   SimulationRun<dim>::write_fields()
   {
     const OutputParameters &output = parameters.output;
     const double            time   = common().time;
     last_written_fields            = common().n_steps;
-    fields.write_points(time, ensemble.bodies(), comm);
+    write_bodies(fields, ensemble, parameters, comm);
+    if (!output.grid_fields)
+      return;
     const auto wants = [&](const std::string &name) {
       return std::find(output.fields.begin(), output.fields.end(), name) !=
              output.fields.end();
     };
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
-        Simulation<dim>  &part  = ensemble.part(k);
-        const State<dim> &state = part.state();
-        const std::string body =
-          ensemble.n_parts() > 1 ? state.bodies[0].name : "";
-        fields.write_surfaces(
-          time, part.loaded_surfaces(), numbers_of_surfaces(part), comm, body);
-        if (!output.grid_fields)
-          continue;
-        const auto &grid_fields = part.grid().fields();
+        Simulation<dim>  &part        = ensemble.part(k);
+        const State<dim> &state       = part.state();
+        const std::string body        = name_of_part(ensemble, k);
+        const auto       &grid_fields = part.grid().fields();
         for (unsigned int f = 0; f < grid_fields.size(); ++f)
           {
             GridFields<dim>  grid;
@@ -434,29 +448,6 @@ namespace greville
                                 : body);
           }
       }
-    // Half spaces end two cells beyond the grids.
-    std::vector<Point<dim>> corners(2);
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        corners[0][d] = parameters.grid.lower[d];
-        corners[1][d] = parameters.grid.upper[d];
-        const double h =
-          (corners[1][d] - corners[0][d]) / double(parameters.grid.cells[d]);
-        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
-          {
-            const auto &lattice = ensemble.part(k).space().lattice();
-            corners[0][d]       = std::min(corners[0][d], lattice.lower(d));
-            corners[1][d]       = std::max(corners[1][d], lattice.upper(d));
-          }
-        corners[0][d] -= 2. * h;
-        corners[1][d] += 2. * h;
-      }
-    for (unsigned int k = 0; k < ensemble.rigid_bodies().size(); ++k)
-      fields.write_rigid_body(time,
-                              ensemble.rigid_bodies()[k],
-                              common().rigid_bodies[k].now,
-                              BoundingBox<dim>(corners),
-                              comm);
   }
 
 
@@ -471,12 +462,17 @@ namespace greville
     if (end_of_run.has_ramp())
       row.more.push_back(end_of_run.factor(common().stage, common().time));
     if (parameters.general.pore_water)
-      for (unsigned int k = 0; k < 2; ++k)
-        row.more.push_back(
-          Utilities::MPI::sum(ensemble.sum([&](const Simulation<dim> &part) {
-            return part.state().water[k];
-          }),
-                              comm));
+      {
+        std::vector<unsigned int> numbers{0, 1};
+        for (const auto &outflow : outflows)
+          numbers.push_back(outflow.first);
+        for (const unsigned int k : numbers)
+          row.more.push_back(
+            Utilities::MPI::sum(ensemble.sum([&](const Simulation<dim> &part) {
+              return part.state().water[k];
+            }),
+                                comm));
+      }
     if (parameters.output.load)
       {
         // Of all parts, which go in common steps.

@@ -181,7 +181,9 @@ namespace greville
                               std::uint64_t(numbers[0]),
                               comm);
         probes.go_on(probes_file_in(directory), std::uint64_t(numbers[1]));
-        fields.go_on(content.text("written"), comm);
+        const std::string warning = fields.go_on(content.text("written"), comm);
+        if (!warning.empty())
+          notes.warn(warning);
         if (numbers[4] != 0.)
           ask_for_row();
         // With other criteria an ended run goes on.

@@ -51,6 +51,8 @@ namespace greville
       }
     for (auto *field : {&work_field, &surface_velocity})
       discretization.initialize(*field);
+    if (parameters.general.pore_water)
+      water = std::make_unique<FractionalStep<dim>>(discretization, parameters);
   }
 
 
@@ -258,7 +260,31 @@ namespace greville
       {
         trial.momentum.add(field.force, trial.velocity_step);
         damping.damp(field);
+        if (water)
+          add_pressure(state, field);
       }
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_pressure(const State<dim> &state,
+                                        GridField<dim>   &field)
+  {
+    const PartTimer timer(log, "water");
+    fail_with(
+      [&]() {
+        const unsigned int n =
+          water->add_pressure(state,
+                              loads.gravity(state.time + trial.step),
+                              trial.step,
+                              trial.velocity_step,
+                              field);
+        trial.n_iterations = std::max(trial.n_iterations, n);
+        trial.n_all_iterations += n;
+      },
+      false);
   }
 
 
@@ -541,6 +567,8 @@ namespace greville
       find_acceleration(state);
     begin_row(state);
     find_new_velocity(state);
+    if (water)
+      water->advance(state);
     take_points(state);
     add_work_of_point_loads(state, true);
     end_row(state);

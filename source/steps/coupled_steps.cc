@@ -90,7 +90,7 @@ namespace greville
       }
     if (has_water())
       {
-        parts[0].steps->water->initialize(blocks.back());
+        parts[0].steps->water->guess(blocks.back());
         n_local += blocks.back().locally_owned_size();
       }
     products = blocks;
@@ -287,16 +287,22 @@ namespace greville
       {
         ImplicitSteps<dim>   &steps = *part.steps;
         const PartTimer       timer(steps.log, "set-up");
-        const ImplicitScheme &scheme = steps.scheme;
+        const ImplicitScheme &scheme      = steps.scheme;
+        const double          mass_factor = scheme.is_static
+                                              ? 0.
+                                              : (1. - scheme.alpha_m) * scheme.alpha_u /
+                                         ((1. - scheme.alpha_f) * dt * dt);
         try
           {
-            steps.system.set_operator(
-              scheme.is_static ? 0.
-                               : (1. - scheme.alpha_m) * scheme.alpha_u /
-                                   ((1. - scheme.alpha_f) * dt * dt),
-              steps.is_symmetric && steps.surfaces_are_symmetric);
+            steps.system.set_operator(mass_factor,
+                                      steps.is_symmetric &&
+                                        steps.surfaces_are_symmetric);
             if (steps.water)
-              steps.water->set_up();
+              steps.water->set_up(mass_factor,
+                                  [&](const VectorField<dim> &b,
+                                      VectorField<dim>       &u) {
+                                    steps.solve_mass(u, b);
+                                  });
           }
         catch (const ErrorOnAll &error)
           {

@@ -166,6 +166,12 @@ namespace greville
       old_force[d].copy_locally_owned_data_from(field().force[d]);
     sum_loads(state, state.time, true, old_loads);
     sum_loads(state, state.time + scheme.load_time * dt, false, new_loads);
+    if (water)
+      {
+        water->begin_force(water_force);
+        for (unsigned int d = 0; d < dim; ++d)
+          old_force[d] -= water_force[d];
+      }
     // Those of contacts are impulses of the steps they belong to.
     contact_force                              = nullptr;
     const std::vector<unsigned int> &of_bodies = field().surfaces;

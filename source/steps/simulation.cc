@@ -518,6 +518,36 @@ namespace greville
 
 
 
+  namespace
+  {
+    /**
+     * Let the normal stresses and @p others change places, which are total ones
+     * where they are empty: less the pressure of the pore water.
+     */
+    template <int dim>
+    void
+    exchange_with_total_stress(std::vector<Body<dim>> &bodies,
+                               std::vector<double>    &others)
+    {
+      const bool  is_first = others.empty();
+      std::size_t k        = 0;
+      for (Body<dim> &body : bodies)
+        if (const PointField *p = body.points.layout().find("pore_pressure"))
+          body.points.for_each([&](const unsigned int, PointRef<dim> point) {
+            for (unsigned int d = 0; d < 3; ++d)
+              {
+                double &sigma =
+                  point.stress(PointLayout<dim>::stress_index(d, d));
+                if (is_first)
+                  others.push_back(sigma - point[p->first]);
+                std::swap(sigma, others[k++]);
+              }
+          });
+    }
+  } // namespace
+
+
+
   template <int dim>
   VectorField<dim>
   Simulation<dim>::grid_force(const unsigned int field)
@@ -526,10 +556,14 @@ namespace greville
     loaded_surfaces();
     VectorField<dim> force;
     discretization.initialize(force);
+    // That of total stresses; effective ones come back to the bit.
+    std::vector<double> stresses;
+    exchange_with_total_stress(current.bodies, stresses);
     discretization.find_force(current,
                               loads.gravity(current.time),
                               field,
                               force);
+    exchange_with_total_stress(current.bodies, stresses);
     return force;
   }
 

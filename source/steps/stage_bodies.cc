@@ -320,11 +320,16 @@ namespace greville
              const Loads<dim>           &loads,
              Discretization<dim>        &discretization)
   {
-    const auto left  = make_points(body,
+    const Tensor<1, dim> gravity = loads.gravity(parameters.time.start);
+    const auto           left    = make_points(body,
                                   discretization.space(),
-                                  loads.gravity(parameters.time.start),
+                                  gravity,
                                   layout_of<dim>(body.name, parameters),
-                                  layers_of(parameters, stage));
+                                  layers_of(parameters, stage),
+                                  WaterTable<dim>(parameters.water.table,
+                                                  parameters.water.density,
+                                                  parameters.water.suction(),
+                                                  gravity));
     const auto moved = discretization.transport().move(body.points, left);
     AssertThrow(Utilities::MPI::sum(moved.n_removed,
                                     discretization.communicator()) == 0,

@@ -100,6 +100,8 @@ namespace greville
               state.reactions[w][d]);
       sum("water_stored", state.water[0]);
       sum("water_outflow", state.water[1]);
+      for (unsigned int k = 2; k < state.water.size(); ++k)
+        sum("water_outflow_" + std::to_string(k - 2), state.water[k]);
       for (unsigned int k = 0; k < state.rigid_bodies.size(); ++k)
         {
           const std::string of = "rigid_body_" + std::to_string(k) + "_";

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/index_limits.h>
-#include <greville/linear_algebra/petsc_preconditioner.h>
-#include <greville/multigrid/lattice_levels.h>
 #include <greville/stiffness/tangent_level.h>
 
 #include <algorithm>
@@ -42,7 +40,10 @@ namespace greville
         held_at[place] = held[f];
 
       std::vector<std::vector<Block<dim>>> rows(n);
-      const auto                           add =
+      const unsigned int length = 2 * extended.matrix().space().degree() + 1;
+      for (auto &row : rows)
+        row.reserve(Utilities::fixed_power<dim>(length));
+      const auto add =
         [&](const unsigned int i, const unsigned int j, const auto &entry_of) {
           extended.unknowns().for_each_unknown(
             i, [&](const unsigned int u, const double weight_u) {
@@ -76,9 +77,12 @@ namespace greville
       });
       for (auto &row : rows)
         {
-          std::sort(row.begin(), row.end(), [](const auto &a, const auto &b) {
+          // Most rows are, as the order of unknowns is that of places.
+          const auto is_before = [](const auto &a, const auto &b) {
             return a.column < b.column;
-          });
+          };
+          if (!std::is_sorted(row.begin(), row.end(), is_before))
+            std::sort(row.begin(), row.end(), is_before);
           unsigned int n_columns = 0;
           for (const Block<dim> &entry : row)
             if (n_columns > 0 && row[n_columns - 1].column == entry.column)
@@ -122,43 +126,6 @@ namespace greville
       check_petsc(MatSetNearNullSpace(matrix, modes));
       check_petsc(MatNullSpaceDestroy(&modes));
     }
-
-
-
-    /**
-     * A preconditioner of PETSc for vectors of unknowns, on those of a level.
-     */
-    template <int dim>
-    class UnknownsPreconditioner : public Preconditioner
-    {
-    public:
-      UnknownsPreconditioner(const TangentLevel<dim>       &level,
-                             PetscMatrix                    given_matrix,
-                             const std::string             &options,
-                             const std::function<void(PC)> &prepare = {})
-        : level(level)
-        , matrix(std::move(given_matrix))
-        , petsc(matrix.get(), options, prepare)
-      {
-        level.extended().unknowns().initialize_vector(to, dim);
-        level.extended().unknowns().initialize_vector(from, dim);
-      }
-
-      void
-      vmult(VectorType &dst, const VectorType &src) const override
-      {
-        level.extended().unknowns().read(from, src, dim);
-        petsc.vmult(to, from);
-        level.extended().unknowns().zero_held_unknowns(to, dim);
-        level.extended().unknowns().write(dst, to, dim);
-      }
-
-    private:
-      const TangentLevel<dim>  &level;
-      const PetscMatrix         matrix;
-      const PetscPreconditioner petsc;
-      mutable VectorType        to, from;
-    };
   } // namespace
 
 
@@ -167,10 +134,12 @@ namespace greville
   PetscMatrix
   TangentLevel<dim>::petsc_matrix() const
   {
-    const InterleavedLayout &layout =
+    const ExtendedMass<dim>          &extended_mass = this->extended_mass;
+    const std::vector<unsigned char> &held          = this->held;
+    const InterleavedLayout          &layout =
       *extended_mass.unknowns().unknown_layout();
     const auto    &functions = extended_mass.unknowns().unknown_functions();
-    const MPI_Comm comm      = spline_space.communicator();
+    const MPI_Comm comm      = this->space().communicator();
     checked_index<PetscInt>(
       Utilities::MPI::sum<std::uint64_t>(layout.n_owned() * dim, comm),
       "rows of a matrix");
@@ -225,12 +194,12 @@ namespace greville
         {
           const PetscInt i = layout.global_number(u) * dim + c;
           if ((held[functions[u]] >> c) & 1)
-            check_petsc(
-              MatSetValue(mat,
-                          i,
-                          i,
-                          all_diagonal.local_element(functions[u] * dim + c),
-                          ADD_VALUES));
+            check_petsc(MatSetValue(mat,
+                                    i,
+                                    i,
+                                    this->all_diagonal.local_element(
+                                      functions[u] * dim + c),
+                                    ADD_VALUES));
         }
     check_petsc(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
     check_petsc(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
@@ -240,33 +209,12 @@ namespace greville
 
 
   template <int dim>
-  std::unique_ptr<Preconditioner>
-  TangentLevel<dim>::petsc_preconditioner(const std::string &options) const
+  void
+  TangentLevel<dim>::set_modes(const PetscMatrix &matrix) const
   {
-    PetscMatrix matrix = petsc_matrix();
     set_rigid_body_modes(matrix.get(),
-                         spline_space,
-                         extended_mass.unknowns().unknown_functions());
-    return std::make_unique<UnknownsPreconditioner<dim>>(*this,
-                                                         std::move(matrix),
-                                                         options);
-  }
-
-
-
-  template <int dim>
-  std::unique_ptr<Preconditioner>
-  TangentLevel<dim>::lattice_preconditioner(const std::string &options) const
-  {
-    PetscMatrix              matrix = petsc_matrix();
-    const LatticeLevels<dim> lattice(
-      matrix.get(),
-      spline_space,
-      extended_mass.unknowns().unknown_functions(),
-      dim,
-      extended_mass.unknowns().held_unknowns());
-    return std::make_unique<UnknownsPreconditioner<dim>>(
-      *this, std::move(matrix), options, [&](PC pc) { lattice.apply_to(pc); });
+                         this->space(),
+                         this->extended_mass.unknowns().unknown_functions());
   }
 
 

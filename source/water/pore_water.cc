@@ -3,6 +3,7 @@
 #include <deal.II/base/quadrature_lib.h>
 
 #include <greville/base/errors.h>
+#include <greville/parameters/names.h>
 #include <greville/water/pore_water.h>
 
 #include <algorithm>
@@ -15,9 +16,6 @@ namespace greville
 
   namespace
   {
-    // What a hydraulic conductivity belongs to, m / s^2.
-    constexpr double earth_gravity = 9.81;
-
     /**
      * The penalty of Nitsche's method that covers the trace of a displacement
      * on cells of half the size, times the size of a cell.
@@ -27,27 +25,14 @@ namespace greville
 
 
     template <int dim>
-    Expression
-    pressure_of_wall(const std::string &text, const unsigned int wall)
-    {
-      std::vector<std::string> variables = coordinate_names<dim>();
-      variables.push_back("t");
-      return {text,
-              "Walls/" + WallParameters::names[wall] + " pore pressure",
-              variables};
-    }
-
-
-
-    template <int dim>
-    Expression
-    pressure_of_surface(const std::string &text, const std::string &name)
+    std::vector<std::string>
+    variables_of_surfaces()
     {
       std::vector<std::string> variables = coordinate_names<dim>();
       for (unsigned int d = 0; d < dim; ++d)
         variables.push_back(std::string(1, "XYZ"[d]));
       variables.push_back("t");
-      return {text, "Surface load " + name + "/Pore pressure", variables};
+      return variables;
     }
   } // namespace
 
@@ -81,26 +66,116 @@ namespace greville
       }
     transfer.reinit(displacements);
     filling.reinit(space());
-    points.reinit(displacements, space(), parents);
+    points.reinit(displacements,
+                  space(),
+                  parents,
+                  parameters.grid.is_axisymmetric());
     tables.resize(orders.n_levels());
+    const bool is_dynamic = parameters.scheme.stress_update != "quasi-static";
+    is_explicit           = is_explicit_scheme(parameters.scheme.stress_update);
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
       {
         levels.push_back(std::make_unique<PressureLevel<dim>>(orders[l]));
+        if (is_dynamic)
+          levels_of_mass.push_back(
+            std::make_unique<PressureLevel<dim>>(orders[l]));
         tables[l].reinit(orders[l]);
       }
+    of_cycle.multigrid.smoother = "chebyshev-ic0";
     for (VectorType *vector : {&pressure, &rows})
       initialize(*vector);
 
+    flow_is_linear = parameters.water.capillary_height == 0.;
+    std::vector<std::string> variables = coordinate_names<dim>();
+    variables.push_back("t");
+    const WallParameters &walls = parameters.walls;
     for (unsigned int w = 0; w < 2 * dim; ++w)
-      if (const std::string &text = parameters.walls.pore_pressure[w];
-          !text.empty())
-        of_walls.emplace(w, pressure_of_wall<dim>(text, w));
+      if (walls.passes_water(w))
+        {
+          const std::string name = "Walls/" + WallParameters::names[w];
+          of_walls.emplace(w,
+                           make_given(walls.pore_pressure[w],
+                                      walls.flux[w],
+                                      walls.seepage_face[w],
+                                      name + " pore pressure",
+                                      name + " flux",
+                                      variables));
+        }
     const auto &names = parameters.general.surface_loads;
     for (unsigned int k = 0; k < names.size(); ++k)
-      if (const std::string &text =
-            parameters.surface_loads.at(names[k]).pore_pressure;
-          !text.empty())
-        of_surfaces.emplace(k, pressure_of_surface<dim>(text, names[k]));
+      {
+        const SurfaceLoadParameters &load =
+          parameters.surface_loads.at(names[k]);
+        const std::string name = "Surface load " + names[k];
+        if (load.passes_water())
+          of_surfaces.emplace(k,
+                              make_given(load.pore_pressure,
+                                         load.flux,
+                                         load.seepage_face,
+                                         name + "/Pore pressure",
+                                         name + "/Flux",
+                                         variables_of_surfaces<dim>()));
+      }
+    for (const auto *given : {&of_walls, &of_surfaces})
+      for (const auto &entry : *given)
+        if (entry.second.kind == Kind::seepage)
+          flow_is_linear = false;
+  }
+
+
+
+  template <int dim>
+  typename PoreWater<dim>::Given
+  PoreWater<dim>::make_given(const std::string              &pressure,
+                             const std::string              &flux,
+                             const bool                      is_seepage_face,
+                             const std::string              &pressure_name,
+                             const std::string              &flux_name,
+                             const std::vector<std::string> &variables)
+  {
+    if (!flux.empty())
+      return {{flux, flux_name, variables}, Kind::flux};
+    return {{pressure, pressure_name, variables},
+            is_seepage_face ? Kind::seepage : Kind::pressure};
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::set(DrainedPoint<dim>             &point,
+                      const Given                   &given,
+                      const ArrayView<const double> &arguments) const
+  {
+    point.kind  = given.kind;
+    point.value = given.formula(arguments);
+    if (given.kind == Kind::flux)
+      return;
+    // Below a water level water comes in, too.
+    if (point.value > 0.)
+      point.kind = Kind::pressure;
+    point.mobility *=
+      relative_conductivity(point.value, parameters.water.suction())[0];
+  }
+
+
+
+  template <int dim>
+  std::array<double, 2>
+  PoreWater<dim>::mean_mobility(const Body<dim>   &body,
+                                const unsigned int cell) const
+  {
+    const WaterConstants soil   = constants(body);
+    double               volume = 0., sum = 0.;
+    body.points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+      volume += p.volume();
+      sum +=
+        p.volume() * (soil.solid > 0.
+                        ? kozeny_carman(p.volume() / p.volume0(), soil.solid)[0]
+                        : 1.);
+    });
+    // A surface may lie in a cell without points.
+    return {{soil.mobility * (volume > 0. ? sum / volume : 1.), volume}};
   }
 
 
@@ -113,7 +188,11 @@ namespace greville
     const WaterParameters &water    = parameters.water;
     return {water.bulk_modulus > 0. ? material.porosity / water.bulk_modulus
                                     : 0.,
-            material.conductivity / (water.density * earth_gravity)};
+            material.conductivity / water.unit_weight(),
+            material.conductivity_law == "kozeny-carman"
+              ? 1. - material.porosity
+              : 0.,
+            water.suction()};
   }
 
 
@@ -140,9 +219,11 @@ namespace greville
       filling.update(parts, parameters.scheme.filling_threshold(true), true) ||
       is_first;
     is_first = false;
-    for (auto &level : levels)
-      level->begin(filling, parts, changed);
+    for (const Levels *all : {&levels, &levels_of_mass})
+      for (auto &level : *all)
+        level->begin(filling, parts, changed);
     multigrid.reset();
+    multigrid_of_mass.reset();
   }
 
 
@@ -166,12 +247,16 @@ namespace greville
         add_surfaces(bodies, surfaces, time);
       },
       space().communicator());
-    std::vector<double> moduli{points.moduli()[0], points.moduli()[1]};
-    Utilities::MPI::sum(moduli, space().communicator(), moduli);
-    scale = moduli[0] > 0. ? moduli[1] / moduli[0] /
-                               displacements.lattice().smallest_cell_size()
-                           : 1.;
+    std::vector<double> sums{points.moduli()[0],
+                             points.moduli()[1],
+                             points.mass()};
+    Utilities::MPI::sum(sums, space().communicator(), sums);
+    scale = sums[0] > 0.
+              ? sums[1] / sums[0] / displacements.lattice().smallest_cell_size()
+              : 1.;
+    speed = sums[2] > 0. ? std::sqrt(sums[1] / sums[2]) : 0.;
     multigrid.reset();
+    multigrid_of_mass.reset();
   }
 
 
@@ -185,7 +270,7 @@ namespace greville
     const QGauss<dim - 1>       gauss(displacements.degree() + 1);
     std::array<double, dim + 1> arguments;
     arguments[dim] = time;
-    for (const auto &[w, formula] : of_walls)
+    for (const auto &[w, given] : of_walls)
       {
         const unsigned int d    = w / 2;
         const unsigned int side = w % 2;
@@ -198,17 +283,19 @@ namespace greville
               continue;
             double volume = 0., mobility = 0.;
             for (const Body<dim> &body : bodies)
-              body.points.for_each_in_cell(c, [&](const ConstPointRef<dim> p) {
-                volume += p.volume();
-                mobility += p.volume() * constants(body).mobility;
-              });
+              {
+                const auto mean = mean_mobility(body, c);
+                mobility += mean[0] * mean[1];
+                volume += mean[1];
+              }
             if (volume == 0.)
               continue;
             const Point<dim> corner = lattice.cell_corner(index);
             for (unsigned int q = 0; q < gauss.size(); ++q)
               {
                 DrainedPoint<dim> point;
-                point.cell = c;
+                point.cell     = c;
+                point.boundary = w;
                 for (unsigned int e = 0, k = 0; e < dim; ++e)
                   point.x[e] =
                     e == d
@@ -217,12 +304,18 @@ namespace greville
                 point.area[d] = (side == 0 ? -1. : 1.) * area *
                                 gauss.weight(q) * std::min(1., filled[c]);
                 point.to_basis = unit_symmetric_tensor<dim>();
+                if (parameters.grid.is_axisymmetric())
+                  {
+                    point.radius = point.x[0];
+                    point.area *= point.radius;
+                  }
                 point.mobility = mobility / volume;
                 point.penalty  = penalty / (2. * lattice.cell_size(d));
                 for (unsigned int e = 0; e < dim; ++e)
                   arguments[e] = point.x[e];
-                point.pressure =
-                  formula(ArrayView<const double>(arguments.data(), dim + 1));
+                set(point,
+                    given,
+                    ArrayView<const double>(arguments.data(), dim + 1));
                 points.add(point);
               }
           }
@@ -242,42 +335,61 @@ namespace greville
     arguments[2 * dim] = time;
     for (const auto &of_surface : of_surfaces)
       {
-        const Expression       &formula = of_surface.second;
+        const Given            &given   = of_surface.second;
         const Surface<dim>     &surface = surfaces[of_surface.first];
         const PointLayout<dim> &layout  = surface.points.layout();
-        const WaterConstants    soil    = constants(bodies[surface.body]);
         for (const unsigned int cell : surface.points.cells())
-          surface.points.for_each_in_cell(
-            cell, [&](const ConstPointRef<dim> p) {
-              const SurfaceState<dim> state = surface_state<dim>(p, layout);
-              DrainedPoint<dim>       point;
-              point.cell     = cell;
-              point.x        = p.basis_position(layout);
-              point.area     = p.mass() * state.area_vector();
-              point.to_basis = unit_symmetric_tensor<dim>();
-              if (layout.is_total_lagrangian())
-                point.to_basis = invert(state.F);
-              point.mobility = soil.mobility;
-              // The size of the cell along the normal, which has the direction
-              // F^T area in the configuration of the basis functions.
-              Tensor<1, dim> normal = point.area;
-              if (layout.is_total_lagrangian())
-                normal = transpose(state.F) * point.area;
-              double size = 0.;
-              for (unsigned int d = 0; d < dim; ++d)
-                size += std::abs(normal[d]) / (2. * lattice.cell_size(d));
-              point.penalty =
-                penalty * size * point.area.norm() / normal.norm_square();
-              for (unsigned int d = 0; d < dim; ++d)
-                {
-                  arguments[d]       = state.x[d];
-                  arguments[dim + d] = state.X[d];
-                }
-              point.pressure =
-                formula(ArrayView<const double>(arguments.data(), 2 * dim + 1));
-              points.add(point);
-            });
+          {
+            const double mobility =
+              mean_mobility(bodies[surface.body], cell)[0];
+            surface.points.for_each_in_cell(
+              cell, [&](const ConstPointRef<dim> p) {
+                const SurfaceState<dim> state = surface_state<dim>(p, layout);
+                DrainedPoint<dim>       point;
+                point.cell     = cell;
+                point.boundary = 2 * dim + of_surface.first;
+                point.x        = p.basis_position(layout);
+                point.area     = p.mass() * state.area_vector();
+                point.to_basis = unit_symmetric_tensor<dim>();
+                if (layout.is_total_lagrangian())
+                  point.to_basis = invert(state.F);
+                if (parameters.grid.is_axisymmetric())
+                  point.radius = state.x[0];
+                point.mobility = mobility;
+                // The size of the cell along the normal, which has the
+                // direction F^T area in the configuration of the basis
+                // functions.
+                Tensor<1, dim> normal = point.area;
+                if (layout.is_total_lagrangian())
+                  normal = transpose(state.F) * point.area;
+                double size = 0.;
+                for (unsigned int d = 0; d < dim; ++d)
+                  size += std::abs(normal[d]) / (2. * lattice.cell_size(d));
+                point.penalty =
+                  penalty * size * point.area.norm() / normal.norm_square();
+                for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    arguments[d]       = state.x[d];
+                    arguments[dim + d] = state.X[d];
+                  }
+                set(point,
+                    given,
+                    ArrayView<const double>(arguments.data(), 2 * dim + 1));
+                points.add(point);
+              });
+          }
       }
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::guess(VectorType &x)
+  {
+    initialize(x);
+    if (!flow_is_linear)
+      points.average_old_pressure(x);
   }
 
 
@@ -328,36 +440,73 @@ namespace greville
 
 
   template <int dim>
-  void
-  PoreWater<dim>::set_up()
+  std::unique_ptr<PMultigrid<dim>>
+  PoreWater<dim>::make_cycle(const Levels &of_cycles,
+                             const double  mobility) const
   {
-    if (multigrid)
-      return;
-    for (unsigned int l = 0; l < levels.size(); ++l)
+    for (unsigned int l = 0; l < of_cycles.size(); ++l)
       {
-        points.add_schur_complement(tables[l], levels[l]->begin_matrix());
-        levels[l]->finish_matrix();
+        points.add_schur_complement(tables[l],
+                                    mobility,
+                                    of_cycles[l]->begin_matrix());
+        of_cycles[l]->finish_matrix();
       }
-    TangentParameters of_cycle; // that of the displacement
-    of_cycle.multigrid.smoother = "chebyshev-ic0";
-    unsigned int n_long         = 0;
+    // In strips one cell wide, IC(0) is exact.
+    unsigned int n_long = 0;
     for (const unsigned int n : space().lattice().n_cells())
       n_long += n > 1;
-    const auto make = [&](const bool with_levels) {
-      typename PMultigrid<dim>::Levels operators;
-      if (!with_levels)
-        of_cycle.multigrid.coarsening = "none";
-      for (const auto &level : levels)
-        if (with_levels || level == levels.back())
-          operators.push_back(level.get());
-      multigrid =
-        std::make_unique<PMultigrid<dim>>(operators,
-                                          of_cycle.multigrid,
-                                          of_cycle.smoother,
-                                          of_cycle.multigrid.coarse_tolerance);
-    };
-    // In strips one cell wide, IC(0) is exact.
-    make(n_long > 1);
+    PMultigridParameters cycle = of_cycle.multigrid;
+    if (n_long <= 1)
+      cycle.coarsening = "none";
+    typename PMultigrid<dim>::Levels operators;
+    for (const auto &level : of_cycles)
+      if (n_long > 1 || level == of_cycles.back())
+        operators.push_back(level.get());
+    return std::make_unique<PMultigrid<dim>>(operators,
+                                             cycle,
+                                             of_cycle.smoother,
+                                             cycle.coarse_tolerance);
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::find_free_motion(const SolveMass &solve_mass)
+  {
+    VectorField<dim> force, motion;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        displacements.initialize_vector(force[d]);
+        displacements.initialize_vector(motion[d]);
+      }
+    pressure = 1.;
+    points.spread(pressure, force);
+    for (VectorType &component : force)
+      component *= -1.;
+    solve_mass(force, motion);
+    points.set_free_motion(motion);
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::set_up(const double mass_factor, const SolveMass &solve_mass)
+  {
+    if (flow_is_linear && (multigrid || multigrid_of_mass))
+      return;
+    if (!is_explicit)
+      multigrid = make_cycle(levels, 0.);
+    // Inertia does not count where waves pass the grid in a step.
+    const auto &lattice = space().lattice();
+    double      square  = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      square += std::pow(lattice.upper(d) - lattice.lower(d), 2);
+    if (!is_explicit && speed * speed >= mass_factor * square)
+      return;
+    find_free_motion(solve_mass);
+    multigrid_of_mass = make_cycle(levels_of_mass, 1. / mass_factor);
   }
 
 
@@ -366,7 +515,15 @@ namespace greville
   void
   PoreWater<dim>::precondition(VectorType &dx, const VectorType &of_rows) const
   {
-    multigrid->vmult(dx, of_rows);
+    if (multigrid)
+      multigrid->vmult(dx, of_rows);
+    else
+      dx = 0.;
+    if (multigrid_of_mass)
+      {
+        multigrid_of_mass->vmult(rows, of_rows);
+        dx.add(1., rows);
+      }
     dx *= 1. / scale;
   }
 
@@ -395,7 +552,7 @@ namespace greville
 
 
   template <int dim>
-  std::array<double, 2>
+  std::vector<double>
   PoreWater<dim>::advance(std::vector<Body<dim>> &bodies) const
   {
     std::vector<std::pair<MaterialPoints<dim> *, unsigned int>> of_bodies;

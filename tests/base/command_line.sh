@@ -88,6 +88,22 @@ grep -q 'set Order *= 1' output/defaults/parameters.prm || fail "the setting is 
 accept 'set Order        = 3' -- "$greville" slope.prm --print-parameters --set Grid/Order=3
 refuse 'The option --set <Grid/Odrer=3>: in the section' "$greville" slope.prm --set Grid/Odrer=3
 refuse 'The option --set <Grid/Order=9>: the parameter' "$greville" slope.prm --check --set Grid/Order=9
+# JSON and XML lead to the same values, of templates with stages as well.
+for template in $templates; do
+  "$greville" "$template.prm" --print-parameters >first.prm
+  for format in json xml; do
+    "$greville" "$template.prm" --print-parameters $format >"$template.$format" || fail "--print-parameters $format"
+    accept -- "$greville" "$template.$format" --print-parameters
+    cmp first.prm out || fail "$template.$format has other values"
+    rm "$template.$format"
+  done
+done
+accept '"Order": 3,' -- "$greville" --print-parameters json slope.prm --set Grid/Order=3
+accept '<Upper_20corner>' -- "$greville" --print-parameters=xml
+accept '<Solvers>' -- "$benchmark" --print-parameters xml
+refuse 'takes one of prm|json|xml, not <yaml>' "$greville" slope.prm --print-parameters=yaml
+echo '{"Grid": {"Odrer": 3}, "Simulation": {"Bodies": "a"}, "Body a": {"Shape": "none"}}' >wrong.json
+refuse "<wrong.json>: in the section 'Grid' there is no parameter 'Odrer'. Did you mean <Order>?" "$greville" wrong.json
 refuse '--draw is for the initial state' "$greville" slope.prm --draw here
 refuse 'is given twice' "$greville" slope.prm --check --check
 refuse '--resume and --from exclude each other' "$greville" slope.prm --resume --from there

@@ -189,6 +189,39 @@ def check_points_to_csv():
     check("a file that is none of VTK", result.returncode == 1 and "ends with <.py>, none of .vtu" in result.stderr)
 
 
+def check_drawing(place, case):
+    """What --check --draw writes, with a load, a rigid body and probes, and its picture."""
+    from greville.set_up import probes_of
+    points, boxes = probes_of("0.5, 0.5; box(0, 0, 1, 1); ball(0, 0, 1); 1, 2", 2)
+    check("probes", sorted(points) == [0, 3] and list(boxes) == [1] and boxes[1].tolist() == [[0, 0], [1, 1]])
+    folder = place / "drawing"
+    sets = [word for setting in ("Simulation/Surface loads=push", "Surface load push/Body=block", "Surface load push/Kind=traction",
+                                 "Surface load push/Traction=-1; 0", "Output/Probes=0.5, 0.5; box(1.3, 0.3, 1.5, 0.5)",
+                                 "Simulation/Rigid bodies=floor", "Rigid body floor/Shape=half_space(0, 1, 0.1)")
+            for word in ("--set", setting)]
+    result = subprocess.run([PROGRAM, case, *sets, "--check", "--draw", folder], capture_output=True, text=True)
+    check(f"--check --draw: {result.stderr}", result.returncode == 0 and (folder / "surface.pvd").is_file() and (folder / "rigid_floor.pvd").is_file())
+    drawn = subprocess.run([sys.executable, "-B", PROJECT / "scripts/picture", folder], capture_output=True, text=True)
+    check(f"picture.png: {drawn.stderr}", drawn.returncode == 0 and (folder / "picture.png").is_file() and not (folder / "animation.gif").exists())
+
+
+def check_one_file(place, case):
+    """Pictures, the report, the script for ParaView and a table of points in one file."""
+    if not has("h5py"):
+        return
+    folder = place / "one_file"
+    result = subprocess.run([PROGRAM, case, "--set", "Output/Points format=vtkhdf", "--set", f"Output/Directory={folder}"], capture_output=True, text=True)
+    check(f"points in one file: {result.stderr}", result.returncode == 0)
+    check_points(Run(folder))
+    for words in (["picture", folder], ["report", folder], ["paraview", folder], ["points_to_csv", folder / "points.vtkhdf", "--time", "0.02"]):
+        done = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / words[0], *words[1:]], capture_output=True, text=True)
+        check(f"{words[0]} of points in one file: {done.stderr}", done.returncode == 0)
+    check("a table of them", done.stdout.startswith("x,y,z,") and done.stdout.count("\n") == 129)
+    check("view.py reads points.xdmf", "ONE_FILE = True" in (folder / "view.py").read_text())
+    Run(folder).points(-1).save_csv(folder / "last.csv")
+    check("save_csv", abs(read_table(folder / "last.csv")["x"] - Run(folder).points(-1).x[:, 0]).max() < 1e-8)
+
+
 def check_facts(place, case):
     """Reports of sweeps and of stages say what each of them did."""
     sweep = report_of(place / "sweep", case, ["Sweep/Cells=8, 16", "Sweep/Orders=1, 2", "Sweep/Masses=lumped, consistent",
@@ -235,6 +268,9 @@ def main():
         compile((run.folder / "view.py").read_text(), "view.py", "exec")
         if has_vtk():
             check_points_to_csv()
+        if has_vtk() and has("matplotlib") and has("PIL"):
+            check_drawing(Path(name), Path(name) / "case.prm")
+            check_one_file(Path(name), Path(name) / "case.prm")
         check_facts(Path(name), Path(name) / "case.prm")
         if has_points:
             check_factor_of_safety(Path(name))

@@ -22,6 +22,13 @@ namespace greville
   make_file(const std::string &file, const std::uint64_t size);
 
   /**
+   * Have room on the disk for @p size bytes behind the end of a file, whose
+   * length stays. Throws dealii::ExcMessage where there is none.
+   */
+  void
+  reserve_room(const std::string &file, const std::uint64_t size);
+
+  /**
    * The system's reason why a file cannot be written on, "No space left on
    * device. ", or nothing. What a library met is no longer known: it is tried
    * again at the end of the file.

@@ -24,6 +24,9 @@ namespace greville
     std::string meaning;
     bool        value_is_needed = true;
     bool        may_be_repeated = false;
+    /// What the value may be; empty: what it likes. One that is not needed is
+    /// what follows the option only where it is one of these.
+    std::vector<std::string> words = {};
   };
 
 

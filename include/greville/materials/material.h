@@ -233,9 +233,11 @@ namespace greville
     double density = 1000.;
 
     /// With pore water: the fraction of the volume that it fills in the
-    /// stress-free state, and the hydraulic conductivity, m / s. 0: not given.
-    double porosity     = 0.;
-    double conductivity = 0.;
+    /// stress-free state, and the hydraulic conductivity there, m / s. 0: not
+    /// given. The law is constant or kozeny-carman.
+    double      porosity         = 0.;
+    double      conductivity     = 0.;
+    std::string conductivity_law = "constant";
   };
 
 

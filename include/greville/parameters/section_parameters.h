@@ -43,9 +43,25 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
+    /// The pressure of a column of water of height 1 on earth, Pa / m.
+    double
+    unit_weight() const
+    {
+      return 9.81 * density;
+    }
+
+    /// Of the capillary height, Pa.
+    double
+    suction() const
+    {
+      return unit_weight() * capillary_height;
+    }
+
     double       density      = 1000.;
     double       bulk_modulus = 2.2e9; // 0: infinite
     unsigned int degree       = 0;     // 0: that of the grid
+    std::string  table;
+    double       capillary_height = 0.; // 0: infinite
   };
 
 
@@ -173,6 +189,12 @@ namespace greville
       return area == "current";
     }
 
+    bool
+    passes_water() const
+    {
+      return !pore_pressure.empty() || !flux.empty();
+    }
+
     std::string body;
     std::string where;
     std::string kind = "traction";
@@ -182,6 +204,8 @@ namespace greville
     double      stiffness = 0.;
     std::string displacement;
     std::string pore_pressure;
+    bool        seepage_face = false;
+    std::string flux;
   };
 
 

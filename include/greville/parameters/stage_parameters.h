@@ -198,6 +198,14 @@ namespace greville
     std::array<std::string, 6> displacement;
     std::array<double, 6>      friction{};
     std::array<std::string, 6> pore_pressure;
+    std::array<bool, 6>        seepage_face{};
+    std::array<std::string, 6> flux;
+
+    bool
+    passes_water(const unsigned int wall) const
+    {
+      return !pore_pressure[wall].empty() || !flux[wall].empty();
+    }
 
     bool
     is_periodic(const unsigned int wall) const

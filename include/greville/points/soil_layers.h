@@ -4,6 +4,7 @@
 #define greville_points_soil_layers_h
 
 #include <greville/points/body.h>
+#include <greville/points/water_table.h>
 
 #include <string>
 #include <vector>
@@ -27,6 +28,10 @@ namespace greville
    * with its own 'Surface' s at the place, and above it the surfaces s_i of the
    * layers, from below, that are there: a layer is where its 'Shape' has the
    * middle between s_(i-1) and s_i. The body may be among the layers.
+   *
+   * Below a water @p table the pressure p of water at rest is subtracted, and
+   * that of water above the highest surface added: the stress is the effective
+   * one. Points with a field "pore_pressure" keep p.
    */
   template <int dim>
   std::vector<unsigned int>
@@ -34,7 +39,8 @@ namespace greville
               const SplineSpace<dim>       &space,
               const dealii::Tensor<1, dim> &gravity,
               const PointLayout<dim>       &layout,
-              const std::vector<SoilLayer> &layers);
+              const std::vector<SoilLayer> &layers,
+              const WaterTable<dim>        &table = {});
 } // namespace greville
 
 #endif

@@ -20,19 +20,53 @@ namespace greville
   {
     /// Porosity over the bulk modulus of water, 1 / Pa.
     double storage = 0.;
-    /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s).
+    /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s), in
+    /// the stress-free state where there is a solid part.
     double mobility = 0.;
+    /// 1 - porosity where the conductivity follows the void ratio; 0: it is
+    /// constant.
+    double solid = 0.;
+    /// Pa, see relative_conductivity().
+    double suction = 0.;
   };
 
 
 
   /**
-   * A point of the boundary at which the pressure is given.
+   * The law of Kozeny and Carman (@ref Carman1937 "1937"): e^3 / (1 + e) over
+   * its value for J = 1, with the void ratio e of 1 + e = J / solid, and its
+   * derivative by J. At least 1e-6, where hardly a pore is left.
+   */
+  std::array<double, 2>
+  kozeny_carman(const double J, const double solid);
+
+  /**
+   * The conductivity at a pressure p (Pa) over that of full pores, and its
+   * derivative: it falls smoothly from 1 at p = 0 to 1e-3 at p = -suction. 1
+   * where the suction is 0. This lets water leave the soil above a free surface
+   * (@ref Bathe1979 "Bathe and Khoshgoftaar, 1979"); the pores stay full.
+   */
+  std::array<double, 2>
+  relative_conductivity(const double p, const double suction);
+
+
+
+  /**
+   * A point of the boundary at which the pressure or the flow is given.
    */
   template <int dim>
   struct DrainedPoint
   {
-    unsigned int cell; // owned
+    enum class Kind
+    {
+      pressure,
+      seepage, // p is at most the pressure, and water only leaves
+      flux
+    };
+
+    Kind         kind = Kind::pressure;
+    unsigned int cell;     // owned
+    unsigned int boundary; // the number of the wall or the surface
     /// Where the basis functions are taken, m.
     dealii::Point<dim> x;
     /// The normal, outwards, times the area at the start of the step.
@@ -40,11 +74,14 @@ namespace greville
     /// From gradients with respect to x to those at the start of the step:
     /// 1, or the inverse of F in total Lagrangian steps.
     dealii::Tensor<2, dim> to_basis;
-    /// Pa.
-    double pressure;
-    double mobility;
+    /// Pa; of the kind flux the flow outwards, m / s.
+    double value;
+    /// At the start of the step.
+    double mobility = 0.;
     /// Of Nitsche's method, over the size of a cell at the start, 1 / m.
-    double penalty;
+    double penalty = 0.;
+    /// The distance from the axis at the start, m; 0 without axisymmetry.
+    double radius = 0.;
   };
 
 
@@ -65,12 +102,20 @@ namespace greville
    * @f}
    * where all gradients, V = J V_0 and areas are those at the end of the step.
    * The last line is Nitsche's method for the pressure of drained boundaries.
-   * The change of volume is summed at the points of the displacement, and the
+   * The flow outwards is \f$\kappa (\beta / h \, (p - \bar p) - w \cdot n)\f$
+   * there. A seepage face has the positive part of it, times q_b, in place of
+   * the line (@ref Chouly2015 "Chouly, Hild and Renard, 2015", theta = 0),
+   * which is not less stable: its points change between drained and impervious
+   * ones within Newton's method. Where a flow is given, that stands there. The
+   * change of volume is summed at the points of the displacement, and the
    * storage is that per V_0.
    *
    * The p_n is that which points keep, sampled at their places: where points
    * stay in the space of the pressure, as in total Lagrangian steps, this is
    * the same as its coefficients.
+   *
+   * Axisymmetric points have volumes and areas per radian. Their J has the
+   * factor r / r_n, and forces have the part @f$- V p N_a / r@f$ along r.
    */
   template <int dim>
   class WaterPoints
@@ -84,7 +129,8 @@ namespace greville
     void
     reinit(const SplineSpace<dim>          &displacements,
            const SplineSpace<dim>          &pressures,
-           const std::vector<unsigned int> &parents);
+           const std::vector<unsigned int> &parents,
+           const bool                       is_axisymmetric = false);
 
     /**
      * Begin a step of length @p dt (s) with the weight of water per volume (N /
@@ -131,14 +177,42 @@ namespace greville
     spread(const VectorType &dp, VectorField<dim> &force) const;
 
     /**
-     * Add the derivative of r by p at the start of the step, and the sum of V q
-     * q over the modulus of pressure waves of each point, which stands for what
-     * a displacement that follows the pressure adds: the Schur complement. The
-     * functions are those of any order on the same cells as the pressures.
+     * Collective. f at the start of the step, with the pressures that points
+     * keep.
+     */
+    void
+    begin_force(VectorField<dim> &force) const;
+
+    /**
+     * Collective. The displacement @p u, m^2 s^2 / kg times Pa, by which the
+     * forces of the pressure 1 move a body that has nothing but its mass M, M u
+     * = - f: it is not zero where the body can move at its surface.
+     * add_schur_complement() needs it for bodies with inertia.
+     */
+    void
+    set_free_motion(const VectorField<dim> &u);
+
+    /**
+     * Add the derivative of r by p at the start of the step, and what a
+     * displacement that follows the pressure adds: the Schur complement. With
+     * @p kick = 0 the latter is that of stiff soil without inertia, the sum
+     * of V q q over the modulus of pressure waves of each point; else that of
+     * soil that has nothing but its mass times @p kick (s^2), the sum
+     * of V / rho grad q . grad q and, at free surfaces, of V div u q q with the
+     * u of set_free_motion(). The functions are those of any order on the same
+     * cells as the pressures.
      */
     void
     add_schur_complement(const SpacePolynomials<dim> &functions,
+                         const double                 kick,
                          StencilMatrix<dim>          &matrix) const;
+
+    /**
+     * Collective. The mean of the pressure at the start around each function of
+     * the pressure, 0 where there are no points.
+     */
+    void
+    average_old_pressure(VectorType &p) const;
 
     /**
      * Give the points of all bodies, in the order in which they were added,
@@ -151,10 +225,10 @@ namespace greville
 
     /**
      * Of the last evaluate() on this process: the volume of water that the step
-     * has brought to the pores, and that which has left through drained
-     * boundaries, m^3 (2D: m^2).
+     * has brought to the pores, that which has left through all boundaries, and
+     * through each of them, m^3 (2D: m^2).
      */
-    const std::array<double, 2> &
+    const std::vector<double> &
     volumes() const
     {
       return water_volumes;
@@ -190,6 +264,13 @@ namespace greville
       return sums_of_moduli;
     }
 
+    /// The mass of the points of this process, kg (2D: kg / m).
+    double
+    mass() const
+    {
+      return sum_of_masses;
+    }
+
   private:
     /**
      * A term of the sums. Those of a cell follow one another.
@@ -199,6 +280,9 @@ namespace greville
       unsigned int           cell;
       dealii::Point<dim>     x;
       dealii::Tensor<2, dim> to_basis;
+      // Of axisymmetric ones: the distance from the axis at the start, that to
+      // which the change of the volume is relative, and that at the end.
+      double radius = 0., radius_of_F = 0., end_radius = 0.;
 
       // At the end of a trial step: the volume relative to the start and its
       // change, what makes gradients there of those of the basis functions, and
@@ -215,23 +299,37 @@ namespace greville
       // Times volumes: V0 phi / K_w, k V / gamma_w at the start, and V over the
       // modulus of pressure waves.
       double storage, mobility, compliance;
-      double old_p;
+      // Over the density, and the volume times div u of set_free_motion().
+      double of_mass, of_surface = 0.;
+      double old_p, old_J, solid, suction;
     };
 
     struct DrainedTerm : Term
     {
-      dealii::Tensor<1, dim> area, end_area;
-      double                 given_p, mobility, penalty;
+      typename DrainedPoint<dim>::Kind kind;
+      dealii::Tensor<1, dim>           area, end_area;
+      double                           value, mobility, penalty;
+      unsigned int                     boundary;
     };
 
     /**
-     * What a term gives: to the force by gradients of N, to the rows by q and
-     * by gradients of q.
+     * The mobility, times what that of the term is times, and its derivatives
+     * by the relative change of volume and by the pressure.
+     */
+    struct Mobility
+    {
+      double value, by_volume, by_pressure;
+    };
+
+    /**
+     * What a term gives: to the force by gradients of N and, along r, by N; to
+     * the rows by q and by gradients of q.
      */
     struct Sources
     {
       dealii::Tensor<2, dim> force;
-      double                 value = 0.;
+      double                 radial = 0.;
+      double                 value  = 0.;
       dealii::Tensor<1, dim> gradient;
     };
 
@@ -240,8 +338,9 @@ namespace greville
      */
     struct Change
     {
-      dealii::Tensor<2, dim> h; // of the displacement
-      double                 p = 0.;
+      dealii::Tensor<2, dim> h;         // of the displacement
+      double                 hoop = 0.; // that along r over r
+      double                 p    = 0.;
       dealii::Tensor<1, dim> gradient;
     };
 
@@ -250,18 +349,20 @@ namespace greville
     {
       evaluate,
       multiply,
-      spread
+      spread,
+      begin,      // begin_force()
+      free_motion // set_free_motion()
     };
 
     /**
-     * Collective. A pass over all terms. @p rows may be null.
+     * Collective. A pass over all terms. What it does not need is null.
      */
     template <Pass pass, typename Self>
     static void
     run(Self                   &self,
         const VectorField<dim> *u,
-        const VectorType       &p,
-        VectorField<dim>       &force,
+        const VectorType       *p,
+        VectorField<dim>       *force,
         VectorType             *rows);
 
     template <int n, int m, Pass pass, typename Self, typename Terms>
@@ -278,6 +379,12 @@ namespace greville
     void
     count(const DrainedTerm &term, const double volume);
 
+    Mobility
+    mobility(const PointTerm &term) const;
+    /// Times the area at the end; of seepage faces without its sign.
+    double
+    outflow(const DrainedTerm &term) const;
+
     Sources
     sources(const PointTerm &term) const;
     Sources
@@ -289,13 +396,15 @@ namespace greville
 
     SpacePolynomials<dim>     displacement_tables, pressure_tables;
     std::vector<unsigned int> parents;
+    bool                      is_axisymmetric = false;
 
     double                   dt = 0.;
     dealii::Tensor<1, dim>   weight;
     std::vector<PointTerm>   points;
     std::vector<DrainedTerm> drained;
-    double                   pressure_work = 0.;
-    std::array<double, 2>    water_volumes{}, cell_squares{}, sums_of_moduli{};
+    double                   pressure_work = 0., sum_of_masses = 0.;
+    std::vector<double>      water_volumes;
+    std::array<double, 2>    cell_squares{}, sums_of_moduli{};
 
     mutable std::vector<double> u_buffer, p_buffer, forces, row_sums;
   };

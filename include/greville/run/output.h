@@ -8,6 +8,7 @@
 #include <greville/points/body_list.h>
 #include <greville/points/point_transfer.h>
 #include <greville/points/surface.h>
+#include <greville/run/point_series.h>
 
 #include <map>
 #include <string>
@@ -46,6 +47,15 @@ namespace greville
 
 
   /**
+   * Whether 'Output/Points format' asks for all times of the points in one
+   * file.
+   */
+  bool
+  points_in_one_file(const SimulationParameters &parameters);
+
+
+
+  /**
    * Writes points, grid fields, the points of loads and contacts on surfaces,
    * and rigid bodies for ParaView: points_NNNN.pvtu, grid_NNNN.pvtu,
    * surface_NNNN.pvtu and rigid_NAME_NNNN.pvtu, with points.pvd, grid.pvd,
@@ -58,10 +68,12 @@ namespace greville
   {
   public:
     /**
-     * The parameters are kept by reference.
+     * The parameters are kept by reference. Points go to a PointSeries where
+     * they are wanted in one file.
      */
     FieldOutput(const std::string      &directory,
-                const OutputParameters &parameters);
+                const OutputParameters &parameters,
+                const bool              points_in_one_file = false);
 
     /**
      * Collective. Write the points: the fields of the parameters, see
@@ -126,9 +138,12 @@ namespace greville
 
     /**
      * Collective. Go on with what an earlier run has written, its record():
-     * numbered files that it wrote later are removed.
+     * numbered files that it wrote later are removed, and times are removed
+     * from the file with all of them. Returns a warning where that file cannot
+     * be read; it is renamed, and begins anew. Throws dealii::ExcMessage where
+     * points had been written in another format.
      */
-    void
+    std::string
     go_on(const std::string &record, const MPI_Comm comm);
 
   private:
@@ -144,8 +159,16 @@ namespace greville
                const MPI_Comm     comm,
                const bool         is_of_first = false);
 
+    /**
+     * Collective. What go_on() does for the file with all times.
+     */
+    std::string
+    go_on_with_series(const MPI_Comm comm);
+
     const std::string       directory;
     const OutputParameters &parameters;
+    const bool              has_series;
+    PointSeries<dim>        series;
     // By name: "points", "grid", "surface".
     std::map<std::string, std::vector<std::pair<double, std::string>>>
       times_and_names;

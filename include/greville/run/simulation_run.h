@@ -197,12 +197,6 @@ namespace greville
     write_fields();
 
     /**
-     * Those of the surfaces of a part.
-     */
-    std::vector<SurfaceNumbers>
-    numbers_of_surfaces(const Simulation<dim> &part) const;
-
-    /**
      * What is due after a step.
      */
     void
@@ -262,6 +256,7 @@ namespace greville
     CsvWriter                  statistics_file;
     // Walls and components of the forces that are written.
     std::vector<std::pair<unsigned int, unsigned int>> reactions;
+    std::vector<std::pair<unsigned int, std::string>>  outflows;
     EndOfRun                                           end_of_run;
     // Whether the run ends before its time, and how.
     bool                          ends = false;

@@ -5,6 +5,7 @@
 
 #include <greville/steps/contact.h>
 #include <greville/steps/damping.h>
+#include <greville/steps/fractional_step.h>
 #include <greville/steps/move_points.h>
 #include <greville/steps/step_size.h>
 #include <greville/steps/velocity_filter.h>
@@ -18,7 +19,8 @@ namespace greville
    *
    *   M, P, F     from the points                             (points to grid)
    *   M v  = P    the velocity of the grid
-   *   M a  = F    with gravity, then damped
+   *   M a  = F    with gravity, then damped, and with the pressure of pore
+   *               water (see FractionalStep)
    *   v'   = v + dt' a, filtered (consistent mass, see VelocityFilter), and
    *          changed by each Contact
    *   points are kicked by a (FLIP) or take v' (PIC, APIC), and are moved by v'
@@ -197,6 +199,10 @@ namespace greville
     void
     find_acceleration(State<dim> &state);
 
+    /// Collective. Add what the pressure of pore water gives.
+    void
+    add_pressure(const State<dim> &state, GridField<dim> &field);
+
     /// The velocity that the acceleration leads to, with contact, and the work
     /// in the step.
     void
@@ -261,6 +267,8 @@ namespace greville
     /// The fraction of the velocity that FLIP keeps in a step.
     double
     flip_share(const State<dim> &state, const double velocity_step) const;
+
+    std::unique_ptr<FractionalStep<dim>> water; // null: none
 
     VelocityFilter<dim> filter; // consistent mass
     Damping<dim>        damping;

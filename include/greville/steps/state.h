@@ -164,9 +164,9 @@ namespace greville
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
 
     /// Pore water since the begin, the share of this process, m^3 (2D: m^2):
-    /// what has come to the pores, and what has left through drained
-    /// boundaries.
-    std::array<double, 2> water{};
+    /// what has come to the pores, what has left through all boundaries, and
+    /// what through each wall and each surface.
+    std::vector<double> water;
 
     /// How the cells are shared among processes, how often they were shared
     /// anew, and the imbalance() that the last time has left.

@@ -11,6 +11,7 @@
 #include <greville/points/water_points.h>
 #include <greville/water/pressure_level.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <vector>
@@ -18,7 +19,7 @@
 namespace greville
 {
   /**
-   * The pressure of pore water in quasi-static steps, see WaterPoints for the
+   * The pressure of pore water in implicit steps, see WaterPoints for the
    * equations. Stresses of points are effective ones; the total stress is that
    * less the pressure.
    *
@@ -40,7 +41,10 @@ namespace greville
    * + B dp), with one cycle of p-multigrid each for A and for S, which is C and
    * the sum over points of V / M q q, with the modulus M of pressure waves of
    * each point (close to that of @ref White2011 "White and Borja, 2011", whose
-   * weights are one number).
+   * weights are one number). In dynamic steps A has the mass, too, and S^-1 is
+   * the sum of two inverses: that one, for soil without inertia, and one for
+   * soil that has nothing but inertia (as for fluids, @ref Cahouet1988 "Cahouet
+   * and Chabard, 1988").
    *
    * Rows of the pressure are volumes times scale(), so that they are forces
    * that Newton's method can compare with those of the other rows.
@@ -99,6 +103,13 @@ namespace greville
     }
 
     /**
+     * Collective. The pressure that a trial step begins with: zero, or where
+     * the flow depends on it, that of the points at the start.
+     */
+    void
+    guess(VectorType &x);
+
+    /**
      * Collective. The pressure x, the force on the grid, which is overwritten,
      * and the residual of the balance of water.
      */
@@ -124,11 +135,30 @@ namespace greville
     spread(const VectorType &dx, VectorField<dim> &force) const;
 
     /**
-     * Collective. Make the cycle of the Schur complement of this step, unless
-     * there is one. Throws ErrorOnAll where none can be made.
+     * Collective. The force at the start of the step, with the pressures that
+     * points keep.
      */
     void
-    set_up();
+    begin_force(VectorField<dim> &force) const
+    {
+      points.begin_force(force);
+    }
+
+    /**
+     * What makes the u of M u = b in the second argument out of the b in the
+     * first one.
+     */
+    using SolveMass =
+      std::function<void(const VectorField<dim> &, VectorField<dim> &)>;
+
+    /**
+     * Collective. Make the cycles of the Schur complement of the last
+     * evaluate(), unless there are any of this step and the flow is linear,
+     * where A has the mass M times @p mass_factor (1 / s^2), and
+     * nothing else in explicit steps. Throws ErrorOnAll where none can be made.
+     */
+    void
+    set_up(const double mass_factor, const SolveMass &solve_mass);
 
     /**
      * Collective. dx = S^-1 rows.
@@ -148,11 +178,11 @@ namespace greville
 
     /**
      * Collective. Give the points the pressure of the last evaluate(). Returns
-     * the share of this process of the water that has come to the pores and of
-     * that which has left through drained boundaries in the step, m^3 (2D:
-     * m^2).
+     * the share of this process of the water that has come to the pores, of
+     * that which has left through all boundaries in the step, and through each
+     * wall and each surface, m^3 (2D: m^2).
      */
-    std::array<double, 2>
+    std::vector<double>
     advance(std::vector<Body<dim>> &bodies) const;
 
     /// WaterPoints::work().
@@ -163,6 +193,25 @@ namespace greville
     }
 
   private:
+    using Kind = typename DrainedPoint<dim>::Kind;
+
+    /**
+     * What is given at a wall or a surface: a pressure, or a flow.
+     */
+    struct Given
+    {
+      Expression formula;
+      Kind       kind;
+    };
+
+    static Given
+    make_given(const std::string              &pressure,
+               const std::string              &flux,
+               const bool                      is_seepage_face,
+               const std::string              &pressure_name,
+               const std::string              &flux_name,
+               const std::vector<std::string> &variables);
+
     /**
      * The points of drained walls and surfaces.
      */
@@ -174,8 +223,36 @@ namespace greville
                  const std::vector<Surface<dim>> &surfaces,
                  const double                     time);
 
+    /**
+     * Set what is given at a point whose mobility in full pores is known.
+     */
+    void
+    set(DrainedPoint<dim>                     &point,
+        const Given                           &given,
+        const dealii::ArrayView<const double> &arguments) const;
+
+    /**
+     * The mean of the mobility in full pores at the points of a body in a cell
+     * at the start, weighted by volume, and these volumes.
+     */
+    std::array<double, 2>
+    mean_mobility(const Body<dim> &body, const unsigned int cell) const;
+
     WaterConstants
     constants(const Body<dim> &body) const;
+
+    /// The levels of a Schur complement.
+    using Levels = std::vector<std::unique_ptr<PressureLevel<dim>>>;
+
+    /// WaterPoints::add_schur_complement(), and the cycle.
+    std::unique_ptr<PMultigrid<dim>>
+    make_cycle(const Levels &levels, const double mobility) const;
+
+    /**
+     * Collective. WaterPoints::set_free_motion().
+     */
+    void
+    find_free_motion(const SolveMass &solve_mass);
 
     const SplineSpace<dim>     &displacements;
     const SimulationParameters &parameters;
@@ -187,14 +264,18 @@ namespace greville
     WaterPoints<dim>            points;
     double                      penalty = 0.; // of Nitsche's method, over h
 
-    std::map<unsigned int, Expression> of_walls, of_surfaces;
+    std::map<unsigned int, Given> of_walls, of_surfaces;
+    bool                          flow_is_linear = true;
 
-    std::vector<std::unique_ptr<PressureLevel<dim>>> levels;
-    std::vector<SpacePolynomials<dim>>               tables; // by level
-    std::unique_ptr<PMultigrid<dim>>                 multigrid;
-    bool                                             is_first = true;
+    // Without inertia; and with nothing but it, in dynamic steps.
+    Levels                             levels, levels_of_mass;
+    std::vector<SpacePolynomials<dim>> tables; // by level
+    std::unique_ptr<PMultigrid<dim>>   multigrid, multigrid_of_mass;
+    TangentParameters                  of_cycle;
+    bool                               is_first = true, is_explicit = false;
 
     double             scale = 0.; // N / m^3 (2D: N / m^3)
+    double             speed = 0.; // of pressure waves, m / s
     mutable VectorType pressure, rows;
   };
 } // namespace greville

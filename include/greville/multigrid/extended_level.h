@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_multigrid_extended_level_h
+#define greville_multigrid_extended_level_h
+
+#include <greville/linear_algebra/partitioned_cholesky.h>
+#include <greville/mass/extended_mass.h>
+#include <greville/multigrid/level_operator.h>
+
+#include <functional>
+
+namespace greville
+{
+  /**
+   * What levels of p-multigrid on extended B-splines have in common: an
+   * operator E^T B E with the Extension E of a space of one order, for fields
+   * with one component or more. Coefficients can be held, component by
+   * component: rows and columns are then zero but for the diagonal, as are
+   * those of functions that are inactive or extended.
+   *
+   * The mass of the space has the unknowns, and serves the transfer between
+   * orders.
+   */
+  template <int dim>
+  class ExtendedLevel : public LevelOperator<dim>
+  {
+  public:
+    /**
+     * Collective. The space is kept by reference. Bit c of @p held[f] holds
+     * component c of local function f; an empty one holds nothing. Weights of
+     * the transfer are those of @p n_weights points of Gauss in a direction.
+     */
+    ExtendedLevel(const SplineSpace<dim>           &space,
+                  const unsigned int                n_components,
+                  const std::vector<unsigned char> &held,
+                  const unsigned int                n_weights);
+
+    /**
+     * The mass with the extension of the space, and what is held.
+     */
+    const ExtendedMass<dim> &
+    extended() const
+    {
+      return extended_mass;
+    }
+
+    const Extension<dim> &
+    extension() const
+    {
+      return spline_extension;
+    }
+
+    /**
+     * The components (bits) that are held of local functions.
+     */
+    const std::vector<unsigned char> &
+    held_components() const
+    {
+      return held;
+    }
+
+    const SplineSpace<dim> &
+    space() const override
+    {
+      return spline_space;
+    }
+
+    unsigned int
+    n_components() const override
+    {
+      return components;
+    }
+
+    const VectorType &
+    diagonal() const override
+    {
+      return all_diagonal;
+    }
+
+    /**
+     * The largest entry of the diagonal of all processes.
+     */
+    double
+    largest_diagonal() const
+    {
+      return largest;
+    }
+
+    const std::vector<unsigned int> &
+    inactive() const override
+    {
+      return inactive_functions;
+    }
+
+    void
+    distribute(VectorType &x, const unsigned int component = 0) const override
+    {
+      extended_mass.unknowns().distribute(x, component);
+    }
+
+    void
+    condense(VectorType &x, const unsigned int component = 0) const override
+    {
+      extended_mass.unknowns().condense(x, component);
+    }
+
+    std::unique_ptr<Preconditioner>
+    factorization(const double shift, const bool by_components) const override;
+
+    void
+    apply_inverse_mass(VectorType &x) const override;
+
+    std::unique_ptr<Preconditioner>
+    petsc_preconditioner(const std::string &options) const override;
+
+    std::unique_ptr<Preconditioner>
+    lattice_preconditioner(const std::string &options) const override;
+
+    const DensityWeights<dim> *
+    transfer_weights() const override
+    {
+      return &mass_weights;
+    }
+
+  protected:
+    /**
+     * Collective. The filling, which is kept by reference, is that of points at
+     * new places; @p changed tells whether it differs from that of the last
+     * call. The mass and its weights are to be filled.
+     */
+    void
+    begin_level(const CellFilling<dim> &filling, const bool changed);
+
+    /**
+     * Collective. Make the diagonal of what the unknowns of this process
+     * contribute to it, in the layout of result.
+     */
+    void
+    set_diagonal();
+
+    /**
+     * Collective. dst = A src with the @p product(result, source) of vectors of
+     * unknowns.
+     */
+    void
+    multiply(VectorType                  &dst,
+             const VectorType            &src,
+             const std::function<void()> &product) const;
+
+    /**
+     * The scalar matrix, with the unknowns of the mass, whose factors stand for
+     * the given components (bits).
+     */
+    virtual const ExtendedMass<dim> &
+    diagonal_block(const unsigned int components) const = 0;
+
+    /**
+     * Collective. A for PETSc.
+     */
+    virtual PetscMatrix
+    petsc_matrix() const = 0;
+
+    /**
+     * Let a matrix know what its coarse levels have to represent.
+     */
+    virtual void
+    set_modes(const PetscMatrix &) const
+    {}
+
+    const SplineSpace<dim>          &spline_space;
+    const unsigned int               components;
+    const std::vector<unsigned char> held;
+    Extension<dim>                   spline_extension;
+    DensityWeights<dim>              mass_weights;
+    ExtendedMass<dim>                extended_mass;
+    VectorType                       all_diagonal;
+    mutable VectorType               source, result; // of unknowns
+
+  private:
+    /**
+     * Collective. Factorize a matrix that stands for some components (bits).
+     */
+    void
+    factorize(const ExtendedMass<dim> &matrix,
+              const double             shift,
+              const unsigned int       of_components,
+              PartitionedCholesky     &factors) const;
+
+    /**
+     * A solve for @p n components from the given one on; @p dst may be @p src.
+     */
+    void
+    solve(const PartitionedCholesky &factors,
+          VectorType                &dst,
+          const VectorType          &src,
+          const unsigned int         component,
+          const unsigned int         n) const;
+
+    // Made by the first call of apply_inverse_mass() for a mass.
+    mutable std::unique_ptr<PartitionedCholesky> mass_factors;
+
+    double                      largest = 0.;
+    std::vector<unsigned int>   inactive_functions;
+    mutable std::vector<double> work;
+  };
+} // namespace greville
+
+#endif

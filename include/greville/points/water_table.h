@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_water_table_h
+#define greville_points_water_table_h
+
+#include <deal.II/base/point.h>
+
+#include <greville/base/expression.h>
+
+#include <optional>
+#include <string>
+
+namespace greville
+{
+  /**
+   * The pressure of water at rest below a water table,
+   *   p(x) = rho_w g (s(x) - y), at least -suction,
+   * with the height s of the table at the place and y, both upwards along the
+   * axis of gravity. Without a table it is 0 everywhere.
+   */
+  template <int dim>
+  class WaterTable
+  {
+  public:
+    WaterTable() = default;
+
+    /**
+     * The table is a formula, m; empty: none. The density is that of water, kg
+     * / m^3, the suction is in Pa, 0: it has no bound. Throws
+     * dealii::ExcMessage for wrong formulas, and where gravity (m / s^2) is not
+     * along an axis.
+     */
+    WaterTable(const std::string            &table,
+               const double                  density,
+               const double                  suction,
+               const dealii::Tensor<1, dim> &gravity);
+
+    /**
+     * Pa. Throws dealii::ExcMessage where the formula has no value.
+     */
+    double
+    operator()(const dealii::Point<dim> &x) const;
+
+    bool
+    is_given() const
+    {
+      return height.has_value();
+    }
+
+  private:
+    std::optional<VectorExpression<1>> height;
+    double                             weight  = 0.; // N / m^3, upwards
+    double                             suction = 0.;
+    unsigned int                       axis    = 0;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/hdf5_calls.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Elements that one call of HDF5 writes or reads: MPI-IO counts bytes by
+    // int.
+    constexpr hsize_t most_elements = 1u << 27;
+
+
+
+    /**
+     * What HDF5 says of the last call, which has failed: the innermost of its
+     * messages, with the reason of the system where there is one.
+     */
+    std::string
+    reason_of_hdf5()
+    {
+      std::string text;
+      const auto  keep =
+        [](unsigned, const H5E_error2_t *error, void *found) -> herr_t {
+        auto &words = *static_cast<std::string *>(found);
+        if (words.empty() && error->desc != nullptr)
+          words = error->desc;
+        return 0;
+      };
+      H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, +keep, &text);
+      return "HDF5 has failed" + (text.empty() ? "" : ": " + text);
+    }
+  } // namespace
+
+
+
+  HDF5Handle::HDF5Handle(const hid_t id, herr_t (*close)(hid_t))
+    : id(id)
+    , close(close)
+  {
+    AssertThrow(id >= 0, ExcMessage(reason_of_hdf5()));
+  }
+
+
+
+  HDF5Handle::~HDF5Handle()
+  {
+    if (id >= 0)
+      close(id);
+  }
+
+
+
+  void
+  HDF5Handle::finish()
+  {
+    const hid_t closed = id;
+    id                 = -1;
+    check_hdf5(close(closed));
+  }
+
+
+
+  HDF5Silence::HDF5Silence()
+  {
+    // At the end of the program, a file that could not be written would be
+    // tried again, without MPI.
+    static const herr_t no_end = H5dont_atexit();
+    (void)no_end;
+    H5Eget_auto2(H5E_DEFAULT, &function, &data);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+
+
+
+  HDF5Silence::~HDF5Silence()
+  {
+    H5Eset_auto2(H5E_DEFAULT, function, data);
+  }
+
+
+
+  void
+  check_hdf5(const herr_t result)
+  {
+    AssertThrow(result >= 0, ExcMessage(reason_of_hdf5()));
+  }
+
+
+
+  void
+  write_hdf5_text(const hid_t        object,
+                  const std::string &name,
+                  const std::string &text)
+  {
+    // HDF5 has no empty texts.
+    const HDF5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+    check_hdf5(H5Tset_size(type, std::max<std::size_t>(1, text.size())));
+    check_hdf5(H5Tset_strpad(type, H5T_STR_NULLPAD));
+    const HDF5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    HDF5Handle       attribute(
+      H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
+    check_hdf5(H5Awrite(attribute, type, text.empty() ? "\0" : text.data()));
+    attribute.finish();
+  }
+
+
+
+  std::string
+  read_hdf5_text(const hid_t object, const std::string &name)
+  {
+    const HDF5Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT),
+                               H5Aclose);
+    const HDF5Handle type(H5Aget_type(attribute), H5Tclose);
+    AssertThrow(H5Tget_class(type) == H5T_STRING &&
+                  H5Tis_variable_str(type) == 0,
+                ExcMessage("an attribute is no text"));
+    std::string text(H5Tget_size(type), '\0');
+    check_hdf5(H5Aread(attribute, type, &text[0]));
+    while (!text.empty() && text.back() == '\0')
+      text.pop_back();
+    return text;
+  }
+
+
+
+  std::vector<std::string>
+  hdf5_links(const hid_t group)
+  {
+    std::vector<std::string> names;
+    const auto               add =
+      [](hid_t, const char *name, const H5L_info_t *, void *list) -> herr_t {
+      static_cast<std::vector<std::string> *>(list)->push_back(name);
+      return 0;
+    };
+    hsize_t n = 0;
+    check_hdf5(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, &n, +add, &names));
+    return names;
+  }
+
+
+
+  HDF5Handle
+  hdf5_access(const MPI_Comm comm)
+  {
+    // A component of Open MPI 4.1 for files with one pointer of all
+    // processes, which HDF5 does not use, overflows by paths of 250 letters.
+    // Open MPI reads this when it opens its first file.
+    setenv("OMPI_MCA_sharedfp", "^lockedfile", 0);
+    const hid_t list = H5Pcreate(H5P_FILE_ACCESS);
+    if (list >= 0)
+      {
+        H5Pset_fapl_mpio(list, comm, MPI_INFO_NULL);
+        // Files of before have no attributes beyond 64 kB.
+        H5Pset_libver_bounds(list, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
+      }
+    return {list, H5Pclose};
+  }
+
+
+
+  void
+  transfer_hdf5_rows(const hsize_t       first,
+                     const hsize_t       n_rows,
+                     const hsize_t       n_columns,
+                     const hid_t         data_set,
+                     const MPI_Comm      comm,
+                     const HDF5Transfer &transfer)
+  {
+    const int        rank = n_columns == 0 ? 1 : 2;
+    const HDF5Handle space(H5Dget_space(data_set), H5Sclose);
+    const HDF5Handle list(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+    check_hdf5(H5Pset_dxpl_mpio(list, H5FD_MPIO_COLLECTIVE));
+    const hsize_t width = std::max<hsize_t>(1, n_columns);
+    const hsize_t chunk = std::max<hsize_t>(1, most_elements / width);
+    const hsize_t n_chunks =
+      Utilities::MPI::max<std::uint64_t>((n_rows + chunk - 1) / chunk, comm);
+    bool has_failed = false;
+    for (hsize_t k = 0; k < n_chunks; ++k)
+      {
+        const hsize_t    begin    = std::min(n_rows, k * chunk);
+        const hsize_t    n        = std::min(chunk, n_rows - begin);
+        const hsize_t    start[2] = {first + begin, 0};
+        const hsize_t    count[2] = {n, n_columns};
+        const HDF5Handle memory(H5Screate_simple(rank, count, nullptr),
+                                H5Sclose);
+        // A process that cannot select takes part with no rows.
+        bool is_selected = n > 0 && H5Sselect_hyperslab(space,
+                                                        H5S_SELECT_SET,
+                                                        start,
+                                                        nullptr,
+                                                        count,
+                                                        nullptr) >= 0;
+        has_failed       = has_failed || (n > 0 && !is_selected);
+        if (!is_selected)
+          is_selected =
+            H5Sselect_none(space) >= 0 && H5Sselect_none(memory) >= 0;
+        has_failed = transfer(memory, space, list, begin) < 0 || !is_selected ||
+                     has_failed;
+      }
+    throw_on_all(has_failed ? "HDF5 has failed" : "", comm);
+  }
+} // namespace greville

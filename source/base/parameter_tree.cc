@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/parameter_tree.h>
+#include <greville/base/text_file.h>
+
+#include <algorithm>
+#include <boost/algorithm/string/join.hpp>
+#include <boost/property_tree/json_parser.hpp>
+#include <boost/property_tree/xml_parser.hpp>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <regex>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    using Tree = boost::property_tree::ptree;
+
+
+
+    bool
+    is_xml(const std::string &file)
+    {
+      return std::filesystem::path(file).extension() == ".xml";
+    }
+
+
+
+    bool
+    is_list(const Tree &tree)
+    {
+      return !tree.empty() &&
+             std::all_of(tree.begin(), tree.end(), [](const auto &child) {
+               return child.first.empty();
+             });
+    }
+
+
+
+    /**
+     * A value, or what a list stands for.
+     */
+    std::string
+    value_of(const Tree &tree)
+    {
+      if (!is_list(tree))
+        return Utilities::trim(tree.data());
+      std::vector<std::string> parts;
+      bool                     is_nested = false;
+      for (const auto &child : tree)
+        {
+          parts.push_back(value_of(child.second));
+          is_nested = is_nested || is_list(child.second);
+        }
+      return boost::algorithm::join(parts, is_nested ? "; " : ", ");
+    }
+
+
+
+    /**
+     * A parameter as ParameterHandler describes it.
+     */
+    bool
+    is_described(const Tree &tree)
+    {
+      return tree.find("value") != tree.not_found() &&
+             tree.find("default_value") != tree.not_found();
+    }
+
+
+
+    bool
+    has_descriptions(const Tree &tree)
+    {
+      return is_described(tree) ||
+             std::any_of(tree.begin(), tree.end(), [](const auto &child) {
+               return has_descriptions(child.second);
+             });
+    }
+
+
+
+    class Lines
+    {
+    public:
+      Lines(const std::string &file, const bool is_mangled)
+        : place("<" + file + ">")
+        , is_mangled(is_mangled)
+      {}
+
+      void
+      add(const Tree &tree, const std::vector<std::string> &sections)
+      {
+        for (const auto &child : tree)
+          {
+            if (child.first == "<xmlattr>" || child.first == "<xmlcomment>")
+              continue;
+            std::vector<std::string> path = sections;
+            std::string              name = child.first;
+            if (is_mangled)
+              name = demangle(name);
+            else
+              for (auto slash = name.find('/'); slash != std::string::npos;
+                   slash      = name.find('/'))
+                {
+                       enter(path, Utilities::trim(name.substr(0, slash)));
+                       name = name.substr(slash + 1);
+                }
+            name = Utilities::trim(name);
+            AssertThrow(!name.empty(),
+                        ExcMessage(place +
+                                   ": a section or a parameter is without a "
+                                   "name."));
+            if (is_described(child.second))
+              add_line(path, name, child.second.get<std::string>("value"));
+            else if (child.second.empty() || is_list(child.second))
+              add_line(path, name, value_of(child.second));
+            else
+              {
+                enter(path, name);
+                add(child.second, path);
+              }
+          }
+      }
+
+      std::vector<ParameterLine> result;
+
+    private:
+      void
+      enter(std::vector<std::string> &path, const std::string &section)
+      {
+        path.push_back(section);
+        // A section is known by its lines: one without any, too.
+        result.push_back(
+          {boost::algorithm::join(path, "/"), "", "", place, path, false});
+      }
+
+      void
+      add_line(const std::vector<std::string> &path,
+               const std::string              &name,
+               const std::string              &value)
+      {
+        const std::string section = boost::algorithm::join(path, "/");
+        AssertThrow(value.find_first_of("#\n") == std::string::npos,
+                    ExcMessage(place + ": the parameter '" + section + "/" +
+                               name + "' is <" + value +
+                               ">; values have no '#' and only one line."));
+        result.push_back(
+          {section, name, Utilities::trim(value), place, path, false});
+      }
+
+      const std::string place;
+      const bool        is_mangled;
+    };
+
+
+
+    std::string
+    mangle(const std::string &name)
+    {
+      std::string result;
+      for (const unsigned char c : name)
+        if (std::isalnum(c))
+          result += char(c);
+        else
+          {
+            char code[4];
+            std::snprintf(code, sizeof(code), "_%02x", unsigned(c));
+            result += code;
+          }
+      return result;
+    }
+
+
+
+    /**
+     * The section of a path, which is made where it is not there.
+     */
+    Tree &
+    section_of(Tree &tree, const std::vector<std::string> &path)
+    {
+      Tree *section = &tree;
+      for (const std::string &name : path)
+        {
+          const auto found = section->find(name);
+          section          = found != section->not_found()
+                               ? &found->second
+                               : &section->push_back({name, Tree()})->second;
+        }
+      return *section;
+    }
+
+
+
+    /**
+     * What a reference, as a tree, knows of a parameter in a section that may
+     * be one of a body, a stage, a material of this model, ... Null: nothing.
+     */
+    const Tree *
+    description_of(const Tree                     &reference,
+                   const std::vector<std::string> &path,
+                   const std::string              &name,
+                   const std::string              &model)
+    {
+      std::vector<std::string> sections = path;
+      // What stages have of the whole run is described there.
+      if (sections.size() > 1 && sections[0].compare(0, 6, "Stage ") == 0)
+        sections.erase(sections.begin());
+      std::vector<std::string> names = {sections.empty() ? "" : sections[0]};
+      const std::string        first = names[0];
+      for (auto blank = first.find(' '); blank != std::string::npos;
+           blank      = first.find(' ', blank + 1))
+        for (const std::string &end : {" of model " + model, std::string()})
+          names.push_back(first.substr(0, blank) + " NAME" + end);
+      for (const std::string &candidate : names)
+        {
+          if (!sections.empty())
+            sections[0] = candidate;
+          std::string place;
+          for (const std::string &section : sections)
+            place += mangle(section) + "/";
+          const Tree::path_type key(place + mangle(name), '/');
+          if (const auto found = reference.get_child_optional(key))
+            return &*found;
+        }
+      return nullptr;
+    }
+
+
+
+    void
+    write_text(std::ostream &out, const std::string &text)
+    {
+      out << '"';
+      for (const char c : text)
+        if (c == '"' || c == '\\')
+          out << '\\' << c;
+        else if (static_cast<unsigned char>(c) < 0x20)
+          {
+            char code[8];
+            std::snprintf(code, sizeof(code), "\\u%04x", unsigned(c));
+            out << code;
+          }
+        else
+          out << c;
+      out << '"';
+    }
+
+
+
+    void
+    write_tree(std::ostream &out, const Tree &tree, const std::string &indent)
+    {
+      static const std::regex plain(
+        R"(true|false|-?(0|[1-9]\d*)(\.\d+)?([eE][+-]?\d+)?)");
+      if (tree.empty())
+        {
+          if (std::regex_match(tree.data(), plain))
+            out << tree.data();
+          else
+            write_text(out, tree.data());
+          return;
+        }
+      const char *separator = "{\n";
+      for (const auto &child : tree)
+        {
+          out << separator << indent << "  ";
+          write_text(out, child.first);
+          out << ": ";
+          write_tree(out, child.second, indent + "  ");
+          separator = ",\n";
+        }
+      out << '\n' << indent << '}';
+    }
+  } // namespace
+
+
+
+  bool
+  is_parameter_tree(const std::string &file)
+  {
+    return is_xml(file) || std::filesystem::path(file).extension() == ".json";
+  }
+
+
+
+  std::vector<ParameterLine>
+  parameter_lines_of_tree(std::istream &stream, const std::string &file)
+  {
+    std::string  text;
+    unsigned int number = 0;
+    for (std::string line; read_text_line(stream, line, number);)
+      {
+        check_utf8(line,
+                   "Line " + std::to_string(number) + " of <" + file + ">");
+        text += line + '\n';
+      }
+    std::istringstream in(text);
+    Tree               tree;
+    try
+      {
+        if (is_xml(file))
+          boost::property_tree::read_xml(in, tree);
+        else
+          boost::property_tree::read_json(in, tree);
+      }
+    catch (const boost::property_tree::file_parser_error &error)
+      {
+        AssertThrow(false,
+                    ExcMessage("Line " + std::to_string(error.line()) +
+                               " of <" + file + "> is no " +
+                               (is_xml(file) ? "XML" : "JSON") + ": " +
+                               error.message() + "."));
+      }
+    if (is_xml(file))
+      {
+        const auto root = tree.find("ParameterHandler");
+        AssertThrow(root != tree.not_found(),
+                    ExcMessage("<" + file +
+                               "> has no element 'ParameterHandler', which "
+                               "greville FILE.prm --print-parameters xml "
+                               "writes."));
+        const Tree inner = root->second;
+        tree             = inner;
+      }
+    AssertThrow(!tree.empty() && !is_list(tree),
+                ExcMessage("<" + file + "> has no sections."));
+    Lines lines(file, is_xml(file) || has_descriptions(tree));
+    lines.add(tree, {});
+    return lines.result;
+  }
+
+
+
+  void
+  write_as_json(std::ostream &out, const std::string &text)
+  {
+    Tree tree;
+    for (const ParameterLine &line : parameter_lines_of(text, ""))
+      {
+        Tree &section = section_of(tree, line.path);
+        if (!line.name.empty())
+          section.push_back({line.name, Tree(line.value)});
+      }
+    write_tree(out, tree, "");
+    out << '\n';
+  }
+
+
+
+  void
+  write_as_xml(std::ostream           &out,
+               const std::string      &text,
+               const ParameterHandler &reference)
+  {
+    std::stringstream json;
+    reference.print_parameters(json, ParameterHandler::JSON);
+    Tree known;
+    boost::property_tree::read_json(json, known);
+    const auto                         lines = parameter_lines_of(text, "");
+    std::map<std::string, std::string> models;
+    for (const ParameterLine &line : lines)
+      if (line.name == "Model")
+        models[line.section] = line.value;
+    Tree tree;
+    for (const ParameterLine &line : lines)
+      {
+        std::vector<std::string> path = {"ParameterHandler"};
+        for (const std::string &name : line.path)
+          path.push_back(mangle(name));
+        Tree &section = section_of(tree, path);
+        if (line.name.empty())
+          continue;
+        Tree        entry;
+        const Tree *description =
+          description_of(known, line.path, line.name, models[line.section]);
+        entry.put("value", line.value);
+        for (const char *key : {"default_value",
+                                "documentation",
+                                "pattern",
+                                "pattern_description"})
+          entry.put(key,
+                    description ? description->get<std::string>(key, "") : "");
+        section.push_back({mangle(line.name), entry});
+      }
+    boost::property_tree::write_xml(
+      out,
+      tree,
+      boost::property_tree::xml_writer_make_settings<std::string>(' ', 2));
+  }
+} // namespace greville

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/run/ensemble_output.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    std::vector<SurfaceNumbers>
+    numbers_of_surfaces(const Simulation<dim>      &part,
+                        const SimulationParameters &parameters)
+    {
+      const auto place = [](const std::vector<std::string> &names,
+                            const std::string              &name) {
+        return unsigned(std::find(names.begin(), names.end(), name) -
+                        names.begin());
+      };
+      const GeneralParameters    &general = parameters.general;
+      std::vector<SurfaceNumbers> numbers;
+      for (const Surface<dim> &surface : part.state().surfaces)
+        numbers.push_back(
+          {!surface.contact.empty()
+             ? unsigned(general.surface_loads.size()) +
+                 place(general.contacts, surface.contact)
+             : place(general.surface_loads, surface.name),
+           place(general.bodies, part.bodies()[surface.body].name)});
+      return numbers;
+    }
+
+
+
+    /**
+     * Half spaces end two cells beyond the grids.
+     */
+    template <int dim>
+    BoundingBox<dim>
+    region_of_rigid_bodies(const Ensemble<dim>  &ensemble,
+                           const GridParameters &grid)
+    {
+      std::vector<Point<dim>> corners(2);
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          corners[0][d] = grid.lower[d];
+          corners[1][d] = grid.upper[d];
+          const double h =
+            (corners[1][d] - corners[0][d]) / double(grid.cells[d]);
+          for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+            {
+              const auto &lattice = ensemble.part(k).space().lattice();
+              corners[0][d]       = std::min(corners[0][d], lattice.lower(d));
+              corners[1][d]       = std::max(corners[1][d], lattice.upper(d));
+            }
+          corners[0][d] -= 2. * h;
+          corners[1][d] += 2. * h;
+        }
+      return BoundingBox<dim>({corners[0], corners[1]});
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  std::string
+  name_of_part(const Ensemble<dim> &ensemble, const unsigned int part)
+  {
+    return ensemble.n_parts() > 1 ? ensemble.part(part).state().bodies[0].name
+                                  : "";
+  }
+
+
+
+  template <int dim>
+  void
+  write_bodies(FieldOutput<dim>           &output,
+               Ensemble<dim>              &ensemble,
+               const SimulationParameters &parameters,
+               const MPI_Comm              comm)
+  {
+    const auto  &state = ensemble.first().state();
+    const double time  = state.time;
+    output.write_points(time, ensemble.bodies(), comm);
+    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      {
+        Simulation<dim> &part = ensemble.part(k);
+        output.write_surfaces(time,
+                              part.loaded_surfaces(),
+                              numbers_of_surfaces(part, parameters),
+                              comm,
+                              name_of_part(ensemble, k));
+      }
+    if (ensemble.rigid_bodies().empty())
+      return;
+    const BoundingBox<dim> region =
+      region_of_rigid_bodies(ensemble, parameters.grid);
+    for (unsigned int k = 0; k < ensemble.rigid_bodies().size(); ++k)
+      output.write_rigid_body(time,
+                              ensemble.rigid_bodies()[k],
+                              state.rigid_bodies[k].now,
+                              region,
+                              comm);
+  }
+
+
+
+  template decltype(name_of_part<2>) name_of_part<2>;
+  template decltype(name_of_part<3>) name_of_part<3>;
+
+  template decltype(write_bodies<2>) write_bodies<2>;
+  template decltype(write_bodies<3>) write_bodies<3>;
+} // namespace greville

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/step_errors.h>
+#include <greville/linear_algebra/krylov.h>
+#include <greville/steps/fractional_step.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  FractionalStep<dim>::FractionalStep(Discretization<dim> &discretization,
+                                      const SimulationParameters &parameters)
+    : discretization(discretization)
+    , parameters(parameters)
+    , water(discretization.space(), discretization.triangulation(), parameters)
+  {
+    for (auto *field : {&displacement, &force, &sum_of_forces, &change})
+      discretization.initialize(*field);
+    for (VectorType *vector : {&pressure, &residual, &correction})
+      water.initialize(*vector);
+  }
+
+
+
+  template <int dim>
+  void
+  FractionalStep<dim>::accelerate(GridField<dim>         &field,
+                                  const VectorField<dim> &of_force)
+  {
+    for (VectorType &component : change)
+      component = 0.;
+    field.mass->solve({&change}, {&of_force});
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  FractionalStep<dim>::add_pressure(const State<dim>     &state,
+                                    const Tensor<1, dim> &gravity,
+                                    const double          step,
+                                    const double          velocity_step,
+                                    GridField<dim>       &field)
+  {
+    constexpr unsigned int most_iterations = 12, n_basis_vectors = 30;
+    const double           kick = step * velocity_step;
+    if (stamp == 0 || (stamp != state.points_stamp &&
+                       !parameters.scheme.is_total_lagrangian()))
+      {
+        water.set_points(state.bodies, state.surfaces);
+        stamp = state.points_stamp;
+      }
+    water.begin_step(
+      state.bodies, state.surfaces, state.time + step, step, gravity);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        displacement[d].equ(step, field.velocity[d]);
+        displacement[d].add(kick, field.acceleration[d]);
+        sum_of_forces[d] = 0.;
+      }
+    pressure = 0.;
+
+    unsigned int n_linear = 0;
+    double       first    = 0.;
+    for (unsigned int k = 0;; ++k)
+      {
+        water.evaluate(displacement, pressure, force, residual);
+        const double norm = residual.l2_norm();
+        if (k == 0)
+          first = norm;
+        if (norm <=
+            std::max(parameters.solver.tolerance * first, water.round_off()))
+          break;
+        if (k == most_iterations)
+          throw StepFailed("The pore pressure did not converge in " +
+                             std::to_string(k) +
+                             " iterations of Newton's method.",
+                           false);
+        water.set_up(1. / kick,
+                     [&](const VectorField<dim> &b, VectorField<dim> &u) {
+                       accelerate(field, b);
+                       u = change;
+                     });
+        const SolveResult result = solve_krylov(
+          {parameters.solver.tolerance, parameters.solver.max_iterations},
+          [&](VectorType &rows, const VectorType &p) {
+            water.spread(p, force);
+            accelerate(field, force);
+            for (VectorType &component : change)
+              component *= -kick;
+            water.multiply(change, p, force, rows);
+          },
+          [&](VectorType &p, const VectorType &rows) {
+            water.precondition(p, rows);
+          },
+          correction,
+          residual,
+          n_basis_vectors);
+        n_linear += result.iterations.value_or(0);
+        if (!result.converged)
+          throw StepFailed("The solver of the pore pressure " + result.reason +
+                             ".",
+                           false);
+        pressure -= correction;
+        water.spread(correction, force);
+        accelerate(field, force);
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            displacement[d].add(kick, change[d]);
+            sum_of_forces[d] -= force[d];
+          }
+      }
+    accelerate(field, sum_of_forces);
+    for (unsigned int d = 0; d < dim; ++d)
+      field.acceleration[d] -= change[d];
+    discretization.walls().add_held(
+      field.momentum_of_walls, [&](const unsigned int c, const unsigned int i) {
+        return velocity_step * sum_of_forces[c].local_element(i);
+      });
+    return n_linear;
+  }
+
+
+
+  template <int dim>
+  void
+  FractionalStep<dim>::advance(State<dim> &state) const
+  {
+    state.energy.add_work(EnergyBalance::loads, water.work());
+    const auto volumes = water.advance(state.bodies);
+    for (unsigned int k = 0; k < volumes.size(); ++k)
+      state.water[k] += volumes[k];
+  }
+
+
+
+  template class FractionalStep<2>;
+  template class FractionalStep<3>;
+} // namespace greville
