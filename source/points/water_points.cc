@@ -124,6 +124,8 @@ namespace greville
     term.radius = term.radius_of_F = point.radius;
     term.value                     = point.value;
     term.mobility                  = point.mobility;
+    term.solid                     = point.solid;
+    term.old_J                     = point.old_J;
     term.penalty                   = point.penalty;
     term.boundary                  = point.boundary;
     drained.push_back(term);
@@ -192,8 +194,9 @@ namespace greville
 
 
   template <int dim>
+  template <typename AnyTerm>
   typename WaterPoints<dim>::Mobility
-  WaterPoints<dim>::mobility(const PointTerm &term) const
+  WaterPoints<dim>::mobility(const AnyTerm &term)
   {
     Mobility result{term.mobility, 0., 0.};
     if (term.solid > 0.)
@@ -220,8 +223,9 @@ namespace greville
   WaterPoints<dim>::outflow(const DrainedTerm &term) const
   {
     const Tensor<1, dim> &a = term.end_area;
-    return term.mobility * (term.penalty * a.norm() * (term.p - term.value) -
-                            (term.gradient - weight) * a);
+    return mobility(term).value *
+           (term.penalty * a.norm() * (term.p - term.value) -
+            (term.gradient - weight) * a);
   }
 
 
@@ -258,7 +262,7 @@ namespace greville
       {
         result.value = dt * outflow(term);
         result.gradient =
-          -dt * term.mobility * (term.p - term.value) * (term.map * a);
+          -dt * mobility(term).value * (term.p - term.value) * (term.map * a);
       }
     return result;
   }
@@ -313,14 +317,19 @@ namespace greville
       }
     if (term.kind == Kind::seepage && outflow(term) <= 0.)
       return result;
+    const Mobility k           = mobility(term);
+    const double   change_of_k = k.by_volume * trace(change.h);
     result.value =
-      dt * term.mobility *
-      (term.penalty * (size * change.p + excess * (a * da) / size) -
-       (change.gradient - transpose(change.h) * term.gradient) * a - w * da);
+      dt *
+      (change_of_k * (term.penalty * size * excess - w * a) +
+       k.value * (term.penalty * (size * change.p + excess * (a * da) / size) -
+                  (change.gradient - transpose(change.h) * term.gradient) * a -
+                  w * da));
     if (term.kind == Kind::pressure)
       result.gradient =
-        -dt * term.mobility *
-        (term.map * (change.p * a + excess * (da - change.h * a)));
+        -dt *
+        (term.map * (change_of_k * excess * a +
+                     k.value * (change.p * a + excess * (da - change.h * a))));
     return result;
   }
 
@@ -623,7 +632,7 @@ namespace greville
           if (term.kind == Kind::flux ||
               (term.kind == Kind::seepage && outflow(term) <= 0.))
             return;
-          const double flow    = dt * term.mobility;
+          const double flow    = dt * mobility(term).value;
           const double penalty = flow * term.penalty * term.area.norm();
           double       normal[n_q];
           for (int a = 0; a < n_q; ++a)

@@ -161,21 +161,28 @@ namespace greville
 
 
   template <int dim>
-  std::array<double, 2>
-  PoreWater<dim>::mean_mobility(const Body<dim>   &body,
-                                const unsigned int cell) const
+  bool
+  PoreWater<dim>::set_soil(DrainedPoint<dim>            &point,
+                           const std::vector<Body<dim>> &bodies,
+                           const unsigned int            cell) const
   {
-    const WaterConstants soil   = constants(body);
-    double               volume = 0., sum = 0.;
-    body.points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-      volume += p.volume();
-      sum +=
-        p.volume() * (soil.solid > 0.
-                        ? kozeny_carman(p.volume() / p.volume0(), soil.solid)[0]
-                        : 1.);
-    });
-    // A surface may lie in a cell without points.
-    return {{soil.mobility * (volume > 0. ? sum / volume : 1.), volume}};
+    double volume = 0., volume0 = 0., mobility = 0., solid = 0.;
+    for (const Body<dim> &body : bodies)
+      {
+        const WaterConstants soil = constants(body);
+        body.points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+          volume += p.volume();
+          volume0 += p.volume0();
+          mobility += p.volume() * soil.mobility;
+          solid += p.volume() * soil.solid;
+        });
+      }
+    if (volume == 0.)
+      return false;
+    point.mobility = mobility / volume;
+    point.solid    = solid / volume;
+    point.old_J    = volume / volume0;
+    return true;
   }
 
 
@@ -281,21 +288,15 @@ namespace greville
                                                 lattice.n_cells());
             if (index[d] != (side == 0 ? 0 : lattice.n_cells()[d] - 1))
               continue;
-            double volume = 0., mobility = 0.;
-            for (const Body<dim> &body : bodies)
-              {
-                const auto mean = mean_mobility(body, c);
-                mobility += mean[0] * mean[1];
-                volume += mean[1];
-              }
-            if (volume == 0.)
+            DrainedPoint<dim> of_cell;
+            if (!set_soil(of_cell, bodies, c))
               continue;
             const Point<dim> corner = lattice.cell_corner(index);
             for (unsigned int q = 0; q < gauss.size(); ++q)
               {
-                DrainedPoint<dim> point;
-                point.cell     = c;
-                point.boundary = w;
+                DrainedPoint<dim> point = of_cell;
+                point.cell              = c;
+                point.boundary          = w;
                 for (unsigned int e = 0, k = 0; e < dim; ++e)
                   point.x[e] =
                     e == d
@@ -309,8 +310,7 @@ namespace greville
                     point.radius = point.x[0];
                     point.area *= point.radius;
                   }
-                point.mobility = mobility / volume;
-                point.penalty  = penalty / (2. * lattice.cell_size(d));
+                point.penalty = penalty / (2. * lattice.cell_size(d));
                 for (unsigned int e = 0; e < dim; ++e)
                   arguments[e] = point.x[e];
                 set(point,
@@ -338,10 +338,9 @@ namespace greville
         const Given            &given   = of_surface.second;
         const Surface<dim>     &surface = surfaces[of_surface.first];
         const PointLayout<dim> &layout  = surface.points.layout();
+        const WaterConstants    soil    = constants(bodies[surface.body]);
         for (const unsigned int cell : surface.points.cells())
           {
-            const double mobility =
-              mean_mobility(bodies[surface.body], cell)[0];
             surface.points.for_each_in_cell(
               cell, [&](const ConstPointRef<dim> p) {
                 const SurfaceState<dim> state = surface_state<dim>(p, layout);
@@ -353,9 +352,14 @@ namespace greville
                 point.to_basis = unit_symmetric_tensor<dim>();
                 if (layout.is_total_lagrangian())
                   point.to_basis = invert(state.F);
+                point.mobility = soil.mobility;
+                point.solid    = soil.solid;
+                point.old_J    = determinant(state.F);
                 if (parameters.grid.is_axisymmetric())
-                  point.radius = state.x[0];
-                point.mobility = mobility;
+                  {
+                    point.radius = state.x[0];
+                    point.old_J *= state.x[0] / state.X[0];
+                  }
                 // The size of the cell along the normal, which has the
                 // direction F^T area in the configuration of the basis
                 // functions.

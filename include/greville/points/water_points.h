@@ -76,8 +76,11 @@ namespace greville
     dealii::Tensor<2, dim> to_basis;
     /// Pa; of the kind flux the flow outwards, m / s.
     double value;
-    /// At the start of the step.
+    /// See WaterConstants, and the volume at the start of the step over that of
+    /// the stress-free state.
     double mobility = 0.;
+    double solid    = 0.;
+    double old_J    = 1.;
     /// Of Nitsche's method, over the size of a cell at the start, 1 / m.
     double penalty = 0.;
     /// The distance from the axis at the start, m; 0 without axisymmetry.
@@ -308,7 +311,8 @@ namespace greville
     {
       typename DrainedPoint<dim>::Kind kind;
       dealii::Tensor<1, dim>           area, end_area;
-      double                           value, mobility, penalty;
+      double                           value, penalty;
+      double                           mobility, old_J, solid, suction = 0.;
       unsigned int                     boundary;
     };
 
@@ -379,8 +383,9 @@ namespace greville
     void
     count(const DrainedTerm &term, const double volume);
 
-    Mobility
-    mobility(const PointTerm &term) const;
+    template <typename AnyTerm>
+    static Mobility
+    mobility(const AnyTerm &term);
     /// Times the area at the end; of seepage faces without its sign.
     double
     outflow(const DrainedTerm &term) const;

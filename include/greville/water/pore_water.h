@@ -232,11 +232,13 @@ namespace greville
         const dealii::ArrayView<const double> &arguments) const;
 
     /**
-     * The mean of the mobility in full pores at the points of a body in a cell
-     * at the start, weighted by volume, and these volumes.
+     * Set what the soil in a cell at a wall is to the water: the mean of all
+     * bodies by volume. Returns whether there is any.
      */
-    std::array<double, 2>
-    mean_mobility(const Body<dim> &body, const unsigned int cell) const;
+    bool
+    set_soil(DrainedPoint<dim>            &point,
+             const std::vector<Body<dim>> &bodies,
+             const unsigned int            cell) const;
 
     WaterConstants
     constants(const Body<dim> &body) const;
