@@ -319,10 +319,10 @@ namespace greville
     catch (const boost::property_tree::file_parser_error &error)
       {
         AssertThrow(false,
-                    ExcMessage("Line " + std::to_string(error.line()) +
-                               " of <" + file + "> is no " +
-                               (is_xml(file) ? "XML" : "JSON") + ": " +
-                               error.message() + "."));
+                    ExcMessage(
+                      "Line " + std::to_string(error.line()) + " of <" + file +
+                      (is_xml(file) ? "> is no XML: " : "> is no JSON: ") +
+                      error.message() + "."));
       }
     if (is_xml(file))
       {
