@@ -91,9 +91,12 @@ namespace greville
     class Lines
     {
     public:
-      Lines(const std::string &file, const bool is_mangled)
+      Lines(const std::string &file,
+            const bool         is_mangled,
+            const bool         splits_names)
         : place("<" + file + ">")
         , is_mangled(is_mangled)
+        , splits_names(splits_names)
       {}
 
       void
@@ -107,7 +110,7 @@ namespace greville
             std::string              name = child.first;
             if (is_mangled)
               name = demangle(name);
-            else
+            if (splits_names)
               for (auto slash = name.find('/'); slash != std::string::npos;
                    slash      = name.find('/'))
                 {
@@ -158,7 +161,7 @@ namespace greville
       }
 
       const std::string place;
-      const bool        is_mangled;
+      const bool        is_mangled, splits_names;
     };
 
 
@@ -226,8 +229,9 @@ namespace greville
             sections[0] = candidate;
           std::string place;
           for (const std::string &section : sections)
-            place += mangle(section) + "/";
-          const Tree::path_type key(place + mangle(name), '/');
+            place += section + "/";
+          // JSON has names as they are, XML has not.
+          const Tree::path_type key(place + name, '/');
           if (const auto found = reference.get_child_optional(key))
             return &*found;
         }
@@ -315,10 +319,10 @@ namespace greville
     catch (const boost::property_tree::file_parser_error &error)
       {
         AssertThrow(false,
-                    ExcMessage("Line " + std::to_string(error.line()) +
-                               " of <" + file + "> is no " +
-                               (is_xml(file) ? "XML" : "JSON") + ": " +
-                               error.message() + "."));
+                    ExcMessage(
+                      "Line " + std::to_string(error.line()) + " of <" + file +
+                      (is_xml(file) ? "> is no XML: " : "> is no JSON: ") +
+                      error.message() + "."));
       }
     if (is_xml(file))
       {
@@ -333,7 +337,7 @@ namespace greville
       }
     AssertThrow(!tree.empty() && !is_list(tree),
                 ExcMessage("<" + file + "> has no sections."));
-    Lines lines(file, is_xml(file) || has_descriptions(tree));
+    Lines lines(file, is_xml(file), !is_xml(file) && !has_descriptions(tree));
     lines.add(tree, {});
     return lines.result;
   }
