@@ -102,7 +102,7 @@ namespace greville
     add_parameter(prm,
                   "Conductivity law",
                   conductivity_law,
-                  Selection("constant|kozeny-carman"))(
+                  Patterns::Selection("constant|kozeny-carman"))(
       "How 'Hydraulic conductivity' follows the void ratio e: not at all "
       "(constant), or as e^3 / (1 + e) (kozeny-carman), where it is that of "
       "the stress-free state.");
