@@ -45,7 +45,8 @@ namespace greville
   {
     add_parameter(prm, "Smoother", smoother, Patterns::Selection(smoothers))(
       std::string("The smoother of all levels but the coarsest.") +
-      (smoother == "auto" ? " auto: chebyshev-ic0, and where "
+      (smoother == "auto" ? " auto: chebyshev-ic0, with pore water "
+                            "chebyshev-component-ic0, and where "
                             "Poisson's ratio is above 0.4 or "
                             "0.475 chebyshev-component-ic0 with a "
                             "degree raised by 1 or 3, and a range "

@@ -63,6 +63,9 @@ namespace greville
                                              parameters);
     for (VectorType &component : water_force)
       system.space().initialize_vector(component);
+    // With one IC(0) for all components p = 3 takes four times the iterations,
+    // and ten times where the soil is nearly undrained.
+    system.smooth_components();
   }
 
 

@@ -325,12 +325,16 @@ namespace greville
     const double     ratio = moduli[1] > 0.
                                ? moduli[0] / moduli[1]
                                : std::numeric_limits<double>::infinity();
-    cycle.smoother =
-      ratio <= much ? "chebyshev-ic0" : "chebyshev-component-ic0";
+    cycle.smoother         = ratio <= much && !by_components
+                               ? "chebyshev-ic0"
+                               : "chebyshev-component-ic0";
     if (ratio > much)
       {
         smoother.chebyshev_degree += ratio > most ? 3 : 1;
         smoother.chebyshev_range *= ratio > most ? 4. : 2.;
+      }
+    if (ratio > much || by_components)
+      {
         // Pivots fail where one direction is much stiffer than the others.
         constexpr double smallest_shift = 1e-3;
         smoother.shift = std::max(smoother.shift, smallest_shift);

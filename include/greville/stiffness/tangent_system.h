@@ -158,6 +158,13 @@ namespace greville
     typename PMultigrid<dim>::Levels
     make_levels(const double mass_factor);
 
+    /// Let smoothers that are chosen here take each component by itself.
+    void
+    smooth_components()
+    {
+      by_components = true;
+    }
+
     /// Let the next operator have a set-up of its own.
     void
     forget();
@@ -297,7 +304,8 @@ namespace greville
     BlockStencil<dim, double>                       entries; // of order 1
     TangentSurfaces<dim>                            of_surfaces;
     std::unique_ptr<PMultigrid<dim>>                multigrid;
-    bool                                            symmetric = true;
+    bool                                            symmetric     = true;
+    bool                                            by_components = false;
     VolumeProjection<dim>                          *projection;
     // Of the last evaluate() with stiffness and a projection.
     VectorField<dim>                displacement;
