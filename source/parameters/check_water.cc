@@ -221,7 +221,7 @@ namespace greville
                           "points deform with the velocity that the pressure "
                           "leaves; take USL.");
         refuse_with_water(time.has_half_steps(),
-                          "'Time/Velocities' = half steps and " + given_scheme,
+                          "'Time/Velocities at' = half steps and " + given_scheme,
                           "the pressure belongs to whole steps; take full "
                           "steps.");
         refuse_with_water(!scheme.has_lumped_mass(),

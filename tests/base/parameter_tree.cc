@@ -82,6 +82,7 @@ test_main()
   check("JSON", lines_of(ours.str(), "tree.json") == lines);
 
   // A file within a file, as seen from there, within a section.
+  std::filesystem::remove_all("below");
   std::filesystem::create_directories("below");
   std::ofstream("below/part.prm")
     << "set Order = 4\nsubsection Inner\n  include more.prm\nend\n";
