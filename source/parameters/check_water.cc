@@ -111,7 +111,7 @@ namespace greville
       }
     for (const auto &[name, load] : surface_loads)
       check_boundary("Surface load " + name + "/",
-                     {"Pore pressure", "Seepage face", "Flux"},
+                     {{"Pore pressure", "Seepage face", "Flux"}},
                      load.pore_pressure,
                      load.seepage_face,
                      load.flux);
@@ -175,13 +175,12 @@ namespace greville
             refuse_without_water(!flux.empty(), section + name + " flux");
             continue;
           }
-        check_boundary(section,
-                       {name + " pore pressure",
-                        name + " seepage face",
-                        name + " flux"},
-                       pressure,
-                       walls.seepage_face[w],
-                       flux);
+        check_boundary(
+          section,
+          {{name + " pore pressure", name + " seepage face", name + " flux"}},
+          pressure,
+          walls.seepage_face[w],
+          flux);
         if (pressure.empty() && flux.empty())
           continue;
         const std::string given =
@@ -221,7 +220,8 @@ namespace greville
                           "points deform with the velocity that the pressure "
                           "leaves; take USL.");
         refuse_with_water(time.has_half_steps(),
-                          "'Time/Velocities at' = half steps and " + given_scheme,
+                          "'Time/Velocities at' = half steps and " +
+                            given_scheme,
                           "the pressure belongs to whole steps; take full "
                           "steps.");
         refuse_with_water(!scheme.has_lumped_mass(),
