@@ -301,8 +301,8 @@ namespace greville
         state.n_points += body.n_points;
         state.bodies.push_back(std::move(body));
       }
-    state.partition    = discretization.partition();
-    state.surfaces     = make_surfaces(state.bodies, loads, discretization);
+    state.partition = discretization.partition();
+    state.surfaces  = make_surfaces(state.bodies, loads, discretization);
     state.water.assign(2 + 2 * dim + state.surfaces.size(), 0.);
     state.signals      = initial_signals(state.bodies, space);
     state.first_signal = state.signals.fastest;
