@@ -4,19 +4,16 @@ What is drawn, and where to, depends on what FOLDER holds:
 
 points.pvd or points.vtkhdf
                   a simulation: frames/frame_NNNN.png, one for each time of output,
-                  animation.gif, animation.mp4 where ffmpeg is installed, and picture.png, which has four times and below
-                  them the measured series of the parameters' section Reference or,
-                  where there is none, the energies. A measured surface and
-                  failure line, with that of the run, are drawn over the last of
-                  the four times.
-                  Of what --check --draw has written: picture.png with bodies, walls,
-                  surfaces, and probes by their names.
+                  animation.gif, also .mp4 where ffmpeg is installed, and
+                  picture.png, which has four times and below them the measured
+                  series of section Reference or else the energies. The last time
+                  shows a measured surface and failure line. Of what --check
+                  --draw has written: picture.png with the names of all parts.
 failure/          of a ramp: failure.png, the increment of displacement at failure, and
                   the displacement of probes over the factor.
 convergence.csv   a sweep: convergence.png, errors over the number of cells.
-solves.csv        of greville_benchmark: solves.png. Left: iterations over the order, one
-                  line per solver and mesh. Right: time per unknown, assembly and
-                  set-up included.
+solves.csv        of greville_benchmark: solves.png, iterations and time per unknown
+                  (assembly and set-up included) over the order.
 element_test.csv  of greville --element-test: element_test.png with q over p, q over the
                   strain, the change of volume, and the void ratio over p.
 */statistics.csv  a sweep without errors: energies.png, one line per folder.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
+// Release: 1
 
 // Every shipped parameter file, those of the user guide and the examples of the
 // reference parse, their files are there, their points can be made on a coarse
