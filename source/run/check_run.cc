@@ -28,8 +28,8 @@ namespace greville
   namespace
   {
     // Trial steps: so many at the most, and no further one after this time, s.
-    constexpr unsigned int most_steps = 20;
-    constexpr double       longest    = 2.;
+    constexpr unsigned int most_trial_steps = 20;
+    constexpr double       longest          = 2.;
 
 
 
@@ -307,7 +307,7 @@ namespace greville
         double                first_step = 0., steps = 0.;
         unsigned int          n     = 0;
         const auto            start = Clock::now();
-        while (!trial.is_finished() && n < most_steps &&
+        while (!trial.is_finished() && n < most_trial_steps &&
                (n == 0 || seconds_since(start, comm) < longest) &&
                !(n > 0 && trial.first().is_stage_finished()))
           {
