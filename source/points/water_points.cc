@@ -11,36 +11,6 @@ namespace greville
   using namespace dealii;
   using namespace internal;
 
-  std::array<double, 2>
-  kozeny_carman(const double J, const double solid)
-  {
-    constexpr double smallest = 1e-6;
-    const double     e = J / solid - 1., e0 = 1. / solid - 1.;
-    if (e <= 0.)
-      return {{smallest, 0.}};
-    const double value = std::pow(e / e0, 3) / J;
-    if (value <= smallest)
-      return {{smallest, 0.}};
-    return {{value, value * (3. / (e * solid) - 1. / J)}};
-  }
-
-
-
-  std::array<double, 2>
-  relative_conductivity(const double p, const double suction)
-  {
-    constexpr double smallest = 1e-3;
-    if (p >= 0. || suction == 0.)
-      return {{1., 0.}};
-    if (p <= -suction)
-      return {{smallest, 0.}};
-    const double s = 1. + p / suction;
-    return {{smallest + (1. - smallest) * s * s * (3. - 2. * s),
-             (1. - smallest) * 6. * s * (1. - s) / suction}};
-  }
-
-
-
   template <int dim>
   void
   WaterPoints<dim>::reinit(const SplineSpace<dim>          &displacements,
@@ -50,8 +20,8 @@ namespace greville
   {
     displacement_tables.reinit(displacements);
     pressure_tables.reinit(pressures);
-    parents         = given_parents;
-    is_axisymmetric = axisymmetric;
+    parents               = given_parents;
+    terms.is_axisymmetric = axisymmetric;
     AssertDimension(parents.size(), displacements.owned_cells().size());
   }
 
@@ -61,8 +31,8 @@ namespace greville
   void
   WaterPoints<dim>::clear(const double new_dt, const Tensor<1, dim> &new_weight)
   {
-    dt     = new_dt;
-    weight = new_weight;
+    terms.dt     = new_dt;
+    terms.weight = new_weight;
     points.clear();
     drained.clear();
     water_volumes.assign(2, 0.);
@@ -87,7 +57,7 @@ namespace greville
         term.to_basis = layout.is_total_lagrangian()
                           ? inverse_F<dim>(p, layout)
                           : Tensor<2, dim>(unit_symmetric_tensor<dim>());
-        if (is_axisymmetric)
+        if (terms.is_axisymmetric)
           {
             term.radius      = p.position(0);
             term.radius_of_F = radius_of_F<dim>(p, layout);
@@ -177,181 +147,23 @@ namespace greville
 
 
   template <int dim>
-  void
-  WaterPoints<dim>::finish(PointTerm &, const Tensor<2, dim> &) const
-  {}
-
-
-
-  template <int dim>
-  void
-  WaterPoints<dim>::finish(DrainedTerm          &term,
-                           const Tensor<2, dim> &inverse) const
-  {
-    term.end_area = term.J * (transpose(inverse) * term.area);
-  }
-
-
-
-  template <int dim>
-  template <typename AnyTerm>
-  typename WaterPoints<dim>::Mobility
-  WaterPoints<dim>::mobility(const AnyTerm &term)
-  {
-    Mobility result{term.mobility, 0., 0.};
-    if (term.solid > 0.)
-      {
-        const double J  = term.old_J * term.J;
-        const auto   by = kozeny_carman(J, term.solid);
-        result.value *= by[0];
-        result.by_volume = term.mobility * J * by[1];
-      }
-    if (term.suction > 0.)
-      {
-        const auto by      = relative_conductivity(term.p, term.suction);
-        result.by_pressure = result.value * by[1];
-        result.value *= by[0];
-        result.by_volume *= by[0];
-      }
-    return result;
-  }
-
-
-
-  template <int dim>
-  double
-  WaterPoints<dim>::outflow(const DrainedTerm &term) const
-  {
-    const Tensor<1, dim> &a = term.end_area;
-    return mobility(term).value *
-           (term.penalty * a.norm() * (term.p - term.value) -
-            (term.gradient - weight) * a);
-  }
-
-
-
-  template <int dim>
-  typename WaterPoints<dim>::Sources
-  WaterPoints<dim>::sources(const PointTerm &term) const
-  {
-    Sources result;
-    result.force = -term.volume * term.J * term.p * transpose(term.map);
-    if (is_axisymmetric)
-      result.radial = -term.volume * term.J * term.p / term.end_radius;
-    result.value =
-      term.volume * term.change + term.storage * (term.p - term.old_p);
-    result.gradient = dt * mobility(term).value * term.J *
-                      (term.map * (term.gradient - weight));
-    return result;
-  }
-
-
-
-  template <int dim>
-  typename WaterPoints<dim>::Sources
-  WaterPoints<dim>::sources(const DrainedTerm &term) const
-  {
-    using Kind              = typename DrainedPoint<dim>::Kind;
-    const Tensor<1, dim> &a = term.end_area;
-    Sources               result;
-    if (term.kind == Kind::flux)
-      result.value = dt * term.value * a.norm();
-    else if (term.kind == Kind::seepage)
-      result.value = dt * std::max(0., outflow(term));
-    else
-      {
-        result.value = dt * outflow(term);
-        result.gradient =
-          -dt * mobility(term).value * (term.p - term.value) * (term.map * a);
-      }
-    return result;
-  }
-
-
-
-  template <int dim>
-  typename WaterPoints<dim>::Sources
-  WaterPoints<dim>::derivative(const PointTerm &term,
-                               const Change    &change) const
-  {
-    const double         V    = term.volume * term.J;
-    const double         rate = trace(change.h) + change.hoop;
-    const Tensor<1, dim> w    = term.gradient - weight;
-    const Mobility       k    = mobility(term);
-    Sources              result;
-    // d map = - map h.
-    result.force = -V * ((change.p + rate * term.p) * transpose(term.map) -
-                         term.p * (transpose(change.h) * transpose(term.map)));
-    if (is_axisymmetric)
-      result.radial =
-        -V * (change.p + trace(change.h) * term.p) / term.end_radius;
-    result.value = V * rate + term.storage * change.p;
-    result.gradient =
-      dt * term.J *
-      (term.map *
-       (k.value * (rate * w + change.gradient -
-                   transpose(change.h) * term.gradient - change.h * w) +
-        (k.by_volume * rate + k.by_pressure * change.p) * w));
-    return result;
-  }
-
-
-
-  template <int dim>
-  typename WaterPoints<dim>::Sources
-  WaterPoints<dim>::derivative(const DrainedTerm &term,
-                               const Change      &change) const
-  {
-    using Kind                   = typename DrainedPoint<dim>::Kind;
-    const Tensor<1, dim> &a      = term.end_area;
-    const Tensor<1, dim>  w      = term.gradient - weight;
-    const double          excess = term.p - term.value;
-    const double          size   = a.norm();
-    const Tensor<1, dim>  da =
-      (trace(change.h) + change.hoop) * a - transpose(change.h) * a;
-    Sources result;
-    if (term.kind == Kind::flux)
-      {
-        result.value = dt * term.value * (a * da) / size;
-        return result;
-      }
-    if (term.kind == Kind::seepage && outflow(term) <= 0.)
-      return result;
-    const Mobility k           = mobility(term);
-    const double   change_of_k = k.by_volume * trace(change.h);
-    result.value =
-      dt *
-      (change_of_k * (term.penalty * size * excess - w * a) +
-       k.value * (term.penalty * (size * change.p + excess * (a * da) / size) -
-                  (change.gradient - transpose(change.h) * term.gradient) * a -
-                  w * da));
-    if (term.kind == Kind::pressure)
-      result.gradient =
-        -dt *
-        (term.map * (change_of_k * excess * a +
-                     k.value * (change.p * a + excess * (da - change.h * a))));
-    return result;
-  }
-
-
-
-  template <int dim>
   template <int                             n,
             int                             m,
             typename WaterPoints<dim>::Pass pass,
             typename Self,
             typename Terms>
   void
-  WaterPoints<dim>::sum_terms(Self &self, Terms &terms)
+  WaterPoints<dim>::sum_terms(Self &self, Terms &of_terms)
   {
     constexpr int  n_u = power(n, dim), n_p = power(m, dim);
     constexpr bool with_rows = pass == Pass::evaluate || pass == Pass::multiply;
     constexpr bool with_u    = with_rows || pass == Pass::free_motion;
     constexpr bool with_p    = with_rows || pass == Pass::spread;
-    constexpr bool with_force = pass != Pass::free_motion;
-    for (std::size_t k = 0; k < terms.size();)
+    constexpr bool with_force      = pass != Pass::free_motion;
+    const bool     is_axisymmetric = self.terms.is_axisymmetric;
+    for (std::size_t k = 0; k < of_terms.size();)
       {
-        const unsigned int         cell = terms[k].cell;
+        const unsigned int         cell = of_terms[k].cell;
         const CellGeometry<dim, n> of_u(self.displacement_tables, cell);
         const CellGeometry<dim, m> of_p(self.pressure_tables,
                                         self.parents[cell]);
@@ -362,14 +174,14 @@ namespace greville
             u[i][a] = self.u_buffer[std::size_t(of_u.functions[a]) * dim + i];
         for (int b = 0; b < n_p && with_p; ++b)
           p[b] = self.p_buffer[of_p.functions[b]];
-        for (; k < terms.size() && terms[k].cell == cell; ++k)
+        for (; k < of_terms.size() && of_terms[k].cell == cell; ++k)
           {
-            auto                            &term  = terms[k];
+            auto                            &term  = of_terms[k];
             const auto                       shape = evaluated(of_u, term.x);
             const Gradients<dim, n>          G(shape);
             const ValuesAndGradients<dim, m> q(of_p, term.x);
             double                           N[n_u], u_r = 0.;
-            if (self.is_axisymmetric)
+            if (is_axisymmetric)
               {
                 shape.multiply(N);
                 for (int a = 0; a < n_u && with_u; ++a)
@@ -395,7 +207,7 @@ namespace greville
                 const Tensor<2, dim> inverse =
                   invert(Tensor<2, dim>(unit_symmetric_tensor<dim>()) + h);
                 term.change = change_of_volume(h);
-                if (self.is_axisymmetric)
+                if (is_axisymmetric)
                   {
                     term.end_radius = term.radius + u_r;
                     term.change += (1. + term.change) *
@@ -406,38 +218,38 @@ namespace greville
                 term.map      = term.to_basis * inverse;
                 term.p        = change.p;
                 term.gradient = transpose(term.map) * p_slope;
-                self.finish(term, inverse);
-                sources = self.sources(term);
+                self.terms.finish(term, inverse);
+                sources = self.terms.sources(term);
               }
             else if constexpr (pass == Pass::begin)
               {
                 sources.force =
                   -term.volume * term.old_p * transpose(term.to_basis);
-                if (self.is_axisymmetric)
+                if (is_axisymmetric)
                   sources.radial = -term.volume * term.old_p / term.radius;
               }
             else if constexpr (pass == Pass::free_motion)
               {
                 term.of_surface = term.volume * trace(slope * term.to_basis);
-                if (self.is_axisymmetric)
+                if (is_axisymmetric)
                   term.of_surface += term.volume * u_r / term.radius;
               }
             else
               {
                 if constexpr (with_u)
                   {
-                    if (self.is_axisymmetric)
+                    if (is_axisymmetric)
                       change.hoop = u_r / term.end_radius;
                     change.h        = slope * term.map;
                     change.gradient = transpose(term.map) * p_slope;
                   }
-                sources = self.derivative(term, change);
+                sources = self.terms.derivative(term, change);
               }
             for (int a = 0; a < n_u && with_force; ++a)
               for (int i = 0; i < dim; ++i)
                 for (int j = 0; j < dim; ++j)
                   f[i][a] += sources.force[i][j] * G.values[j][a];
-            for (int a = 0; a < n_u && self.is_axisymmetric; ++a)
+            for (int a = 0; a < n_u && is_axisymmetric; ++a)
               f[0][a] += sources.radial * N[a];
             for (int b = 0; b < n_p && with_rows; ++b)
               {
@@ -580,15 +392,15 @@ namespace greville
       constexpr int      m = decltype(size)::value, n_q = power(m, dim);
       FullMatrix<double> of_cell(n_q, n_q);
       // Gradients of all functions at the start, and the action on them.
-      const auto for_each = [&](const auto &terms, const auto &action) {
-        for (std::size_t k = 0; k < terms.size();)
+      const auto for_each = [&](const auto &of_terms, const auto &action) {
+        for (std::size_t k = 0; k < of_terms.size();)
           {
-            const unsigned int         cell = terms[k].cell;
+            const unsigned int         cell = of_terms[k].cell;
             const CellGeometry<dim, m> geometry(functions, parents[cell]);
             of_cell = 0.;
-            for (; k < terms.size() && terms[k].cell == cell; ++k)
+            for (; k < of_terms.size() && of_terms[k].cell == cell; ++k)
               {
-                const ValuesAndGradients<dim, m> q(geometry, terms[k].x);
+                const ValuesAndGradients<dim, m> q(geometry, of_terms[k].x);
                 double                           slopes[n_q][dim];
                 for (int b = 0; b < n_q; ++b)
                   for (int j = 0; j < dim; ++j)
@@ -596,9 +408,9 @@ namespace greville
                       slopes[b][j] = 0.;
                       for (int J = 0; J < dim; ++J)
                         slopes[b][j] +=
-                          terms[k].to_basis[J][j] * q.gradients.values[J][b];
+                          of_terms[k].to_basis[J][j] * q.gradients.values[J][b];
                     }
-                action(terms[k], q.values, slopes);
+                action(of_terms[k], q.values, slopes);
               }
             matrix.add_cell(parents[cell], of_cell);
           }
@@ -606,7 +418,7 @@ namespace greville
       for_each(points,
                [&](const PointTerm &term, const double *q, const auto &slopes) {
                  double mass = term.storage;
-                 double flow = dt * mobility(term).value;
+                 double flow = terms.dt * terms.mobility(term).value;
                  if (kick == 0.)
                    mass += term.compliance;
                  else
@@ -630,9 +442,9 @@ namespace greville
           // The form that is symmetric, of seepage faces, too.
           using Kind = typename DrainedPoint<dim>::Kind;
           if (term.kind == Kind::flux ||
-              (term.kind == Kind::seepage && outflow(term) <= 0.))
+              (term.kind == Kind::seepage && terms.outflow(term) <= 0.))
             return;
-          const double flow    = dt * mobility(term).value;
+          const double flow    = terms.dt * terms.mobility(term).value;
           const double penalty = flow * term.penalty * term.area.norm();
           double       normal[n_q];
           for (int a = 0; a < n_q; ++a)

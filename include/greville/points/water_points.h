@@ -7,88 +7,13 @@
 #include <greville/mass/stencil_matrix.h>
 #include <greville/points/material_points.h>
 #include <greville/points/spline_polynomials.h>
+#include <greville/points/water_terms.h>
 
 #include <array>
 #include <vector>
 
 namespace greville
 {
-  /**
-   * What a material says of the water in it.
-   */
-  struct WaterConstants
-  {
-    /// Porosity over the bulk modulus of water, 1 / Pa.
-    double storage = 0.;
-    /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s), in
-    /// the stress-free state where there is a solid part.
-    double mobility = 0.;
-    /// 1 - porosity where the conductivity follows the void ratio; 0: it is
-    /// constant.
-    double solid = 0.;
-    /// Pa, see relative_conductivity().
-    double suction = 0.;
-  };
-
-
-
-  /**
-   * The law of Kozeny and Carman (@ref Carman1937 "1937"): e^3 / (1 + e) over
-   * its value for J = 1, with the void ratio e of 1 + e = J / solid, and its
-   * derivative by J. At least 1e-6, where hardly a pore is left.
-   */
-  std::array<double, 2>
-  kozeny_carman(const double J, const double solid);
-
-  /**
-   * The conductivity at a pressure p (Pa) over that of full pores, and its
-   * derivative: it falls smoothly from 1 at p = 0 to 1e-3 at p = -suction. 1
-   * where the suction is 0. This lets water leave the soil above a free surface
-   * (@ref Bathe1979 "Bathe and Khoshgoftaar, 1979"); the pores stay full.
-   */
-  std::array<double, 2>
-  relative_conductivity(const double p, const double suction);
-
-
-
-  /**
-   * A point of the boundary at which the pressure or the flow is given.
-   */
-  template <int dim>
-  struct DrainedPoint
-  {
-    enum class Kind
-    {
-      pressure,
-      seepage, // p is at most the pressure, and water only leaves
-      flux
-    };
-
-    Kind         kind = Kind::pressure;
-    unsigned int cell;     // owned
-    unsigned int boundary; // the number of the wall or the surface
-    /// Where the basis functions are taken, m.
-    dealii::Point<dim> x;
-    /// The normal, outwards, times the area at the start of the step.
-    dealii::Tensor<1, dim> area;
-    /// From gradients with respect to x to those at the start of the step:
-    /// 1, or the inverse of F in total Lagrangian steps.
-    dealii::Tensor<2, dim> to_basis;
-    /// Pa; of the kind flux the flow outwards, m / s.
-    double value;
-    /// See WaterConstants, and the volume at the start of the step over that of
-    /// the stress-free state.
-    double mobility = 0.;
-    double solid    = 0.;
-    double old_J    = 1.;
-    /// Of Nitsche's method, over the size of a cell at the start, 1 / m.
-    double penalty = 0.;
-    /// The distance from the axis at the start, m; 0 without axisymmetry.
-    double radius = 0.;
-  };
-
-
-
   /**
    * The terms of pore water in a step of length dt of implicit steps (u-p form,
    * @ref Zienkiewicz1980 "Zienkiewicz, Chang and Bettess, 1980"), as sums over
@@ -275,78 +200,10 @@ namespace greville
     }
 
   private:
-    /**
-     * A term of the sums. Those of a cell follow one another.
-     */
-    struct Term
-    {
-      unsigned int           cell;
-      dealii::Point<dim>     x;
-      dealii::Tensor<2, dim> to_basis;
-      // Of axisymmetric ones: the distance from the axis at the start, that to
-      // which the change of the volume is relative, and that at the end.
-      double radius = 0., radius_of_F = 0., end_radius = 0.;
-
-      // At the end of a trial step: the volume relative to the start and its
-      // change, what makes gradients there of those of the basis functions, and
-      // the pressure.
-      double                 J = 1., change = 0.;
-      dealii::Tensor<2, dim> map;
-      double                 p = 0.;
-      dealii::Tensor<1, dim> gradient;
-    };
-
-    struct PointTerm : Term
-    {
-      double volume; // at the start
-      // Times volumes: V0 phi / K_w, k V / gamma_w at the start, and V over the
-      // modulus of pressure waves.
-      double storage, mobility, compliance;
-      // Over the density, and the volume times div u of set_free_motion().
-      double of_mass, of_surface = 0.;
-      double old_p, old_J, solid, suction;
-    };
-
-    struct DrainedTerm : Term
-    {
-      typename DrainedPoint<dim>::Kind kind;
-      dealii::Tensor<1, dim>           area, end_area;
-      double                           value, penalty;
-      double                           mobility, old_J, solid, suction = 0.;
-      unsigned int                     boundary;
-    };
-
-    /**
-     * The mobility, times what that of the term is times, and its derivatives
-     * by the relative change of volume and by the pressure.
-     */
-    struct Mobility
-    {
-      double value, by_volume, by_pressure;
-    };
-
-    /**
-     * What a term gives: to the force by gradients of N and, along r, by N; to
-     * the rows by q and by gradients of q.
-     */
-    struct Sources
-    {
-      dealii::Tensor<2, dim> force;
-      double                 radial = 0.;
-      double                 value  = 0.;
-      dealii::Tensor<1, dim> gradient;
-    };
-
-    /**
-     * A direction at a term, with gradients at the end.
-     */
-    struct Change
-    {
-      dealii::Tensor<2, dim> h;         // of the displacement
-      double                 hoop = 0.; // that along r over r
-      double                 p    = 0.;
-      dealii::Tensor<1, dim> gradient;
-    };
+    using PointTerm   = typename WaterTerms<dim>::Point;
+    using DrainedTerm = typename WaterTerms<dim>::Drained;
+    using Sources     = typename WaterTerms<dim>::Sources;
+    using Change      = typename WaterTerms<dim>::Change;
 
     /// Which sums a pass is about.
     enum class Pass
@@ -373,38 +230,16 @@ namespace greville
     static void
     sum_terms(Self &self, Terms &terms);
 
-    void
-    finish(PointTerm &term, const dealii::Tensor<2, dim> &inverse) const;
-    void
-    finish(DrainedTerm &term, const dealii::Tensor<2, dim> &inverse) const;
     /// Add to volumes() and work().
     void
     count(const PointTerm &term, const double volume);
     void
     count(const DrainedTerm &term, const double volume);
 
-    template <typename AnyTerm>
-    static Mobility
-    mobility(const AnyTerm &term);
-    /// Times the area at the end; of seepage faces without its sign.
-    double
-    outflow(const DrainedTerm &term) const;
-
-    Sources
-    sources(const PointTerm &term) const;
-    Sources
-    sources(const DrainedTerm &term) const;
-    Sources
-    derivative(const PointTerm &term, const Change &change) const;
-    Sources
-    derivative(const DrainedTerm &term, const Change &change) const;
-
     SpacePolynomials<dim>     displacement_tables, pressure_tables;
     std::vector<unsigned int> parents;
-    bool                      is_axisymmetric = false;
 
-    double                   dt = 0.;
-    dealii::Tensor<1, dim>   weight;
+    WaterTerms<dim>          terms;
     std::vector<PointTerm>   points;
     std::vector<DrainedTerm> drained;
     double                   pressure_work = 0., sum_of_masses = 0.;
