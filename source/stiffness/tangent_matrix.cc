@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <deal.II/base/aligned_vector.h>
+
 #include <greville/base/index_limits.h>
 #include <greville/stiffness/tangent_level.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace greville
 {
@@ -14,8 +17,21 @@ namespace greville
     template <int dim>
     struct Block
     {
-      unsigned int                  column; // local unknown
-      std::array<double, dim * dim> values;
+      unsigned int                 column; // local unknown
+      std::array<float, dim * dim> values;
+    };
+
+
+
+    /**
+     * Blocks by rows: those of row u begin at begin[u], and are size[u].
+     */
+    template <int dim>
+    struct BlockRows
+    {
+      std::vector<std::size_t>  begin;
+      std::vector<unsigned int> size;
+      AlignedVector<Block<dim>> blocks;
     };
 
 
@@ -26,7 +42,7 @@ namespace greville
      * held are components (bits) of local functions and of local unknowns.
      */
     template <int dim>
-    std::vector<std::vector<Block<dim>>>
+    BlockRows<dim>
     extended_blocks(const BlockStencil<dim, float>   &blocks,
                     const ExtendedMass<dim>          &extended,
                     const std::vector<unsigned char> &held,
@@ -39,58 +55,76 @@ namespace greville
       for (const auto &[f, place] : extended.matrix().images())
         held_at[place] = held[f];
 
-      std::vector<std::vector<Block<dim>>> rows(n);
-      const unsigned int length = 2 * extended.matrix().space().degree() + 1;
-      for (auto &row : rows)
-        row.reserve(Utilities::fixed_power<dim>(length));
-      const auto add =
-        [&](const unsigned int i, const unsigned int j, const auto &entry_of) {
+      // Call visit(u, v, place_u, place_v, weight, entry_of), entry_of(c, d).
+      const auto for_each_entry = [&](const auto &visit) {
+        const auto add = [&](const unsigned int i,
+                             const unsigned int j,
+                             const auto        &entry_of) {
           extended.unknowns().for_each_unknown(
             i, [&](const unsigned int u, const double weight_u) {
-              const unsigned int held_i = held_at[i] | held_unknowns[u];
               extended.unknowns().for_each_unknown(
                 j, [&](const unsigned int v, const double weight_v) {
-                  const unsigned int held_j = held_at[j] | held_unknowns[v];
-                  Block<dim>         entry;
-                  entry.column = v;
-                  for (unsigned int c = 0; c < dim; ++c)
-                    for (unsigned int d = 0; d < dim; ++d)
-                      entry.values[c * dim + d] =
-                        ((held_i >> c) & 1) || ((held_j >> d) & 1)
-                          ? 0.
-                          : weight_u * weight_v * entry_of(c, d);
-                  rows[u].push_back(entry);
+                  visit(u, v, i, j, weight_u * weight_v, entry_of);
                 });
             });
         };
-      extended.matrix().for_each_row([&](const unsigned int i) {
-        blocks.for_each_block(i,
-                              [&](const unsigned int j, const double *block) {
-                                add(i, j, [&](const int c, const int d) {
-                                  return block[c * dim + d];
-                                });
-                                if (j != i)
-                                  add(j, i, [&](const int c, const int d) {
-                                    return block[d * dim + c];
+        extended.matrix().for_each_row([&](const unsigned int i) {
+          blocks.for_each_block(i,
+                                [&](const unsigned int j, const double *block) {
+                                  add(i, j, [&](const int c, const int d) {
+                                    return block[c * dim + d];
                                   });
-                              });
+                                  if (j != i)
+                                    add(j, i, [&](const int c, const int d) {
+                                      return block[d * dim + c];
+                                    });
+                                });
+        });
+      };
+      BlockRows<dim> rows;
+      rows.begin.assign(n + 1, 0);
+      rows.size.assign(n, 0);
+      for_each_entry(
+        [&](const unsigned int u, const auto &...) { ++rows.begin[u + 1]; });
+      std::partial_sum(rows.begin.begin(),
+                       rows.begin.end(),
+                       rows.begin.begin());
+      rows.blocks.resize_fast(rows.begin[n]);
+      for_each_entry([&](const unsigned int u,
+                         const unsigned int v,
+                         const unsigned int i,
+                         const unsigned int j,
+                         const double       weight,
+                         const auto        &entry_of) {
+        const unsigned int held_i = held_at[i] | held_unknowns[u];
+        const unsigned int held_j = held_at[j] | held_unknowns[v];
+        Block<dim>        &entry  = rows.blocks[rows.begin[u] + rows.size[u]++];
+        entry.column              = v;
+        for (unsigned int c = 0; c < dim; ++c)
+          for (unsigned int d = 0; d < dim; ++d)
+            entry.values[c * dim + d] =
+              ((held_i >> c) & 1) || ((held_j >> d) & 1)
+                ? 0.
+                : weight * entry_of(c, d);
       });
-      for (auto &row : rows)
+      for (unsigned int u = 0; u < n; ++u)
         {
           // Most rows are, as the order of unknowns is that of places.
           const auto is_before = [](const auto &a, const auto &b) {
             return a.column < b.column;
           };
-          if (!std::is_sorted(row.begin(), row.end(), is_before))
-            std::sort(row.begin(), row.end(), is_before);
+          Block<dim> *const row = rows.blocks.data() + rows.begin[u];
+          Block<dim> *const end = row + rows.size[u];
+          if (!std::is_sorted(row, end, is_before))
+            std::sort(row, end, is_before);
           unsigned int n_columns = 0;
-          for (const Block<dim> &entry : row)
-            if (n_columns > 0 && row[n_columns - 1].column == entry.column)
+          for (const Block<dim> *entry = row; entry != end; ++entry)
+            if (n_columns > 0 && row[n_columns - 1].column == entry->column)
               for (unsigned int k = 0; k < dim * dim; ++k)
-                row[n_columns - 1].values[k] += entry.values[k];
+                row[n_columns - 1].values[k] += entry->values[k];
             else
-              row[n_columns++] = entry;
-          row.resize(n_columns);
+              row[n_columns++] = *entry;
+          rows.size[u] = n_columns;
         }
       return rows;
     }
@@ -164,10 +198,10 @@ namespace greville
           const auto is_owned = [&](const Block<dim> &block) {
             return block.column < layout.n_owned();
           };
-          const PetscInt n =
-            std::count_if(rows[u].begin(), rows[u].end(), is_owned);
+          const Block<dim> *const row = rows.blocks.data() + rows.begin[u];
+          const PetscInt n = std::count_if(row, row + rows.size[u], is_owned);
           n_diagonal[u * dim + c] = std::max<PetscInt>(n, 1) * dim;
-          n_other[u * dim + c]    = (rows[u].size() - n) * dim;
+          n_other[u * dim + c]    = (rows.size[u] - n) * dim;
         }
     Mat mat;
     check_petsc(MatCreate(comm, &mat));
@@ -181,14 +215,25 @@ namespace greville
       MatMPIAIJSetPreallocation(mat, 0, n_diagonal.data(), 0, n_other.data()));
     // Rows at the edge of a process get entries of its neighbours.
     check_petsc(MatSetOption(mat, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
-    for (unsigned int u = 0; u < rows.size(); ++u)
-      for (const Block<dim> &block : rows[u])
-        {
-          const PetscInt i = layout.global_number(u),
-                         j = layout.global_number(block.column);
-          check_petsc(MatSetValuesBlocked(
-            mat, 1, &i, 1, &j, block.values.data(), ADD_VALUES));
-        }
+    std::vector<PetscInt>    columns;
+    std::vector<PetscScalar> values; // dim rows
+    for (unsigned int u = 0; u < rows.size.size(); ++u)
+      {
+        const Block<dim> *const row = rows.blocks.data() + rows.begin[u];
+        const PetscInt          i   = layout.global_number(u);
+        const unsigned int      n   = rows.size[u];
+        columns.resize(n);
+        values.resize(n * dim * dim);
+        for (unsigned int k = 0; k < n; ++k)
+          {
+            columns[k] = layout.global_number(row[k].column);
+            for (unsigned int c = 0; c < dim; ++c)
+              for (unsigned int d = 0; d < dim; ++d)
+                values[(c * n + k) * dim + d] = row[k].values[c * dim + d];
+          }
+        check_petsc(MatSetValuesBlocked(
+          mat, 1, &i, n, columns.data(), values.data(), ADD_VALUES));
+      }
     for (unsigned int u = 0; u < functions.size(); ++u)
       for (unsigned int c = 0; c < dim; ++c)
         {
