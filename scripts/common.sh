@@ -111,4 +111,9 @@ set_up_mpi() {
   # Several runs at a time must not be bound to the same core.
   export OMPI_MCA_hwloc_base_binding_policy=none
   export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
+  # Memory comes in large pages and is kept, where the kernel lets programs ask
+  # for that (doc/performance.md).
+  export GLIBC_TUNABLES="${GLIBC_TUNABLES:-glibc.malloc.hugetlb=1:\
+glibc.malloc.mmap_threshold=4294967296:glibc.malloc.trim_threshold=8589934592:\
+glibc.malloc.top_pad=67108864}"
 }
