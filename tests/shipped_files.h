@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -60,11 +61,13 @@ shipped_files(const std::string &source,
     {"colliding_disks", "10, 10"},
     {"colliding_disks_1994", "10, 10"},
     {"colliding_disks_reconstructed", "10, 10"},
+    {"cone_in_clay", "12, 24"},
     {"cone_penetration", "8, 8, 12"},
     {"cone_penetration_axisymmetric", "10, 15"},
     {"cooks_membrane", "17, 28"},
     {"cryer", "10, 10"},
     {"dam_break", "20, 10"},
+    {"dam_failure", "42, 12"},
     {"drawdown_slope", "44, 14"},
     {"elastic_block_2d", "10, 10"},
     {"elastic_block_3d", "6, 6, 6"},
@@ -78,20 +81,24 @@ shipped_files(const std::string &source,
     {"hertz_cylinder", "16, 20"},
     {"hertz_sphere_3d", "5, 5, 5"},
     {"hydrostatic_column", "1, 6"},
+    {"landslide_barrier", "28, 12, 11"},
     {"large_strain_consolidation", "2, 18"},
     {"mandel", "18, 8"},
     {"mms_1d", "10, 1"},
     {"mud_flow", "40, 20"},
     {"notched_plate", "20, 10"},
+    {"pit_with_wall", "40, 21"},
     {"pressurized_ring", "12, 12"},
     {"quasi_static_cut", "8, 4"},
     {"retaining_wall_rough", "25, 10"},
     {"rigid_footing", "20, 10"},
     {"rolling_ball_3d", "8, 8, 4"},
     {"round_footing", "15, 10"},
+    {"rubber_gears", "22, 14, 1"},
     {"rubber_gear_3d", "10, 10, 2"},
     {"seepage_dam", "20, 26"},
     {"slope", "45, 12"},
+    {"slope_failure", "35, 11"},
     {"soil_column", "1, 8"},
     {"step_traction", "17, 1"},
     {"taylor_bar", "6, 21"},
@@ -112,8 +119,15 @@ shipped_files(const std::string &source,
     std::filesystem::path(source).parent_path().parent_path();
   std::vector<ShippedFile> result;
   std::filesystem::create_directories(folder);
-  for (const std::string part :
-       {"prm/simulation", "prm/templates", "doc/user/examples", "prm/mass"})
+  std::vector<std::filesystem::path> parts = {"prm/simulation",
+                                              "prm/templates",
+                                              "doc/user/examples",
+                                              "prm/mass"};
+  for (const auto &entry :
+       std::filesystem::directory_iterator(root / "examples"))
+    if (entry.is_directory())
+      parts.push_back("examples" / entry.path().filename());
+  for (const std::filesystem::path &part : parts)
     {
       const auto link = std::filesystem::path(folder) / "reference";
       std::filesystem::create_directories(link);
@@ -131,7 +145,10 @@ shipped_files(const std::string &source,
             file.is_benchmark = part == "prm/mass";
             std::ostringstream content;
             content << std::ifstream(entry.path()).rdbuf();
-            file.content = content.str();
+            // Files of examples include others, and name what those read.
+            file.content = std::regex_replace(content.str(),
+                                              std::regex(R"(\.\./\.\./)"),
+                                              root.string() + "/");
             if (file.is_benchmark)
               file.small = section_text("Benchmark",
                                         {"Cells = 4",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Release: 1
 
-// Every shipped parameter file, those of the user guide and the examples of the
+// Every shipped parameter file, those of examples, of the user guide and of the
 // reference parse, their files are there, their points can be made on a coarse
 // grid, and doc/simulation_parameters.md is what the program says, with an
 // example in each section. It has at most 174 rows besides those of laws, a law
@@ -96,6 +96,11 @@ test_main()
 {
   const std::filesystem::path root =
     std::filesystem::path(SOURCE_DIR).parent_path().parent_path();
+  std::vector<std::filesystem::path> examples;
+  for (const auto &entry :
+       std::filesystem::directory_iterator(root / "examples"))
+    if (entry.is_directory())
+      examples.push_back(entry.path());
   std::set<Parameter> set;
   for (const char *folder : {"prm/simulation",
                              "prm/simulation/sections",
@@ -115,9 +120,12 @@ test_main()
   });
 
   std::vector<std::filesystem::path> files;
+  std::vector<std::filesystem::path> folders = examples;
   for (const char *folder :
        {"prm/simulation", "prm/simulation/sections", "doc/user/examples"})
-    for (const auto &entry : std::filesystem::directory_iterator(root / folder))
+    folders.push_back(root / folder);
+  for (const auto &folder : folders)
+    for (const auto &entry : std::filesystem::directory_iterator(folder))
       if (entry.path().extension() == ".prm")
         files.push_back(entry.path());
   std::sort(files.begin(), files.end());

@@ -10,7 +10,7 @@ copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
 for entry in *; do
   case $entry in
-    doc | *.md) cp -r "$entry" "$copy" ;;
+    doc | examples | *.md) cp -r "$entry" "$copy" ;;
     build* | output) ;;
     *) ln -s "$PWD/$entry" "$copy" ;;
   esac
@@ -47,6 +47,7 @@ finds "no section Bodies soil" $user/examples/vertical_cut.prm 's/subsection Bod
 finds "no parameter Scheme/Masses" $user/choosing.md 's|`Scheme/Mass`|`Scheme/Masses`|'
 finds "no message" $user/troubleshooting.md 's/is a folder, not a/is a folder and no/'
 finds "no row for kinetic" $user/output.md '/^| `kinetic`/d'
+finds "no link to examples/slope_failure/README.md" README.md 's|examples/slope_failure/README.md|examples/slope_failure|'
 finds "in no file that the page links to" doc/developer/adding_a_law.md 's/2\. + e\.norm()/3. + e.norm()/'
 finds "has a function compute_statistics" doc/developer/adding_a_field.md 's/`add_sums()`/`compute_statistics()`/'
 rooms=doc/developer/architecture.md

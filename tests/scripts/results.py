@@ -4,7 +4,9 @@ Exit status 77 where numpy is missing; points are compared where VTK or meshio i
 """
 import base64
 import json
+import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -217,10 +219,39 @@ def check_one_file(place, case):
     for words in (["picture", folder], ["report", folder], ["paraview", folder], ["points_to_csv", folder / "points.vtkhdf", "--time", "0.02"]):
         done = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / words[0], *words[1:]], capture_output=True, text=True)
         check(f"{words[0]} of points in one file: {done.stderr}", done.returncode == 0)
+        if words[0] == "picture":
+            check_film(folder)
     check("a table of them", done.stdout.startswith("x,y,z,") and done.stdout.count("\n") == 129)
     check("view.py reads points.xdmf", "ONE_FILE = True" in (folder / "view.py").read_text())
     Run(folder).points(-1).save_csv(folder / "last.csv")
     check("save_csv", abs(read_table(folder / "last.csv")["x"] - Run(folder).points(-1).x[:, 0]).max() < 1e-8)
+
+
+def check_film(folder):
+    """animation.mp4, where ffmpeg is installed: the frames at the times of animation.gif, in an even number of pixels."""
+    from PIL import Image
+    frames = sorted((folder / "frames").glob("frame_*.png"))
+    film, still = folder / "animation.mp4", Image.open(folder / "animation.gif")
+    check("frames of animation.gif", still.n_frames == len(frames) == 3)
+    if not shutil.which("ffmpeg"):
+        check("no film without ffmpeg", not film.exists())
+        return
+    found = subprocess.run(["ffprobe", "-loglevel", "error", "-select_streams", "v", "-show_entries", "stream=codec_name,width,height,duration,pix_fmt",
+                            "-of", "json", film], capture_output=True, text=True)
+    stream = json.loads(found.stdout or "{}").get("streams", [{}])[0]
+    width, height = (size + size % 2 for size in Image.open(frames[0]).size)
+    check(f"the film: {found.stderr}{stream}", stream.get("codec_name") == "h264" and stream["pix_fmt"] == "yuv420p"
+          and (stream["width"], stream["height"]) == (width, height))
+    # Three frames of 0.4 s, and 1.5 s of the last one.
+    check(f"its length: {stream}", abs(float(stream.get("duration", 0)) - 2.7) < 0.1)
+    # One that cannot be made is no reason to fail, and none of before is left.
+    program = folder / "programs"
+    program.mkdir()
+    (program / "ffmpeg").write_text("#!/bin/sh\necho no film today >&2\nexit 1\n")
+    (program / "ffmpeg").chmod(0o755)
+    environment = dict(os.environ, PATH=f"{program}:{os.environ['PATH']}")
+    done = subprocess.run([sys.executable, "-B", PROJECT / "scripts/picture", folder], capture_output=True, text=True, env=environment)
+    check(f"without a film: {done.stderr}", done.returncode == 0 and "no animation.mp4: ffmpeg says: no film today" in done.stderr and not film.exists())
 
 
 def check_facts(place, case):
