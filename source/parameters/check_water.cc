@@ -109,6 +109,7 @@ namespace greville
             refuse_without_water(is_given, "Surface load " + name + parameter);
         return;
       }
+    const ContactParameters none_of_contact;
     for (const auto &[name, load] : surface_loads)
       check_boundary("Surface load " + name + "/",
                      {{"Pore pressure", "Seepage face", "Flux"}},
@@ -142,9 +143,17 @@ namespace greville
     refuse_with_water(has_body_grids(),
                       "'Grid/Per body' and sections 'Grid' of bodies",
                       "water passes between bodies on one grid.");
-    refuse_with_water(!contacts.empty(),
-                      "'Simulation/Contacts'",
-                      "what passes where bodies touch is not known.");
+    refuse_with_water(!contacts.empty() && body_groups().size() > 1,
+                      "'Simulation/Contacts' of bodies on several grids",
+                      "water passes between bodies on one grid. Let all bodies "
+                      "be one side, against rigid bodies or walls.");
+    for (const auto &[name, contact] : contacts)
+      refuse_with_water(contact.friction != none_of_contact.friction &&
+                          contact.friction != "rough",
+                        "'Contact " + name + "/Friction' = " + contact.friction,
+                        "the pressure of contacts is the total one, and "
+                        "friction is that of the effective one. Take "
+                        "'Adhesion', or rough.");
     for (const auto &[name, body] : bodies)
       refuse_with_water(body.K0 >= 0. && water.table.empty(),
                         "'Body " + name + "/K0' without a 'Water/Table'",
@@ -192,6 +201,10 @@ namespace greville
         refuse_with_water(grid.has_axis() && w == 0,
                           given,
                           "the wall is the axis, through which nothing flows.");
+        refuse_with_water(walls.is_contact(w),
+                          given,
+                          "the wall is contact, so that it is not one of the "
+                          "grid. Give that of a 'Surface load'.");
         refuse_with_water(walls.is_periodic(w),
                           given,
                           "the wall is periodic, so that it has no end there.");
@@ -219,6 +232,10 @@ namespace greville
                           given_scheme,
                           "points deform with the velocity that the pressure "
                           "leaves; take USL.");
+        refuse_with_water(!contacts.empty(),
+                          "'Simulation/Contacts' and " + given_scheme,
+                          "contacts act in implicit steps with water. Walls "
+                          "may have friction, as 'Walls/Bottom' = friction.");
         refuse_with_water(time.has_half_steps(),
                           "'Time/Velocities at' = half steps and " +
                             given_scheme,

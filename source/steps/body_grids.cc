@@ -164,6 +164,17 @@ namespace greville
 
 
     /**
+     * The pressure of pore water has cells of twice the size.
+     */
+    unsigned int
+    least_factor(const SimulationParameters &part)
+    {
+      return part.general.pore_water ? 2 : 1;
+    }
+
+
+
+    /**
      * Cut the part around the body out of the @p grid, and walls off it.
      */
     template <int dim>
@@ -177,7 +188,8 @@ namespace greville
       unsigned int thinnest      = std::numeric_limits<unsigned int>::max();
       for (unsigned int d = 0; d < dim; ++d)
         thinnest = std::min(thinnest, body.end[d] - body.first[d]);
-      const unsigned int multiple = common_factor(thinnest);
+      const unsigned int multiple =
+        std::max(common_factor(thinnest), least_factor(part));
       for (unsigned int d = 0; d < dim; ++d)
         {
           Range range{body.first[d], body.end[d]};
@@ -220,6 +232,7 @@ namespace greville
       for (const unsigned int n : cells)
         while (n % factor != 0)
           factor /= 2;
+      factor = std::max(factor, least_factor(part));
       for (unsigned int w = 0; w < 2 * dim; ++w)
         {
           const unsigned int d = w / 2;

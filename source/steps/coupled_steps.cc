@@ -24,8 +24,19 @@ namespace greville
   {
     Assert(contacts || parts.size() == 1, ExcInternalError());
     Assert(!has_water() || parts.size() == 1, ExcInternalError());
-    if (has_water() || (contacts && contacts->n_rigid_unknowns() > 0))
+    if (has_water())
       blocks.emplace_back();
+    if (has_rigid_block())
+      blocks.emplace_back();
+  }
+
+
+
+  template <int dim>
+  bool
+  CoupledSteps<dim>::has_rigid_block() const
+  {
+    return contacts && contacts->n_rigid_unknowns() > 0;
   }
 
 
@@ -83,14 +94,14 @@ namespace greville
         parts[k].steps->system.read(blocks[k], parts[k].steps->displacement);
         n_local += blocks[k].locally_owned_size();
       }
+    if (has_water())
+      {
+        parts[0].steps->water->guess(blocks[1]);
+        n_local += blocks[1].locally_owned_size();
+      }
     if (has_rigid_block())
       {
         contacts->initialize_rigid(blocks.back());
-        n_local += blocks.back().locally_owned_size();
-      }
-    if (has_water())
-      {
-        parts[0].steps->water->guess(blocks.back());
         n_local += blocks.back().locally_owned_size();
       }
     products = blocks;
@@ -202,9 +213,9 @@ namespace greville
         ImplicitSteps<dim> &steps = *parts[0].steps;
         const PartTimer     timer(steps.log, "water");
         steps.water->evaluate(steps.displacement,
-                              blocks.back(),
+                              blocks[1],
                               steps.water_force,
-                              blocks.back());
+                              blocks[1]);
         for (unsigned int d = 0; d < dim; ++d)
           steps.force[d] += steps.water_force[d];
       }
@@ -410,6 +421,8 @@ namespace greville
       water.multiply(direction, blocks[1], force, products[1]);
       system.restrict(of_water, force, nullptr);
       products[0] += of_water;
+      if (contacts)
+        contacts->add_product(products, blocks);
       write(dst, products);
     };
     const auto precondition = [&](VectorType &dst, const VectorType &src) {
@@ -419,9 +432,11 @@ namespace greville
       system.restrict(of_water, force, nullptr);
       blocks[0] -= of_water;
       system.precondition(products[0], blocks[0]);
+      if (has_rigid_block())
+        contacts->precondition_rigid(products.back(), blocks.back());
       write(dst, products);
     };
-    constexpr unsigned int n_vectors = 50;
+    const unsigned int n_vectors = contacts ? 100 : 50;
     return TangentSystem<dim>::solve_together(
       {&system}, tolerance, [&](const unsigned int n) {
         return solve_krylov(

@@ -4,6 +4,8 @@
 #include <greville/linear_algebra/krylov.h>
 #include <greville/steps/fractional_step.h>
 
+#include <algorithm>
+
 namespace greville
 {
   using namespace dealii;
@@ -15,7 +17,12 @@ namespace greville
     , parameters(parameters)
     , water(discretization.space(), discretization.triangulation(), parameters)
   {
-    for (auto *field : {&displacement, &force, &sum_of_forces, &change})
+    for (auto *field : {&displacement,
+                        &without_water,
+                        &moved,
+                        &force,
+                        &sum_of_forces,
+                        &change})
       discretization.initialize(*field);
     for (VectorType *vector : {&pressure, &residual, &correction})
       water.initialize(*vector);
@@ -31,6 +38,92 @@ namespace greville
     for (VectorType &component : change)
       component = 0.;
     field.mass->solve({&change}, {&of_force});
+  }
+
+
+
+  template <int dim>
+  void
+  FractionalStep<dim>::slide(VectorField<dim> *direction)
+  {
+    const Walls<dim> &walls = discretization.walls();
+    moved                   = displacement;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      {
+        if (!walls.is_friction(w))
+          continue;
+        const unsigned int normal = w / 2;
+        const double       sign   = w % 2 == 0 ? -1. : 1.;
+        for (const unsigned int i : walls.functions(w))
+          {
+            if (sign * moved[normal].local_element(i) <= 0.)
+              continue;
+            Tensor<1, dim> along;
+            for (unsigned int c = 0; c < dim; ++c)
+              if (c != normal)
+                along[c] = moved[c].local_element(i);
+            const double most =
+              walls.friction_coefficient(w) *
+              std::max(0., sign * without_water[normal].local_element(i));
+            const double size  = along.norm();
+            const double share = most < size ? most / size : 1.; // is lost
+            moved[normal].local_element(i) = 0.;
+            for (unsigned int c = 0; c < dim; ++c)
+              if (c != normal)
+                moved[c].local_element(i) = (1. - share) * along[c];
+            if (!direction)
+              continue;
+            double parallel = 0.;
+            for (unsigned int c = 0; c < dim && share < 1.; ++c)
+              parallel += along[c] / size * (*direction)[c].local_element(i);
+            for (unsigned int c = 0; c < dim; ++c)
+              {
+                double &value = (*direction)[c].local_element(i);
+                if (c == normal)
+                  value = 0.;
+                else if (share < 1.)
+                  value =
+                    (1. - share) * value + share * parallel * along[c] / size;
+                else
+                  value = 0.;
+              }
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  FractionalStep<dim>::take_impulses(const double    step,
+                                     const double    velocity_step,
+                                     GridField<dim> &field)
+  {
+    const Walls<dim> &walls  = discretization.walls();
+    const VectorType &lumped = field.lumped_mass;
+    friction_work            = 0.;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      {
+        if (!walls.is_friction(w))
+          continue;
+        for (const unsigned int i : walls.functions(w))
+          for (unsigned int c = 0; c < dim; ++c)
+            {
+              const double after = moved[c].local_element(i) / step;
+              const double change_of_v =
+                after - displacement[c].local_element(i) / step;
+              if (change_of_v == 0.)
+                continue;
+              const double impulse = lumped.local_element(i) * change_of_v;
+              field.momentum_of_walls[w][c] += impulse;
+              field.acceleration[c].local_element(i) +=
+                change_of_v / velocity_step;
+              friction_work +=
+                0.5 * impulse * (field.velocity[c].local_element(i) + after);
+              // Of a corner, once.
+              displacement[c].local_element(i) = moved[c].local_element(i);
+            }
+      }
   }
 
 
@@ -59,13 +152,19 @@ namespace greville
         displacement[d].add(kick, field.acceleration[d]);
         sum_of_forces[d] = 0.;
       }
+    // Water at rest carries a part of the weight near walls.
+    const double part_of_water = parameters.water.density / water.density();
+    without_water              = displacement;
+    for (unsigned int d = 0; d < dim; ++d)
+      without_water[d].add(-kick * part_of_water * gravity[d]);
     pressure = 0.;
 
     unsigned int n_linear = 0;
     double       first    = 0.;
     for (unsigned int k = 0;; ++k)
       {
-        water.evaluate(displacement, pressure, force, residual);
+        slide();
+        water.evaluate(moved, pressure, force, residual);
         const double norm = residual.l2_norm();
         if (k == 0)
           first = norm;
@@ -80,6 +179,7 @@ namespace greville
         water.set_up(1. / kick,
                      [&](const VectorField<dim> &b, VectorField<dim> &u) {
                        accelerate(field, b);
+                       slide(&change);
                        u = change;
                      });
         const SolveResult result = solve_krylov(
@@ -89,6 +189,7 @@ namespace greville
             accelerate(field, force);
             for (VectorType &component : change)
               component *= -kick;
+            slide(&change);
             water.multiply(change, p, force, rows);
           },
           [&](VectorType &p, const VectorType &rows) {
@@ -118,6 +219,7 @@ namespace greville
       field.momentum_of_walls, [&](const unsigned int c, const unsigned int i) {
         return velocity_step * sum_of_forces[c].local_element(i);
       });
+    take_impulses(step, velocity_step, field);
     return n_linear;
   }
 
@@ -128,6 +230,7 @@ namespace greville
   FractionalStep<dim>::advance(State<dim> &state) const
   {
     state.energy.add_work(EnergyBalance::loads, water.work());
+    state.energy.add_friction(friction_work);
     const auto volumes = water.advance(state.bodies);
     for (unsigned int k = 0; k < volumes.size(); ++k)
       state.water[k] += volumes[k];

@@ -262,6 +262,8 @@ namespace greville
               ? sums[1] / sums[0] / displacements.lattice().smallest_cell_size()
               : 1.;
     speed = sums[2] > 0. ? std::sqrt(sums[1] / sums[2]) : 0.;
+    if (sums[0] > 0.)
+      mean_density = sums[2] / sums[0];
     multigrid.reset();
     multigrid_of_mass.reset();
   }

@@ -23,7 +23,8 @@ namespace greville
    * part as its block of the preconditioner (see TangentSystem).
    *
    * A part with pore water has no others, and a block for the pressure behind
-   * that of the displacement (see PoreWater).
+   * that of the displacement (see PoreWater). Contacts act on the total stress,
+   * and nothing flows through them.
    */
   template <int dim>
   class CoupledSteps : public NewtonProblem
@@ -93,13 +94,10 @@ namespace greville
                      const VectorType &b,
                      const double      tolerance);
 
-    /// Whether a block behind those of the parts is that of free rigid bodies,
-    /// or that of pore water.
+    /// Whether the last block is that of free rigid bodies. That of pore water
+    /// is before it.
     bool
-    has_rigid_block() const
-    {
-      return blocks.size() > parts.size() && !has_water();
-    }
+    has_rigid_block() const;
 
     bool
     has_water() const

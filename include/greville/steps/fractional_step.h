@@ -23,6 +23,14 @@ namespace greville
    * one. Of first order in time, like
    * @ref Zienkiewicz1980 "Zienkiewicz, Chang and Bettess, 1980".
    *
+   * Friction walls belong to it, as the water feels what they stop: after M a'
+   * = M a - f(p), each coefficient of v' at a wall that goes into it loses its
+   * normal part, and of that along the wall at most mu times the normal part
+   * that M a less the weight of as much water would have given. So friction is
+   * that of the effective stress where the gradient of the function has its
+   * weight, a third of a cell above the wall for degree 2, and of the weight
+   * below that, for water at rest; the density is the mean one of all bodies.
+   *
    * Newton's method solves for p, with the Schur complement C + dt dt' B^T M^-1
    * B, where B is the derivative of f and C that of r by p, by FGMRES with the
    * cycle of PoreWater for soil that has nothing but inertia.
@@ -58,6 +66,21 @@ namespace greville
     advance(State<dim> &state) const;
 
   private:
+    /**
+     * Let friction walls make moved out of displacement, and a direction of
+     * the latter one of the former.
+     */
+    void
+    slide(VectorField<dim> *direction = nullptr);
+
+    /**
+     * Give the field what friction walls did in the last slide().
+     */
+    void
+    take_impulses(const double    step,
+                  const double    velocity_step,
+                  GridField<dim> &field);
+
     /// change = M^-1 force, with what is held zero.
     void
     accelerate(GridField<dim> &field, const VectorField<dim> &force);
@@ -67,8 +90,12 @@ namespace greville
     PoreWater<dim>              water;
     std::uint64_t               stamp = 0; // of points that water knows
 
-    VectorField<dim> displacement, force, sum_of_forces, change;
+    // The displacement before friction walls act, that without the pressure,
+    // and that after all.
+    VectorField<dim> displacement, without_water, moved;
+    VectorField<dim> force, sum_of_forces, change;
     VectorType       pressure, residual, correction;
+    double           friction_work = 0.;
   };
 } // namespace greville
 

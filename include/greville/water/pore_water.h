@@ -185,6 +185,13 @@ namespace greville
     std::vector<double>
     advance(std::vector<Body<dim>> &bodies) const;
 
+    /// The mean density of soil and water at the start of the step, kg / m^3.
+    double
+    density() const
+    {
+      return mean_density;
+    }
+
     /// WaterPoints::work().
     double
     work() const
@@ -276,8 +283,9 @@ namespace greville
     TangentParameters                  of_cycle;
     bool                               is_first = true, is_explicit = false;
 
-    double             scale = 0.; // N / m^3 (2D: N / m^3)
-    double             speed = 0.; // of pressure waves, m / s
+    double             scale        = 0.; // N / m^3 (2D: N / m^3)
+    double             speed        = 0.; // of pressure waves, m / s
+    double             mean_density = 1.;
     mutable VectorType pressure, rows;
   };
 } // namespace greville
