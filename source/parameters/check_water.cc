@@ -232,10 +232,6 @@ namespace greville
                           given_scheme,
                           "points deform with the velocity that the pressure "
                           "leaves; take USL.");
-        refuse_with_water(!contacts.empty(),
-                          "'Simulation/Contacts' and " + given_scheme,
-                          "contacts act in implicit steps with water. Walls "
-                          "may have friction, as 'Walls/Bottom' = friction.");
         refuse_with_water(time.has_half_steps(),
                           "'Time/Velocities at' = half steps and " +
                             given_scheme,

@@ -285,6 +285,7 @@ namespace greville
         trial.n_all_iterations += n;
       },
       false);
+    trial.momentum.add(water->forces(), -trial.velocity_step);
   }
 
 

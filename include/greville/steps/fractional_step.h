@@ -58,6 +58,13 @@ namespace greville
                  const double                  velocity_step,
                  GridField<dim>               &field);
 
+    /// f(p) of the last pressure, N (2D: N / m); along r its sum is not zero.
+    const VectorField<dim> &
+    forces() const
+    {
+      return sum_of_forces;
+    }
+
     /**
      * Collective. Give the points the pressure, and the state what has become
      * of the water. Before they move.
