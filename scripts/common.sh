@@ -112,8 +112,8 @@ set_up_mpi() {
   export OMPI_MCA_hwloc_base_binding_policy=none
   export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
   # Memory comes in large pages and is kept, where the kernel lets programs ask
-  # for that (doc/performance.md).
-  export GLIBC_TUNABLES="${GLIBC_TUNABLES:-glibc.malloc.hugetlb=1:\
+  # for that (doc/results/simulation.md).
+  export GLIBC_TUNABLES="${GLIBC_TUNABLES-glibc.malloc.hugetlb=1:\
 glibc.malloc.mmap_threshold=4294967296:glibc.malloc.trim_threshold=8589934592:\
 glibc.malloc.top_pad=67108864}"
 }
