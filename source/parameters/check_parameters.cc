@@ -103,17 +103,22 @@ namespace greville
       AssertThrow((body.second.K0 >= 0.) == !body.second.surface.empty(),
                   ExcMessage("'Body " + body.first +
                              "' needs both of 'K0' and 'Surface', or none."));
+    const auto check_material = [&](const std::string &body,
+                                    const std::string &material) {
+      AssertThrow(materials.count(material) == 1,
+                  ExcMessage("The parameter 'Body " + body + "/Material' is <" +
+                             material +
+                             ">; it has to be one of the materials of "
+                             "'Simulation/Materials': " +
+                             boost::algorithm::join(general.materials, ", ") +
+                             "." + did_you_mean(material, general.materials)));
+    };
     for (const auto &body : bodies)
-      {
-        AssertThrow(materials.count(body.second.material) == 1,
-                    ExcMessage(
-                      "The parameter 'Body " + body.first + "/Material' is <" +
-                      body.second.material +
-                      ">; it has to be one of the materials of "
-                      "'Simulation/Materials': " +
-                      boost::algorithm::join(general.materials, ", ") + "." +
-                      did_you_mean(body.second.material, general.materials)));
-      }
+      check_material(body.first, body.second.material);
+    // Stages may give a body its own material later than the first one.
+    for (const auto &stage : stages)
+      for (const auto &[body, material] : stage.material_of)
+        check_material(body, material);
     check_construction();
     check_water();
     if (stages.empty())
