@@ -16,10 +16,8 @@ namespace greville
     // velocities in a step are solved for to the tolerance times that change.
     constexpr double negligible_kick = 1e-6;
 
-    // The part of a step that stands for a moment in the difference quotient
-    // of a displacement.
+    // Of a step: the moment in the difference quotient of a displacement.
     constexpr double moment = 1e-3;
-
   } // namespace
 
 
@@ -528,7 +526,6 @@ namespace greville
     if (!may_reject())
       return;
     find_acceleration(state);
-
     bool is_too_long = false;
     for (unsigned int k = 0; k < state.fields.size(); ++k)
       {
