@@ -3,6 +3,7 @@
 #include <greville/points/point_tangents.h>
 
 #include "gradients.h"
+#include "group_gradients.h"
 
 namespace greville
 {
@@ -144,102 +145,6 @@ namespace greville
   namespace
   {
     /**
-     * Gradients of the functions of a cell at a group of points, row by row in
-     * x, of all pairs.
-     */
-    template <int dim, int n, bool with_hoop>
-    struct GroupGradients : ShapeValues<dim, n, Simd>
-    {
-      static constexpr int n_pairs = dim * dim + (with_hoop ? 1 : 0);
-
-      /**
-       * Call action(number of the row, factors of the row for derivatives in
-       * each direction; for that along x it is the one for values as well).
-       */
-      template <typename Action>
-      inline __attribute__((always_inline)) void
-      for_each_row(const Action &action) const
-      {
-        const auto &N = this->N, &dN = this->dN;
-#pragma GCC unroll 6
-        for (int z = 0; z < (dim == 3 ? n : 1); ++z)
-#pragma GCC unroll 6
-          for (int y = 0; y < n; ++y)
-            {
-              Simd factors[dim];
-              factors[0] = N[1][y];
-              factors[1] = dN[1][y];
-              if constexpr (dim == 3)
-                {
-                  factors[2] = N[1][y] * dN[2][z];
-                  factors[0] *= N[2][z];
-                  factors[1] *= N[2][z];
-                }
-              action(z * n + y, factors);
-            }
-      }
-
-      /**
-       * H_ij = d_j u_i, with u[function * dim + i].
-       */
-      inline __attribute__((always_inline)) void
-      gradient(const double *u, Simd (&H)[n_pairs]) const
-      {
-        for (Simd &entry : H)
-          entry = 0.;
-        for_each_row([&](const int row, const Simd *factors) {
-          const double *c = u + row * n * dim;
-#pragma GCC unroll 3
-          for (int i = 0; i < dim; ++i)
-            {
-              Simd value = this->N[0][0] * c[i], slope = this->dN[0][0] * c[i];
-#pragma GCC unroll 6
-              for (int x = 1; x < n; ++x)
-                {
-                  value += this->N[0][x] * c[x * dim + i];
-                  slope += this->dN[0][x] * c[x * dim + i];
-                }
-              H[i * dim] += factors[0] * slope;
-#pragma GCC unroll 3
-              for (int j = 1; j < dim; ++j)
-                H[i * dim + j] += factors[j] * value;
-              if constexpr (with_hoop)
-                if (i == 0)
-                  H[dim * dim] += factors[0] * value;
-            }
-        });
-      }
-
-      /**
-       * sums[function * dim + i] += T_ij d_j N.
-       */
-      inline __attribute__((always_inline)) void
-      add_divergence(const Simd (&T)[n_pairs], Simd *sums) const
-      {
-        for_each_row([&](const int row, const Simd *factors) {
-          Simd *to = sums + row * n * dim;
-#pragma GCC unroll 3
-          for (int i = 0; i < dim; ++i)
-            {
-              const Simd along  = factors[0] * T[i * dim];
-              Simd       across = factors[1] * T[i * dim + 1];
-              if constexpr (dim == 3)
-                across += factors[2] * T[i * dim + 2];
-              if constexpr (with_hoop)
-                if (i == 0)
-                  across += factors[0] * T[dim * dim];
-#pragma GCC unroll 6
-              for (int x = 0; x < n; ++x)
-                to[x * dim + i] +=
-                  this->N[0][x] * across + this->dN[0][x] * along;
-            }
-        });
-      }
-    };
-
-
-
-    /**
      * T = C H.
      */
     template <int n, bool symmetric>
@@ -292,7 +197,7 @@ namespace greville
         const double *group = numbers.data() + points.first;
         for (unsigned int q = 0; q < points.n_points; q += simd_width)
           {
-            using Shape = GroupGradients<dim, n, with_hoop>;
+            using Shape = GroupGradients<dim, n, dim, with_hoop>;
             Simd position[dim], H[Shape::n_pairs], T[Shape::n_pairs];
             load_numbers<dim>(group, 0, position);
             Shape shape;

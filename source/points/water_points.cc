@@ -158,7 +158,6 @@ namespace greville
     constexpr int  n_u = power(n, dim), n_p = power(m, dim);
     constexpr bool with_rows = pass == Pass::evaluate || pass == Pass::multiply;
     constexpr bool with_u    = with_rows || pass == Pass::free_motion;
-    constexpr bool with_p    = with_rows || pass == Pass::spread;
     constexpr bool with_force      = pass != Pass::free_motion;
     const bool     is_axisymmetric = self.terms.is_axisymmetric;
     for (std::size_t k = 0; k < of_terms.size();)
@@ -172,7 +171,7 @@ namespace greville
         for (int a = 0; a < n_u && with_u; ++a)
           for (int i = 0; i < dim; ++i)
             u[i][a] = self.u_buffer[std::size_t(of_u.functions[a]) * dim + i];
-        for (int b = 0; b < n_p && with_p; ++b)
+        for (int b = 0; b < n_p && with_rows; ++b)
           p[b] = self.p_buffer[of_p.functions[b]];
         for (; k < of_terms.size() && of_terms[k].cell == cell; ++k)
           {
@@ -194,10 +193,10 @@ namespace greville
                 for (int j = 0; j < dim; ++j)
                   slope[i][j] += u[i][a] * G.values[j][a];
             Tensor<1, dim> p_slope;
-            for (int b = 0; b < n_p && with_p; ++b)
+            for (int b = 0; b < n_p && with_rows; ++b)
               {
                 change.p += p[b] * q.values[b];
-                for (int j = 0; j < dim && with_rows; ++j)
+                for (int j = 0; j < dim; ++j)
                   p_slope[j] += p[b] * q.gradients.values[j][b];
               }
             Sources sources;
@@ -236,14 +235,11 @@ namespace greville
               }
             else
               {
-                if constexpr (with_u)
-                  {
-                    if (is_axisymmetric)
-                      change.hoop = u_r / term.end_radius;
-                    change.h        = slope * term.map;
-                    change.gradient = transpose(term.map) * p_slope;
-                  }
-                sources = self.terms.derivative(term, change);
+                if (is_axisymmetric)
+                  change.hoop = u_r / term.end_radius;
+                change.h        = slope * term.map;
+                change.gradient = transpose(term.map) * p_slope;
+                sources         = self.terms.derivative(term, change);
               }
             for (int a = 0; a < n_u && with_force; ++a)
               for (int i = 0; i < dim; ++i)
@@ -301,21 +297,34 @@ namespace greville
       put_into_buffer(*p, 1, 0, self.p_buffer);
     self.forces.assign(n_u * dim, 0.);
     self.row_sums.assign(n_p, 0.);
-    const unsigned int q = self.pressure_tables.space->degree();
-    with_order(self.displacement_tables.space->degree(), [&](const auto size) {
-      constexpr int n   = decltype(size)::value;
-      const auto    sum = [&](const auto order) {
-        constexpr int m = decltype(order)::value;
-        sum_terms<n, m, pass>(self, self.points);
-        if constexpr (pass == Pass::evaluate || pass == Pass::multiply)
-          sum_terms<n, m, pass>(self, self.drained);
-      };
-      // Degrees p and p - 1.
-      if (q + 1 == n)
-        sum(std::integral_constant<int, n>());
-      else
-        sum(std::integral_constant < int, n == 2 ? 2 : n - 1 > ());
-    });
+    // The points of bodies have their derivatives in groups.
+    constexpr bool of_groups = pass == Pass::multiply || pass == Pass::spread;
+    if constexpr (of_groups)
+      {
+        const typename WaterTangents<dim>::Fields fields{
+          self.displacement_tables,
+          self.pressure_tables,
+          self.parents,
+          self.u_buffer.data(),
+          self.p_buffer.data(),
+          self.forces.data(),
+          self.row_sums.data()};
+        if constexpr (pass == Pass::multiply)
+          self.tangents.add_product(fields);
+        else
+          self.tangents.add_spread(fields);
+      }
+    with_orders(self.displacement_tables.space->degree(),
+                self.pressure_tables.space->degree(),
+                [&](const auto size_u, const auto size_p) {
+                  constexpr int n = decltype(size_u)::value;
+                  constexpr int m = decltype(size_p)::value;
+                  if constexpr (!of_groups)
+                    sum_terms<n, m, pass>(self, self.points);
+                  if constexpr (pass == Pass::evaluate ||
+                                pass == Pass::multiply)
+                    sum_terms<n, m, pass>(self, self.drained);
+                });
     for (unsigned int d = 0; d < dim && force; ++d)
       take_from_buffer(self.forces, dim, d, (*force)[d]);
     if (rows)
@@ -335,6 +344,7 @@ namespace greville
     pressure_work = 0.;
     cell_squares  = {};
     run<Pass::evaluate>(*this, &u, &p, &force, &rows);
+    tangents.set(terms, points);
   }
 
 

@@ -116,33 +116,6 @@ namespace greville
 
   template <int dim>
   typename WaterTerms<dim>::Sources
-  WaterTerms<dim>::derivative(const Point &term, const Change &change) const
-  {
-    const double         V    = term.volume * term.J;
-    const double         rate = trace(change.h) + change.hoop;
-    const Tensor<1, dim> w    = term.gradient - weight;
-    const Mobility       k    = mobility(term);
-    Sources              result;
-    // d map = - map h.
-    result.force = -V * ((change.p + rate * term.p) * transpose(term.map) -
-                         term.p * (transpose(change.h) * transpose(term.map)));
-    if (is_axisymmetric)
-      result.radial =
-        -V * (change.p + trace(change.h) * term.p) / term.end_radius;
-    result.value = V * rate + term.storage * change.p;
-    result.gradient =
-      dt * term.J *
-      (term.map *
-       (k.value * (rate * w + change.gradient -
-                   transpose(change.h) * term.gradient - change.h * w) +
-        (k.by_volume * rate + k.by_pressure * change.p) * w));
-    return result;
-  }
-
-
-
-  template <int dim>
-  typename WaterTerms<dim>::Sources
   WaterTerms<dim>::derivative(const Drained &term, const Change &change) const
   {
     using Kind                   = typename DrainedPoint<dim>::Kind;

@@ -7,7 +7,7 @@
 #include <greville/mass/stencil_matrix.h>
 #include <greville/points/material_points.h>
 #include <greville/points/spline_polynomials.h>
-#include <greville/points/water_terms.h>
+#include <greville/points/water_tangents.h>
 
 #include <array>
 #include <vector>
@@ -240,6 +240,7 @@ namespace greville
     std::vector<unsigned int> parents;
 
     WaterTerms<dim>          terms;
+    WaterTangents<dim>       tangents;
     std::vector<PointTerm>   points;
     std::vector<DrainedTerm> drained;
     double                   pressure_work = 0., sum_of_masses = 0.;

@@ -187,8 +187,6 @@ namespace greville
 
     /// At the end of the last trial step, in a direction.
     Sources
-    derivative(const Point &term, const Change &change) const;
-    Sources
     derivative(const Drained &term, const Change &change) const;
 
     static Mobility

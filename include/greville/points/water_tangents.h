@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_water_tangents_h
+#define greville_points_water_tangents_h
+
+#include <greville/points/spline_polynomials.h>
+#include <greville/points/water_terms.h>
+
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The derivatives of what the points of bodies give to the sums of
+   * WaterPoints, in the direction of a displacement u and a pressure q of the
+   * grid. With gradients at the end of the trial step, h = grad u, the relative
+   * change of volume e = tr h (in axisymmetry + u_r / r), the volume V there
+   * and w = grad p - rho_w g,
+   * @f{align*}{
+   *   df_a &= - \sum_p V \left((q + e p) \nabla N_a
+   *            - p \, h^T \nabla N_a \right), \\
+   *   dr_b &= \sum_p \left(V e + V_0 \tfrac{\phi}{K_w} q\right) q_b
+   *         + dt \sum_p V \left(\kappa (e w + \nabla q - h^T \nabla p - h w)
+   *         + (\kappa_J e + \kappa_p q) w\right) \cdot \nabla q_b,
+   * @f}
+   * with the derivatives of the mobility by the relative change of volume and
+   * by the pressure. Points are stored in groups of four, cell by cell, with
+   * 14 numbers each in 2D and 21 in 3D, and with 1 / r in axisymmetry.
+   */
+  template <int dim>
+  class WaterTangents
+  {
+  public:
+    /**
+     * Take the points of the last trial step of @p terms, those of a cell
+     * behind one another.
+     */
+    void
+    set(const WaterTerms<dim>                              &terms,
+        const std::vector<typename WaterTerms<dim>::Point> &points);
+
+    /**
+     * Fields and sums of the owned and ghost functions of the spaces; cell c of
+     * the displacement lies in cell parents[c] of the pressure.
+     */
+    struct Fields
+    {
+      const SpacePolynomials<dim>     &displacements, &pressures;
+      const std::vector<unsigned int> &parents;
+      const double                    *u; // [function][component]
+      const double                    *p; // [function]
+      double                          *forces, *rows;
+    };
+
+    /**
+     * Add both derivatives.
+     */
+    void
+    add_product(const Fields &fields) const;
+
+    /**
+     * Add df for u = 0. There are no rows.
+     */
+    void
+    add_spread(const Fields &fields) const;
+
+  private:
+    struct CellPoints
+    {
+      unsigned int cell;
+      unsigned int n_points;
+      std::size_t  first; // number
+    };
+
+    /// Where the numbers of a point begin.
+    enum Number : unsigned int
+    {
+      x         = 0,
+      map       = x + dim,
+      volume    = map + dim * dim,
+      work      = volume + 1, // times the pressure
+      storage   = work + 1,
+      flow      = storage + 1, // dt V kappa
+      by_J      = flow + 1,
+      by_p      = by_J + 1,
+      weight    = by_p + 1,     // w
+      curvature = weight + dim, // 1 / r
+      n_numbers
+    };
+
+    template <bool of_pressure>
+    void
+    add(const Fields &fields) const;
+
+    template <int n, int m, bool with_hoop, bool of_pressure>
+    void
+    multiply(const Fields &fields) const;
+
+    bool                    is_axisymmetric = false;
+    dealii::Tensor<1, dim>  weight_of_water;
+    std::vector<CellPoints> cells;
+    std::vector<double>     numbers; // [cell][group][number][lane]
+  };
+} // namespace greville
+
+#endif

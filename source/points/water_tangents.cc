@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/points/water_tangents.h>
+
+#include "group_gradients.h"
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace internal;
+
+  template <int dim>
+  void
+  WaterTangents<dim>::set(
+    const WaterTerms<dim>                              &terms,
+    const std::vector<typename WaterTerms<dim>::Point> &points)
+  {
+    is_axisymmetric = terms.is_axisymmetric;
+    weight_of_water = terms.weight;
+    cells.clear();
+    std::size_t size = 0;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      {
+        if (k == 0 || points[k].cell != points[k - 1].cell)
+          cells.push_back({points[k].cell, 0, size});
+        if (cells.back().n_points++ % simd_width == 0)
+          size += n_numbers * simd_width;
+      }
+    numbers.assign(size, 0.);
+    auto point = points.begin();
+    for (const CellPoints &of_cell : cells)
+      for (unsigned int q = 0; q < of_cell.n_points; ++q, ++point)
+        {
+          double *to = numbers.data() + of_cell.first +
+                       q / simd_width * n_numbers * simd_width + q % simd_width;
+          const auto put = [&](const unsigned int number, const double value) {
+            to[number * simd_width] = value;
+          };
+          const double V = point->volume * point->J;
+          const auto   k = terms.mobility(*point);
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              put(x + d, point->x[d]);
+              put(weight + d, point->gradient[d] - terms.weight[d]);
+              for (unsigned int e = 0; e < dim; ++e)
+                put(map + d * dim + e, point->map[d][e]);
+            }
+          put(volume, V);
+          put(work, V * point->p);
+          put(storage, point->storage);
+          put(flow, terms.dt * point->J * k.value);
+          put(by_J, terms.dt * point->J * k.by_volume);
+          put(by_p, terms.dt * point->J * k.by_pressure);
+          if (is_axisymmetric)
+            put(curvature, 1. / point->end_radius);
+          // Lanes without a point have a position in the cell.
+          if (q + 1 == of_cell.n_points)
+            for (unsigned int lane = q % simd_width + 1; lane < simd_width;
+                 ++lane)
+              for (unsigned int d = 0; d < dim; ++d)
+                to[(x + d) * simd_width + lane - q % simd_width] = point->x[d];
+        }
+  }
+
+
+
+  template <int dim>
+  template <int n, int m, bool with_hoop, bool of_pressure>
+  void
+  WaterTangents<dim>::multiply(const Fields &fields) const
+  {
+    using ShapeU = GroupGradients<dim, n, dim, with_hoop>;
+    using ShapeP = GroupGradients<dim, m, 1, true>;
+    for (const CellPoints &points : cells)
+      {
+        const CellGeometry<dim, n> of_u(fields.displacements, points.cell);
+        const CellGeometry<dim, m> of_p(fields.pressures,
+                                        fields.parents[points.cell]);
+        double                     u[ShapeU::n_numbers], p[ShapeP::n_numbers];
+        Simd                       f[ShapeU::n_padded], r[ShapeP::n_padded];
+        for (int a = 0; a < power(n, dim) && !of_pressure; ++a)
+          for (int i = 0; i < dim; ++i)
+            u[a * dim + i] = fields.u[std::size_t(of_u.functions[a]) * dim + i];
+        for (int b = 0; b < ShapeP::n_numbers; ++b)
+          p[b] = fields.p[of_p.functions[b]];
+        for (Simd &sum : f)
+          sum = 0.;
+        for (Simd &sum : r)
+          sum = 0.;
+        const double *group = numbers.data() + points.first;
+        for (unsigned int q = 0; q < points.n_points; q += simd_width)
+          {
+            const auto number = [&](const unsigned int k) {
+              return load(group + k * simd_width);
+            };
+            Simd position[dim], M[dim][dim];
+            load_numbers<dim>(group, x, position);
+            load_numbers<dim * dim>(group, map, M[0]);
+            ShapeU shape_u;
+            ShapeP shape_p;
+            shape_u.template evaluate<true>(of_u, position);
+            shape_p.template evaluate<true>(of_p, position);
+            // Of the pressure: gradient, value. T: force; P: rows.
+            Simd slope_p[dim + 1], T[ShapeU::n_pairs];
+            shape_p.gradient(p, slope_p);
+            const Simd V = number(volume), change_of_p = slope_p[dim];
+            if constexpr (of_pressure)
+              {
+                for (int i = 0; i < dim; ++i)
+                  for (int J = 0; J < dim; ++J)
+                    T[i * dim + J] = -V * change_of_p * M[J][i];
+                if constexpr (with_hoop)
+                  T[dim * dim] = -V * change_of_p * number(curvature);
+              }
+            else
+              {
+                Simd H[ShapeU::n_pairs], h[dim][dim], P[dim + 1];
+                shape_u.gradient(u, H);
+                Simd rate = 0.;
+                for (int i = 0; i < dim; ++i)
+                  {
+                    for (int j = 0; j < dim; ++j)
+                      {
+                        h[i][j] = H[i * dim] * M[0][j];
+                        for (int J = 1; J < dim; ++J)
+                          h[i][j] += H[i * dim + J] * M[J][j];
+                      }
+                    rate += h[i][i];
+                  }
+                const Simd Vp = number(work);
+                if constexpr (with_hoop)
+                  {
+                    const Simd of_r = number(curvature);
+                    T[dim * dim]    = -(V * change_of_p + Vp * rate) * of_r;
+                    rate += H[dim * dim] * of_r;
+                  }
+                const Simd diagonal = V * change_of_p + Vp * rate;
+                for (int i = 0; i < dim; ++i)
+                  for (int J = 0; J < dim; ++J)
+                    {
+                      Simd sum = -diagonal * M[J][i];
+                      for (int j = 0; j < dim; ++j)
+                        sum += Vp * h[j][i] * M[J][j];
+                      T[i * dim + J] = sum;
+                    }
+                // The flow at the end: w, and its change.
+                Simd       w[dim], s[dim];
+                const Simd k = number(flow);
+                load_numbers<dim>(group, weight, w);
+                const Simd of_w =
+                  rate * (k + number(by_J)) + number(by_p) * change_of_p;
+                for (int j = 0; j < dim; ++j)
+                  {
+                    Simd sum = 0.;
+                    for (int J = 0; J < dim; ++J)
+                      sum += M[J][j] * slope_p[J];
+                    for (int i = 0; i < dim; ++i)
+                      sum -=
+                        h[i][j] * (w[i] + weight_of_water[i]) + h[j][i] * w[i];
+                    s[j] = k * sum + of_w * w[j];
+                  }
+                for (int J = 0; J < dim; ++J)
+                  {
+                    P[J] = M[J][0] * s[0];
+                    for (int j = 1; j < dim; ++j)
+                      P[J] += M[J][j] * s[j];
+                  }
+                P[dim] = V * rate + number(storage) * change_of_p;
+                shape_p.add_divergence(P, r);
+              }
+            shape_u.add_divergence(T, f);
+            group += n_numbers * simd_width;
+          }
+        double sums[ShapeU::n_padded];
+        for (int k = 0; k < ShapeU::n_padded; k += 4)
+          store(reduce_four(f + k), sums + k);
+        for (int a = 0; a < power(n, dim); ++a)
+          for (int i = 0; i < dim; ++i)
+            fields.forces[std::size_t(of_u.functions[a]) * dim + i] +=
+              sums[a * dim + i];
+        if constexpr (!of_pressure)
+          {
+            double of_rows[ShapeP::n_padded];
+            for (int k = 0; k < ShapeP::n_padded; k += 4)
+              store(reduce_four(r + k), of_rows + k);
+            for (int b = 0; b < ShapeP::n_numbers; ++b)
+              fields.rows[of_p.functions[b]] += of_rows[b];
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  template <bool of_pressure>
+  void
+  WaterTangents<dim>::add(const Fields &fields) const
+  {
+    with_orders(fields.displacements.space->degree(),
+                fields.pressures.space->degree(),
+                [&](const auto size_u, const auto size_p) {
+                  constexpr int n = decltype(size_u)::value;
+                  constexpr int m = decltype(size_p)::value;
+                  if constexpr (dim == 2)
+                    if (is_axisymmetric)
+                      {
+                        multiply<n, m, true, of_pressure>(fields);
+                        return;
+                      }
+                  multiply<n, m, false, of_pressure>(fields);
+                });
+  }
+
+
+
+  template <int dim>
+  void
+  WaterTangents<dim>::add_product(const Fields &fields) const
+  {
+    add<false>(fields);
+  }
+
+
+
+  template <int dim>
+  void
+  WaterTangents<dim>::add_spread(const Fields &fields) const
+  {
+    add<true>(fields);
+  }
+
+
+
+  template class WaterTangents<2>;
+  template class WaterTangents<3>;
+} // namespace greville
