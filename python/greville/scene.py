@@ -65,7 +65,7 @@ class Simulation:
         return result
 
     def with_rigid_bodies(self, lower, upper):
-        """Limits of bodies with room for rigid ones. Those without an end, which are cut beyond the grid, have little."""
+        """Limits of bodies with room for rigid ones. Those without an end, which are cut beyond the grid, and those that do not fit have little."""
         room, (low, high) = (upper - lower).max(), (lower, upper)
         ends = [np.r_[end, [0.] * (3 - self.dim)] for end in self.run.grid_box or (lower[:self.dim], upper[:self.dim])]
         for k in range(len(self.times)):
@@ -73,10 +73,10 @@ class Simulation:
                 if not len(facets):
                     continue
                 least, most = facets.min(axis=(0, 1)), facets.max(axis=(0, 1))
-                if re.search("half_space|level_set|[<>]", self.parameters.get(f"Rigid body {name}/Shape", "")):
-                    least = np.where(least < ends[0], lower - 0.1 * room, least)
-                    most = np.where(most > ends[1], upper + 0.1 * room, most)
-                low, high = np.minimum(low, np.maximum(least, lower - room)), np.maximum(high, np.minimum(most, upper + room))
+                endless = bool(re.search("half_space|level_set|[<>]", self.parameters.get(f"Rigid body {name}/Shape", "")))
+                least = np.where((least < lower - room) | endless & (least < ends[0]), lower - 0.1 * room, least)
+                most = np.where((most > upper + room) | endless & (most > ends[1]), upper + 0.1 * room, most)
+                low, high = np.minimum(low, least), np.maximum(high, most)
         return low, high
 
     def find_ranges(self):
@@ -166,11 +166,10 @@ def add_axes(figure, position, simulation, mesh=False, labels="xy"):
             axis.set_tick_params(pad=-2)
             # Short axes have room for few labels, or for one.
             part = (upper - lower)[order[k]] / (upper - lower).max()
-            locator = plt.MaxNLocator(int(np.clip(round(4 * part), 1, 4 if k == 0 else 3)), steps=[1, 2, 5, 10])
-            if part < 0.3:
-                places = locator.tick_values(*sorted(limits))
-                locator = plt.FixedLocator(places[places <= max(limits)][-1:])
-            axis.set_major_locator(locator)
+            most = int(np.clip(round(4 * part), 1, 4 if k == 0 else 3))
+            places = plt.MaxNLocator(most, steps=[1, 2, 5, 10]).tick_values(*sorted(limits))
+            places = places[(places >= min(limits)) & (places <= max(limits))]
+            axis.set_major_locator(plt.FixedLocator(places[-1:] if part < 0.3 else places[::2] if len(places) > most else places))
             axis.set_pane_color((0.96, 0.96, 0.96, 1.))
             axis._axinfo["grid"].update(color="0.85", linewidth=0.5)
         axes.view_init(elev=22, azim=-62)
