@@ -101,6 +101,8 @@ namespace greville
         refuse_without_water(!water.table.empty(), "Water/Table");
         refuse_without_water(water.capillary_height != 0.,
                              "Water/Capillary height");
+        refuse_without_water(!water.free_surface_pressure.empty(),
+                             "Water/Free surface pressure");
         for (const auto &[name, load] : surface_loads)
           for (const auto &[is_given, parameter] :
                {std::make_pair(!load.pore_pressure.empty(), "/Pore pressure"),
@@ -217,13 +219,39 @@ namespace greville
       }
     if (!general.pore_water)
       return;
+    const std::string &outside = water.free_surface_pressure;
+    is_drained                 = is_drained || !outside.empty();
+    if (!outside.empty())
+      {
+        const std::string given =
+          "'Water/Free surface pressure', which is <" + outside + ">";
+        refuse_with_water(scheme.is_total_lagrangian(),
+                          "'Scheme/Formulation' = total Lagrangian and " +
+                            given,
+                          "its layer of points is found in the cells in which "
+                          "they are; take updated Lagrangian, or give 'Pore "
+                          "pressure' of a 'Surface load'.");
+        refuse_with_water(!contacts.empty(),
+                          "'Simulation/Contacts' and " + given,
+                          "surfaces that touch are impervious, and the layer "
+                          "of points does not know them. Give 'Pore pressure' "
+                          "of a 'Surface load'.");
+        for (const auto &[name, load] : surface_loads)
+          refuse_with_water(load.passes_water(),
+                            given + " and 'Surface load " + name +
+                              (load.flux.empty() ? "/Pore pressure'"
+                                                 : "/Flux'"),
+                            "that surface is a part of the free one. Give one "
+                            "of them.");
+      }
     for (const auto &load : surface_loads)
       is_drained = is_drained || !load.second.pore_pressure.empty();
     AssertThrow(is_drained || water.bulk_modulus > 0.,
                 ExcMessage("The parameter 'Water/Bulk modulus' is 0, which "
                            "makes water incompressible, and no 'Walls/... pore "
-                           "pressure' or 'Surface load NAME/Pore pressure' "
-                           "gives a pressure anywhere: give one of them."));
+                           "pressure', 'Surface load NAME/Pore pressure' or "
+                           "'Water/Free surface pressure' gives a pressure "
+                           "anywhere: give one of them."));
     const std::string given_scheme =
       "'Scheme/Stress update' = " + scheme.stress_update;
     if (is_explicit_scheme(scheme.stress_update))

@@ -42,7 +42,7 @@ namespace greville
       "and other parts, relative to the folder of this file.");
     add_parameter(prm, "Pore water", pore_water)(
       "Whether water fills the pores of all bodies, with a pressure of its "
-      "own: stresses are effective ones then. For implicit steps.");
+      "own: stresses are effective ones then.");
   }
 
 
@@ -67,6 +67,11 @@ namespace greville
       "The suction, as a height of water, at which pores are so empty that "
       "the conductivity is a thousandth; it falls from 0 on. 0: pores stay "
       "full at any suction. Unit: m.");
+    add_parameter(prm, "Free surface pressure", free_surface_pressure)(
+      "The pressure of water around all bodies, a formula of x, y (, z) and t: "
+      "that of the pores in the outermost layer of points, wherever it is, and "
+      "a load on the surface, 0 in air. Empty: no water passes the surface but "
+      "at surface loads and walls. Unit: Pa.");
   }
 
 

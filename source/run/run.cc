@@ -64,8 +64,9 @@ namespace greville
 
 
     /**
-     * The walls and surfaces through which water passes in some stage, as their
-     * numbers in State::water, and their columns; none where there is one.
+     * The walls and surfaces, and the free surface, through which water passes
+     * in some stage, as their numbers in State::water, and their columns; none
+     * where there is one.
      */
     template <int dim>
     std::vector<std::pair<unsigned int, std::string>>
@@ -90,6 +91,9 @@ namespace greville
       for (unsigned int k = 0; k < names.size(); ++k)
         if (parameters.surface_loads.at(names[k]).passes_water())
           result.emplace_back(2 + 2 * dim + k, "water_outflow_" + names[k]);
+      if (!parameters.water.free_surface_pressure.empty())
+        result.emplace_back(2 + 2 * dim + names.size(),
+                            "water_outflow_free_surface");
       if (result.size() == 1)
         result.clear();
       return result;

@@ -157,6 +157,15 @@ namespace greville
     without_water              = displacement;
     for (unsigned int d = 0; d < dim; ++d)
       without_water[d].add(-kick * part_of_water * gravity[d]);
+    if (const VectorField<dim> *outer = water.outer_force())
+      {
+        accelerate(field, *outer);
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            displacement[d].add(-kick, change[d]);
+            sum_of_forces[d] += (*outer)[d];
+          }
+      }
     pressure = 0.;
 
     unsigned int n_linear = 0;

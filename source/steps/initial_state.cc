@@ -304,6 +304,8 @@ namespace greville
     state.partition = discretization.partition();
     state.surfaces  = make_surfaces(state.bodies, loads, discretization);
     state.water.assign(2 + 2 * dim + state.surfaces.size(), 0.);
+    if (!parameters.water.free_surface_pressure.empty())
+      state.water.push_back(0.);
     state.signals      = initial_signals(state.bodies, space);
     state.first_signal = state.signals.fastest;
     state.time = state.velocity_time = parameters.time.start;

@@ -85,6 +85,14 @@ namespace greville
     for (VectorType *vector : {&pressure, &rows})
       initialize(*vector);
 
+    if (!parameters.water.free_surface_pressure.empty())
+      free_surface = std::make_unique<FreeSurface<dim>>(
+        displacements,
+        space(),
+        parents,
+        parameters.grid.is_axisymmetric(),
+        parameters.water.free_surface_pressure,
+        "Water/Free surface pressure");
     flow_is_linear = parameters.water.capillary_height == 0.;
     std::vector<std::string> variables = coordinate_names<dim>();
     variables.push_back("t");
@@ -213,6 +221,8 @@ namespace greville
     for (const Body<dim> &body : bodies)
       of_bodies.push_back(&body.points);
     transfer.filling(of_bodies, filled);
+    if (free_surface)
+      free_surface->find_layer(filled);
     const unsigned int  n_cells = space().owned_cells().size();
     std::vector<double> parts(n_cells, 0.);
     for (unsigned int c = 0; c < filled.size(); ++c)
@@ -252,8 +262,15 @@ namespace greville
       [&]() {
         add_walls(bodies, time);
         add_surfaces(bodies, surfaces, time);
+        if (!free_surface)
+          return;
+        free_surface->clear(dt, time);
+        for (const Body<dim> &body : bodies)
+          free_surface->add(body.points, constants(body));
       },
       space().communicator());
+    if (free_surface)
+      free_surface->finish();
     std::vector<double> sums{points.moduli()[0],
                              points.moduli()[1],
                              points.mass()};
@@ -410,6 +427,18 @@ namespace greville
     pressure.copy_locally_owned_data_from(x);
     levels.back()->distribute(pressure);
     points.evaluate(u, pressure, force, rows);
+    if (free_surface)
+      {
+        free_surface->add_rows(pressure, rows);
+        outer_work = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const VectorType &outer = free_surface->force()[d];
+            force[d] += outer;
+            for (unsigned int i = 0; i < outer.locally_owned_size(); ++i)
+              outer_work -= outer.local_element(i) * u[d].local_element(i);
+          }
+      }
     levels.back()->condense(rows);
     rows *= scale;
     residual.copy_locally_owned_data_from(rows);
@@ -427,9 +456,23 @@ namespace greville
     pressure.copy_locally_owned_data_from(dx);
     levels.back()->distribute(pressure);
     points.multiply(du, pressure, force, rows);
+    if (free_surface)
+      free_surface->add_derivative(pressure, rows);
     levels.back()->condense(rows);
     rows *= scale;
     result.copy_locally_owned_data_from(rows);
+  }
+
+
+
+  template <int dim>
+  void
+  PoreWater<dim>::begin_force(VectorField<dim> &force) const
+  {
+    points.begin_force(force);
+    if (free_surface)
+      for (unsigned int d = 0; d < dim; ++d)
+        force[d] += free_surface->force()[d];
   }
 
 
@@ -452,9 +495,10 @@ namespace greville
   {
     for (unsigned int l = 0; l < of_cycles.size(); ++l)
       {
-        points.add_schur_complement(tables[l],
-                                    mobility,
-                                    of_cycles[l]->begin_matrix());
+        StencilMatrix<dim> &matrix = of_cycles[l]->begin_matrix();
+        points.add_schur_complement(tables[l], mobility, matrix);
+        if (free_surface)
+          free_surface->add_schur_complement(tables[l], matrix);
         of_cycles[l]->finish_matrix();
       }
     // In strips one cell wide, IC(0) is exact.
@@ -565,7 +609,15 @@ namespace greville
     for (Body<dim> &body : bodies)
       of_bodies.emplace_back(&body.points, body.points.layout().first(field));
     points.store(of_bodies);
-    return points.volumes();
+    std::vector<double> result = points.volumes();
+    if (free_surface)
+      {
+        result.resize(3 + 2 * dim + parameters.general.surface_loads.size(),
+                      0.);
+        result.back() = free_surface->outflow();
+        result[1] += result.back();
+      }
+    return result;
   }
 
 

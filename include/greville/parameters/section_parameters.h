@@ -62,6 +62,7 @@ namespace greville
     unsigned int degree       = 0;     // 0: that of the grid
     std::string  table;
     double       capillary_height = 0.; // 0: infinite
+    std::string  free_surface_pressure;
   };
 
 

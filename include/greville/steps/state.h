@@ -165,7 +165,7 @@ namespace greville
 
     /// Pore water since the begin, the share of this process, m^3 (2D: m^2):
     /// what has come to the pores, what has left through all boundaries, and
-    /// what through each wall and each surface.
+    /// what through each wall, each surface, and the free surface.
     std::vector<double> water;
 
     /// How the cells are shared among processes, how often they were shared

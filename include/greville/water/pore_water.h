@@ -6,6 +6,7 @@
 #include <greville/base/expression.h>
 #include <greville/multigrid/p_multigrid.h>
 #include <greville/parameters/simulation_parameters.h>
+#include <greville/points/free_surface.h>
 #include <greville/points/point_transfer.h>
 #include <greville/points/surface.h>
 #include <greville/points/water_points.h>
@@ -139,9 +140,16 @@ namespace greville
      * points keep.
      */
     void
-    begin_force(VectorField<dim> &force) const
+    begin_force(VectorField<dim> &force) const;
+
+    /**
+     * The part of the force that depends on no pressure of the pores, that of
+     * the water around the bodies; null where there is none.
+     */
+    const VectorField<dim> *
+    outer_force() const
     {
-      points.begin_force(force);
+      return free_surface ? &free_surface->force() : nullptr;
     }
 
     /**
@@ -180,7 +188,7 @@ namespace greville
      * Collective. Give the points the pressure of the last evaluate(). Returns
      * the share of this process of the water that has come to the pores, of
      * that which has left through all boundaries in the step, and through each
-     * wall and each surface, m^3 (2D: m^2).
+     * wall, each surface, and the free surface, m^3 (2D: m^2).
      */
     std::vector<double>
     advance(std::vector<Body<dim>> &bodies) const;
@@ -192,11 +200,11 @@ namespace greville
       return mean_density;
     }
 
-    /// WaterPoints::work().
+    /// WaterPoints::work(), and that of outer_force() in the last evaluate().
     double
     work() const
     {
-      return points.work();
+      return points.work() + outer_work;
     }
 
   private:
@@ -272,6 +280,9 @@ namespace greville
     std::vector<double>         filled; // parts of the displacement's cells
     WaterPoints<dim>            points;
     double                      penalty = 0.; // of Nitsche's method, over h
+
+    std::unique_ptr<FreeSurface<dim>> free_surface; // null: none
+    double                            outer_work = 0.;
 
     std::map<unsigned int, Given> of_walls, of_surfaces;
     bool                          flow_is_linear = true;

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_points_free_surface_h
+#define greville_points_free_surface_h
+
+#include <greville/base/expression.h>
+#include <greville/base/vector_field.h>
+#include <greville/mass/stencil_matrix.h>
+#include <greville/points/material_points.h>
+#include <greville/points/spline_polynomials.h>
+#include <greville/points/water_terms.h>
+#include <greville/spline/cell_neighbors.h>
+
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Water of a given pressure @f$\bar p@f$ around all bodies, at a surface that
+   * is nowhere described but by the points: the *layer* of the cells that hold
+   * points and share a face with a cell that holds none. Walls of the grid are
+   * no such face.
+   *
+   * The pores of the layer leak into the water outside. The balance of water of
+   * WaterPoints, r, and its force f get
+   * @f{align*}{
+   *   r_b &+= dt \sum_{p\ in\ the\ layer} V \frac{c \kappa}{\delta^2}
+   *          (p - \bar p) \, q_b, \\
+   *   f_a &+= \sum_p V \left(\bar p \, \nabla N_a + N_a \nabla \bar p\right),
+   * @f}
+   * with V, the conductivity kappa and the gradients at the start of the step.
+   * Delta is the thickness of the layer, the part of a cell that is filled
+   * times its size. The water that would flow through the layer to a surface
+   * with the pressure @f$\bar p@f$ is @f$\kappa (p - \bar p) / \delta@f$. A
+   * layer that leaks evenly has this flow at its inner side for c with
+   * @f$\sqrt c \tanh \sqrt c = 1@f$.
+   *
+   * The force is that of @f$\bar p@f$ on the surface, by Gauss's theorem. With
+   * that of WaterPoints it is the force of @f$p - \bar p@f$ and the buoyancy
+   * @f$-\nabla \bar p@f$, so that errors of the sums over points do not move
+   * soil where water is at rest.
+   */
+  template <int dim>
+  class FreeSurface
+  {
+  public:
+    /**
+     * Collective. See WaterPoints::reinit(). The pressure is a formula of x, y
+     * (, z) and t, Pa. Throws dealii::ExcMessage where it is none.
+     */
+    FreeSurface(const SplineSpace<dim>          &displacements,
+                const SplineSpace<dim>          &pressures,
+                const std::vector<unsigned int> &parents,
+                const bool                       is_axisymmetric,
+                const std::string               &pressure,
+                const std::string               &parameter);
+
+    /**
+     * Collective. Find the layer, from the part of each owned cell of the
+     * displacement that points fill.
+     */
+    void
+    find_layer(const std::vector<double> &filled);
+
+    /**
+     * Begin a step of length @p dt (s) that ends at @p time (s) without points.
+     */
+    void
+    clear(const double dt, const double time);
+
+    /**
+     * Add the points of a body. Throws dealii::ExcMessage where the formula has
+     * no value.
+     */
+    void
+    add(const MaterialPoints<dim> &points, const WaterConstants &constants);
+
+    /**
+     * Collective. Of all points that were added: make f.
+     */
+    void
+    finish();
+
+    /// f.
+    const VectorField<dim> &
+    force() const
+    {
+      return outer_force;
+    }
+
+    /**
+     * Collective. Add to r for a pressure, Pa.
+     */
+    void
+    add_rows(const VectorType &p, VectorType &rows);
+
+    /**
+     * Collective. Add the derivative of r in the direction of a pressure.
+     */
+    void
+    add_derivative(const VectorType &dp, VectorType &rows) const;
+
+    /**
+     * Add the derivative of r by the coefficients of functions of any order on
+     * the cells of the pressure.
+     */
+    void
+    add_schur_complement(const SpacePolynomials<dim> &functions,
+                         StencilMatrix<dim>          &matrix) const;
+
+    /**
+     * Of the last add_rows() on this process: the water that left, m^3 (2D:
+     * m^2).
+     */
+    double
+    outflow() const
+    {
+      return volume_out;
+    }
+
+    /// Whether an owned cell is one of the layer.
+    bool
+    is_in_layer(const unsigned int cell) const
+    {
+      return inverse_squares[cell] > 0.;
+    }
+
+  private:
+    /// A point of the layer.
+    struct Term
+    {
+      unsigned int       cell;
+      dealii::Point<dim> x;
+      double             leak;    // m^3 / Pa (2D: m^2 / Pa)
+      double             outside; // Pa
+    };
+
+    /**
+     * Add leak * (p - outside), or leak * p, to the rows. Returns the sum.
+     */
+    double
+    sum(const VectorType &p, VectorType &rows, const bool with_outside) const;
+
+    double
+    outside(const dealii::Point<dim> &x) const;
+
+    SpacePolynomials<dim>     displacement_tables, pressure_tables;
+    std::vector<unsigned int> parents;
+    bool                      is_axisymmetric;
+    Expression                formula;
+    CellNeighbors<dim>        neighbors;
+    std::vector<double>       inverse_squares; // of delta; 0 inside
+
+    double                      dt = 0., time = 0., volume_out = 0.;
+    std::vector<Term>           terms;
+    std::vector<double>         force_buffer;
+    VectorField<dim>            outer_force;
+    mutable VectorType          part;
+    mutable std::vector<double> p_buffer, row_sums;
+  };
+} // namespace greville
+
+#endif
