@@ -173,7 +173,8 @@ namespace greville
     if (std::none_of(parameters.bodies.begin(),
                      parameters.bodies.end(),
                      has_stress) ||
-        !parameters.contacts.empty() || first.grid().walls().have_friction())
+        !parameters.contacts.empty() || first.grid().walls().have_friction() ||
+        !parameters.water.free_surface_pressure.empty())
       return;
     double force = 0., mass = 0.;
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
