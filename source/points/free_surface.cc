@@ -52,7 +52,7 @@ namespace greville
   FreeSurface<dim>::find_layer(const std::vector<double> &filled)
   {
     // Less of a cell leaks as if it were this part of it.
-    constexpr double smallest_part = 0.25;
+    constexpr double smallest_part = 0.1;
 
     const auto         &lattice   = displacement_tables.space->lattice();
     const auto         &positions = neighbors.positions();
@@ -122,8 +122,7 @@ namespace greville
   FreeSurface<dim>::add(const MaterialPoints<dim> &of_body,
                         const WaterConstants      &constants)
   {
-    // sqrt(c) tanh(sqrt(c)) = 1.
-    constexpr double        c       = 1.4392288;
+    constexpr double        c       = 1.2;
     const PointLayout<dim> &layout  = of_body.layout();
     const auto             &lattice = displacement_tables.space->lattice();
     with_order(displacement_tables.space->degree(), [&](const auto size) {
