@@ -121,11 +121,7 @@ namespace greville
       "a message), remove. Other files stay as they are.");
     add_parameter(prm, "Fields every", fields_every, Double(0.))(
       "Time between two .pvtu files; 0: initial and last state only. Unit: s.");
-    // See points_in_one_file().
-    prm.declare_entry(
-      "Points format",
-      "vtu",
-      Selection("vtu|vtkhdf"),
+    add_parameter(prm, "Points format", points_format, Selection("vtu|vtkhdf"))(
       "vtu: points.pvd with a file for each time and process. vtkhdf: all "
       "times "
       "of the points in one file, points.vtkhdf, with points.xdmf for ParaView "

@@ -149,11 +149,11 @@ namespace greville
             write_atomically(folder + "/parameters.prm", parameters.used());
           },
           comm);
-        const bool       in_one_file = points_in_one_file(parameters);
-        FieldOutput<dim> output(folder, parameters.output, in_one_file);
+        FieldOutput<dim> output(folder, parameters.output);
         write_bodies(output, ensemble, parameters, comm);
         out << "  initial points: " << folder
-            << (in_one_file ? "/points.vtkhdf\n" : "/points.pvd\n");
+            << (parameters.output.points_in_one_file() ? "/points.vtkhdf\n"
+                                                       : "/points.pvd\n");
       }
 
       /**

@@ -405,26 +405,11 @@ namespace greville
 
 
 
-  bool
-  points_in_one_file(const SimulationParameters &parameters)
-  {
-    bool result = false;
-    for (const ParameterLine &line :
-         parameter_lines_of(parameters.used(), "parameters"))
-      if (line.section == "Output" && line.name == "Points format")
-        result = line.value == "vtkhdf";
-    return result;
-  }
-
-
-
   template <int dim>
   FieldOutput<dim>::FieldOutput(const std::string      &directory,
-                                const OutputParameters &parameters,
-                                const bool              points_in_one_file)
+                                const OutputParameters &parameters)
     : directory(directory)
     , parameters(parameters)
-    , has_series(points_in_one_file)
     , series(directory)
   {}
 
@@ -495,10 +480,10 @@ namespace greville
       return "";
     const bool was_series =
       points->second.back().second == PointSeries<dim>::file_name;
-    AssertThrow(was_series == has_series,
+    AssertThrow(was_series == parameters.points_in_one_file(),
                 ExcMessage("the parameter 'Output/Points format' is " +
-                           std::string(has_series ? "vtkhdf" : "vtu") +
-                           ", and was " + (was_series ? "vtkhdf" : "vtu") +
+                           parameters.points_format + ", and was " +
+                           (was_series ? "vtkhdf" : "vtu") +
                            " when the run began: it has to stay as it was"));
     if (!was_series)
       return "";
@@ -566,7 +551,7 @@ namespace greville
     const auto given = point_fields(parameters.fields,
                                     bodies,
                                     Utilities::MPI::this_mpi_process(comm));
-    if (has_series)
+    if (parameters.points_in_one_file())
       {
         series.write(time, bodies, given, comm);
         times_and_names["points"].emplace_back(time,

@@ -126,7 +126,7 @@ namespace greville
     , ensemble(parameters, comm)
     , exact(parameters.exact)
     , measured(parameters.reference)
-    , fields(directory, parameters.output, points_in_one_file(parameters))
+    , fields(directory, parameters.output)
     , probes(parameters.output.probes,
              parameters.output.fields,
              ensemble.bodies_of_all_stages().list,

@@ -47,15 +47,6 @@ namespace greville
 
 
   /**
-   * Whether 'Output/Points format' asks for all times of the points in one
-   * file.
-   */
-  bool
-  points_in_one_file(const SimulationParameters &parameters);
-
-
-
-  /**
    * Writes points, grid fields, the points of loads and contacts on surfaces,
    * and rigid bodies for ParaView: points_NNNN.pvtu, grid_NNNN.pvtu,
    * surface_NNNN.pvtu and rigid_NAME_NNNN.pvtu, with points.pvd, grid.pvd,
@@ -72,8 +63,7 @@ namespace greville
      * they are wanted in one file.
      */
     FieldOutput(const std::string      &directory,
-                const OutputParameters &parameters,
-                const bool              points_in_one_file = false);
+                const OutputParameters &parameters);
 
     /**
      * Collective. Write the points: the fields of the parameters, see
@@ -167,7 +157,6 @@ namespace greville
 
     const std::string       directory;
     const OutputParameters &parameters;
-    const bool              has_series;
     PointSeries<dim>        series;
     // By name: "points", "grid", "surface".
     std::map<std::string, std::vector<std::pair<double, std::string>>>
