@@ -171,10 +171,11 @@ namespace greville
       for (const auto &child : tree)
         if (child.second.find("value") != child.second.not_found())
           {
+            // Doxygen cannot read an empty pair of backquotes.
+            const std::string value =
+              escape_for_table(value_of(child.second, "default_value"));
             const std::string text =
-              " | `" +
-              escape_for_table(value_of(child.second, "default_value")) +
-              "` | " +
+              (value.empty() ? " |" : " | `" + value + '`') + " | " +
               escape_for_table(value_of(child.second, "pattern_description")) +
               " | " + escape_for_table(value_of(child.second, "documentation"));
             const auto row =
