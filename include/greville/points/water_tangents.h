@@ -25,7 +25,8 @@ namespace greville
    * @f}
    * with the derivatives of the mobility by the relative change of volume and
    * by the pressure. Points are stored in groups of four, cell by cell, with
-   * 14 numbers each in 2D and 21 in 3D, and with 1 / r in axisymmetry.
+   * 15 numbers each in 2D and 22 in 3D; the last one is 1 / r in axisymmetry
+   * and 0 else.
    */
   template <int dim>
   class WaterTangents
