@@ -101,6 +101,8 @@ namespace greville
         refuse_without_water(!water.table.empty(), "Water/Table");
         refuse_without_water(water.capillary_height != 0.,
                              "Water/Capillary height");
+        refuse_without_water(water.integration != none.integration,
+                             "Water/Integration");
         refuse_without_water(!water.free_surface_pressure.empty(),
                              "Water/Free surface pressure");
         for (const auto &[name, load] : surface_loads)
@@ -260,6 +262,10 @@ namespace greville
                           given_scheme,
                           "points deform with the velocity that the pressure "
                           "leaves; take USL.");
+        refuse_with_water(water.integration == "BDF2",
+                          "'Water/Integration' = BDF2 and " + given_scheme,
+                          "the pressure belongs to the end of an explicit "
+                          "step; take backward-euler.");
         refuse_with_water(time.has_half_steps(),
                           "'Time/Velocities at' = half steps and " +
                             given_scheme,

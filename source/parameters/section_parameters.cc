@@ -72,6 +72,13 @@ namespace greville
       "that of the pores in the outermost layer of points, wherever it is, and "
       "a load on the surface, 0 in air. Empty: no water passes the surface but "
       "at surface loads and walls. Unit: Pa.");
+    add_parameter(prm,
+                  "Integration",
+                  integration,
+                  Selection("backward-euler|BDF2"))(
+      "The flow of the water in time: backward Euler, of order 1 in the step, "
+      "or BDF2, of order 2, which begins each stage with a step of backward "
+      "Euler. BDF2 belongs to implicit and quasi-static steps. Unit: none.");
   }
 
 

@@ -29,10 +29,13 @@ namespace greville
 
   template <int dim>
   void
-  WaterPoints<dim>::clear(const double new_dt, const Tensor<1, dim> &new_weight)
+  WaterPoints<dim>::clear(const double          new_dt,
+                          const Tensor<1, dim> &new_weight,
+                          const double          earlier)
   {
-    terms.dt     = new_dt;
-    terms.weight = new_weight;
+    part_of_earlier = earlier;
+    terms.dt        = new_dt;
+    terms.weight    = new_weight;
     points.clear();
     drained.clear();
     water_volumes.assign(2, 0.);
@@ -45,7 +48,7 @@ namespace greville
   template <int dim>
   void
   WaterPoints<dim>::add(const MaterialPoints<dim> &of_body,
-                        const unsigned int         pressure,
+                        const Numbers             &numbers,
                         const WaterConstants      &constants)
   {
     const PointLayout<dim> &layout = of_body.layout();
@@ -67,11 +70,13 @@ namespace greville
         term.mobility   = p.volume() * constants.mobility;
         term.compliance = p.volume() / p.wave_modulus();
         term.of_mass    = p.volume() * p.volume() / p.mass();
-        term.old_p      = p[pressure];
-        term.old_J      = p.volume() / p.volume0();
-        term.solid      = constants.solid;
-        term.suction    = constants.suction;
-        term.p          = term.old_p;
+        term.old_p      = p[numbers.pressure];
+        if (part_of_earlier > 0.)
+          term.earlier = part_of_earlier * p.volume0() * p[numbers.change];
+        term.old_J   = p.volume() / p.volume0();
+        term.solid   = constants.solid;
+        term.suction = constants.suction;
+        term.p       = term.old_p;
         points.push_back(term);
         sums_of_moduli[0] += p.volume();
         sums_of_moduli[1] += p.volume() * p.wave_modulus();
@@ -110,7 +115,7 @@ namespace greville
   void
   WaterPoints<dim>::count(const PointTerm &term, const double volume)
   {
-    water_volumes[0] += volume;
+    water_volumes[0] += volume + term.earlier;
     pressure_work += 0.5 * (term.old_p + term.p) * term.volume * term.change;
   }
 
@@ -509,15 +514,20 @@ namespace greville
   template <int dim>
   void
   WaterPoints<dim>::store(
-    const std::vector<std::pair<MaterialPoints<dim> *, unsigned int>> &bodies)
-    const
+    const std::vector<std::pair<MaterialPoints<dim> *, Numbers>> &bodies) const
   {
     auto term = points.begin();
     for (const auto &body : bodies)
-      body.first->for_each([&](const unsigned int, const PointRef<dim> p) {
-        p[body.second] = term->p;
-        ++term;
-      });
+      {
+        const Numbers n = body.second;
+        body.first->for_each([&](const unsigned int, const PointRef<dim> p) {
+          p[n.pressure] = term->p;
+          if (n.change != numbers::invalid_unsigned_int)
+            p[n.change] =
+              (terms.sources(*term).value + term->earlier) / p.volume0();
+          ++term;
+        });
+      }
   }
 
 

@@ -83,8 +83,8 @@ namespace greville
     result.force = -term.volume * term.J * term.p * transpose(term.map);
     if (is_axisymmetric)
       result.radial = -term.volume * term.J * term.p / term.end_radius;
-    result.value =
-      term.volume * term.change + term.storage * (term.p - term.old_p);
+    result.value = term.volume * term.change +
+                   term.storage * (term.p - term.old_p) - term.earlier;
     result.gradient = dt * mobility(term).value * term.J *
                       (term.map * (term.gradient - weight));
     return result;

@@ -145,7 +145,7 @@ namespace greville
         stamp = state.points_stamp;
       }
     water.begin_step(
-      state.bodies, state.surfaces, state.time + step, step, gravity);
+      state.bodies, state.surfaces, state.time + step, step, gravity, 0.);
     for (unsigned int d = 0; d < dim; ++d)
       {
         displacement[d].equ(step, field.velocity[d]);
@@ -240,9 +240,9 @@ namespace greville
   {
     state.energy.add_work(EnergyBalance::loads, water.work());
     state.energy.add_friction(friction_work);
-    const auto volumes = water.advance(state.bodies);
-    for (unsigned int k = 0; k < volumes.size(); ++k)
-      state.water[k] += volumes[k];
+    state.water_of_step = water.advance(state.bodies, state.water_of_step);
+    for (unsigned int k = 0; k < state.water.size(); ++k)
+      state.water[k] += state.water_of_step[k];
   }
 
 

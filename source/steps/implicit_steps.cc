@@ -158,7 +158,8 @@ namespace greville
                             state.surfaces,
                             state.time + dt,
                             dt,
-                            loads.gravity(state.time + dt));
+                            loads.gravity(state.time + dt),
+                            state.water_step);
         },
         false);
     // The force of the stresses at the start, with its sign in M a = F - f.
@@ -543,9 +544,10 @@ namespace greville
       take_held_momentum(state, dt);
     if (water)
       {
-        const auto volumes = water->advance(state.bodies);
-        for (unsigned int k = 0; k < volumes.size(); ++k)
-          state.water[k] += volumes[k];
+        state.water_of_step = water->advance(state.bodies, state.water_of_step);
+        state.water_step    = dt;
+        for (unsigned int k = 0; k < state.water.size(); ++k)
+          state.water[k] += state.water_of_step[k];
       }
     move_points(state, dt);
 

@@ -306,6 +306,7 @@ namespace greville
     state.water.assign(2 + 2 * dim + state.surfaces.size(), 0.);
     if (!parameters.water.free_surface_pressure.empty())
       state.water.push_back(0.);
+    state.water_of_step.assign(state.water.size(), 0.);
     state.signals      = initial_signals(state.bodies, space);
     state.first_signal = state.signals.fastest;
     state.time = state.velocity_time = parameters.time.start;

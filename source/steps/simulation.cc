@@ -221,6 +221,7 @@ namespace greville
     discretization.initialize_fields(current);
     current.step_fraction = 1.;
     current.estimates     = StepEstimates();
+    current.water_step    = 0.;
 
     loads.clear(current.bodies);
     loads.surfaces().clear(current.surfaces);

@@ -52,6 +52,8 @@ namespace greville
             layout.add_radius0();
           if (parameters.general.pore_water)
             layout.add(PoreWater<dim>::field, 1);
+          if (parameters.water.integration == "BDF2")
+            layout.add(PoreWater<dim>::field_of_change, 1);
         }
     }
 

@@ -102,6 +102,9 @@ namespace greville
       sum("water_outflow", state.water[1]);
       for (unsigned int k = 2; k < state.water.size(); ++k)
         sum("water_outflow_" + std::to_string(k - 2), state.water[k]);
+      all("water_step", state.water_step);
+      for (unsigned int k = 0; k < state.water_of_step.size(); ++k)
+        sum("water_of_step_" + std::to_string(k), state.water_of_step[k]);
       for (unsigned int k = 0; k < state.rigid_bodies.size(); ++k)
         {
           const std::string of = "rigid_body_" + std::to_string(k) + "_";

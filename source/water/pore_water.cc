@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/base/quadrature_lib.h>
-
 #include <greville/base/errors.h>
-#include <greville/parameters/names.h>
 #include <greville/water/pore_water.h>
 
 #include <algorithm>
@@ -25,14 +22,12 @@ namespace greville
 
 
     template <int dim>
-    std::vector<std::string>
-    variables_of_surfaces()
+    unsigned int
+    degree_of_pressure(const SplineSpace<dim>     &displacements,
+                       const SimulationParameters &parameters)
     {
-      std::vector<std::string> variables = coordinate_names<dim>();
-      for (unsigned int d = 0; d < dim; ++d)
-        variables.push_back(std::string(1, "XYZ"[d]));
-      variables.push_back("t");
-      return variables;
+      return parameters.water.degree > 0 ? parameters.water.degree
+                                         : displacements.degree();
     }
   } // namespace
 
@@ -44,12 +39,14 @@ namespace greville
                             const SimulationParameters    &parameters)
     : displacements(displacements)
     , parameters(parameters)
+    , drained(displacements,
+              parameters,
+              penalties[degree_of_pressure(displacements, parameters)])
   {
-    const unsigned int p = displacements.degree();
-    const unsigned int q =
-      parameters.water.degree > 0 ? parameters.water.degree : p;
-    orders.reinit(triangulation, q, "direct", true);
-    penalty = penalties[q];
+    orders.reinit(triangulation,
+                  degree_of_pressure(displacements, parameters),
+                  "direct",
+                  true);
 
     const auto &lattice = space().lattice();
     const auto &cells   = space().owned_cells();
@@ -93,121 +90,8 @@ namespace greville
         parameters.grid.is_axisymmetric(),
         parameters.water.free_surface_pressure,
         "Water/Free surface pressure");
-    flow_is_linear = parameters.water.capillary_height == 0.;
-    std::vector<std::string> variables = coordinate_names<dim>();
-    variables.push_back("t");
-    const WallParameters &walls = parameters.walls;
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      if (walls.passes_water(w))
-        {
-          const std::string name = "Walls/" + WallParameters::names[w];
-          of_walls.emplace(w,
-                           make_given(walls.pore_pressure[w],
-                                      walls.flux[w],
-                                      walls.seepage_face[w],
-                                      name + " pore pressure",
-                                      name + " flux",
-                                      variables));
-        }
-    const auto &names = parameters.general.surface_loads;
-    for (unsigned int k = 0; k < names.size(); ++k)
-      {
-        const SurfaceLoadParameters &load =
-          parameters.surface_loads.at(names[k]);
-        const std::string name = "Surface load " + names[k];
-        if (load.passes_water())
-          of_surfaces.emplace(k,
-                              make_given(load.pore_pressure,
-                                         load.flux,
-                                         load.seepage_face,
-                                         name + "/Pore pressure",
-                                         name + "/Flux",
-                                         variables_of_surfaces<dim>()));
-      }
-    for (const auto *given : {&of_walls, &of_surfaces})
-      for (const auto &entry : *given)
-        if (entry.second.kind == Kind::seepage)
-          flow_is_linear = false;
-  }
-
-
-
-  template <int dim>
-  typename PoreWater<dim>::Given
-  PoreWater<dim>::make_given(const std::string              &pressure,
-                             const std::string              &flux,
-                             const bool                      is_seepage_face,
-                             const std::string              &pressure_name,
-                             const std::string              &flux_name,
-                             const std::vector<std::string> &variables)
-  {
-    if (!flux.empty())
-      return {{flux, flux_name, variables}, Kind::flux};
-    return {{pressure, pressure_name, variables},
-            is_seepage_face ? Kind::seepage : Kind::pressure};
-  }
-
-
-
-  template <int dim>
-  void
-  PoreWater<dim>::set(DrainedPoint<dim>             &point,
-                      const Given                   &given,
-                      const ArrayView<const double> &arguments) const
-  {
-    point.kind  = given.kind;
-    point.value = given.formula(arguments);
-    if (given.kind == Kind::flux)
-      return;
-    // Below a water level water comes in, too.
-    if (point.value > 0.)
-      point.kind = Kind::pressure;
-    point.mobility *=
-      relative_conductivity(point.value, parameters.water.suction())[0];
-  }
-
-
-
-  template <int dim>
-  bool
-  PoreWater<dim>::set_soil(DrainedPoint<dim>            &point,
-                           const std::vector<Body<dim>> &bodies,
-                           const unsigned int            cell) const
-  {
-    double volume = 0., volume0 = 0., mobility = 0., solid = 0.;
-    for (const Body<dim> &body : bodies)
-      {
-        const WaterConstants soil = constants(body);
-        body.points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-          volume += p.volume();
-          volume0 += p.volume0();
-          mobility += p.volume() * soil.mobility;
-          solid += p.volume() * soil.solid;
-        });
-      }
-    if (volume == 0.)
-      return false;
-    point.mobility = mobility / volume;
-    point.solid    = solid / volume;
-    point.old_J    = volume / volume0;
-    return true;
-  }
-
-
-
-  template <int dim>
-  WaterConstants
-  PoreWater<dim>::constants(const Body<dim> &body) const
-  {
-    const Material        &material = *body.material;
-    const WaterParameters &water    = parameters.water;
-    return {water.bulk_modulus > 0. ? material.porosity / water.bulk_modulus
-                                    : 0.,
-            material.conductivity / water.unit_weight(),
-            material.conductivity_law == "kozeny-carman"
-              ? 1. - material.porosity
-              : 0.,
-            water.suction()};
+    flow_is_linear =
+      parameters.water.capillary_height == 0. && !drained.has_seepage_face();
   }
 
 
@@ -228,8 +112,8 @@ namespace greville
     for (unsigned int c = 0; c < filled.size(); ++c)
       parts[parents[c]] += filled[c] / GeometryInfo<dim>::max_children_per_cell;
     // Functions are extended to where a surface is drained.
-    for (const auto &drained : of_surfaces)
-      for (const unsigned int cell : surfaces[drained.first].points.cells())
+    for (const unsigned int k : drained.surfaces())
+      for (const unsigned int cell : surfaces[k].points.cells())
         if (parts[parents[cell]] <= 0.)
           parts[parents[cell]] = -1.;
     const bool changed =
@@ -246,27 +130,48 @@ namespace greville
 
 
   template <int dim>
+  typename WaterPoints<dim>::Numbers
+  PoreWater<dim>::numbers_of(const Body<dim> &body) const
+  {
+    const PointLayout<dim> &layout = body.points.layout();
+    const PointField *const change = layout.find(field_of_change);
+    return {layout.first(field),
+            change ? change->first : numbers::invalid_unsigned_int};
+  }
+
+
+
+  template <int dim>
   void
   PoreWater<dim>::begin_step(const std::vector<Body<dim>>    &bodies,
                              const std::vector<Surface<dim>> &surfaces,
                              const double                     time,
                              const double                     dt,
-                             const Tensor<1, dim>            &gravity)
+                             const Tensor<1, dim>            &gravity,
+                             const double                     last_dt)
   {
-    points.clear(dt, parameters.water.density * gravity);
+    // BDF2 is stable up to this ratio of one step to the last one; beyond it
+    // backward Euler has the step.
+    constexpr double largest_ratio = 2.4;
+    double           ratio         = 0.;
+    if (parameters.water.integration == "BDF2" && dt <= largest_ratio * last_dt)
+      ratio = dt / last_dt;
+    part_of_earlier      = ratio * ratio / (1. + 2. * ratio);
+    const double flow_dt = (1. + ratio) / (1. + 2. * ratio) * dt;
+    points.clear(flow_dt, parameters.water.density * gravity, part_of_earlier);
     for (const Body<dim> &body : bodies)
       points.add(body.points,
-                 body.points.layout().first(field),
-                 constants(body));
+                 numbers_of(body),
+                 water_constants(body, parameters.water));
     run_on_all(
       [&]() {
-        add_walls(bodies, time);
-        add_surfaces(bodies, surfaces, time);
+        drained.add_points(bodies, surfaces, filled, time, points);
         if (!free_surface)
           return;
-        free_surface->clear(dt, time);
+        free_surface->clear(flow_dt, time);
         for (const Body<dim> &body : bodies)
-          free_surface->add(body.points, constants(body));
+          free_surface->add(body.points,
+                            water_constants(body, parameters.water));
       },
       space().communicator());
     if (free_surface)
@@ -283,125 +188,6 @@ namespace greville
       mean_density = sums[2] / sums[0];
     multigrid.reset();
     multigrid_of_mass.reset();
-  }
-
-
-
-  template <int dim>
-  void
-  PoreWater<dim>::add_walls(const std::vector<Body<dim>> &bodies,
-                            const double                  time)
-  {
-    const auto                 &lattice = displacements.lattice();
-    const QGauss<dim - 1>       gauss(displacements.degree() + 1);
-    std::array<double, dim + 1> arguments;
-    arguments[dim] = time;
-    for (const auto &[w, given] : of_walls)
-      {
-        const unsigned int d    = w / 2;
-        const unsigned int side = w % 2;
-        const double       area = lattice.cell_volume() / lattice.cell_size(d);
-        for (unsigned int c = 0; c < displacements.owned_cells().size(); ++c)
-          {
-            const auto index = multi_index<dim>(displacements.owned_cells()[c],
-                                                lattice.n_cells());
-            if (index[d] != (side == 0 ? 0 : lattice.n_cells()[d] - 1))
-              continue;
-            DrainedPoint<dim> of_cell;
-            if (!set_soil(of_cell, bodies, c))
-              continue;
-            const Point<dim> corner = lattice.cell_corner(index);
-            for (unsigned int q = 0; q < gauss.size(); ++q)
-              {
-                DrainedPoint<dim> point = of_cell;
-                point.cell              = c;
-                point.boundary          = w;
-                for (unsigned int e = 0, k = 0; e < dim; ++e)
-                  point.x[e] =
-                    e == d
-                      ? (side == 0 ? lattice.lower(d) : lattice.upper(d))
-                      : corner[e] + lattice.cell_size(e) * gauss.point(q)[k++];
-                point.area[d] = (side == 0 ? -1. : 1.) * area *
-                                gauss.weight(q) * std::min(1., filled[c]);
-                point.to_basis = unit_symmetric_tensor<dim>();
-                if (parameters.grid.is_axisymmetric())
-                  {
-                    point.radius = point.x[0];
-                    point.area *= point.radius;
-                  }
-                point.penalty = penalty / (2. * lattice.cell_size(d));
-                for (unsigned int e = 0; e < dim; ++e)
-                  arguments[e] = point.x[e];
-                set(point,
-                    given,
-                    ArrayView<const double>(arguments.data(), dim + 1));
-                points.add(point);
-              }
-          }
-      }
-  }
-
-
-
-  template <int dim>
-  void
-  PoreWater<dim>::add_surfaces(const std::vector<Body<dim>>    &bodies,
-                               const std::vector<Surface<dim>> &surfaces,
-                               const double                     time)
-  {
-    const auto                     &lattice = displacements.lattice();
-    std::array<double, 2 * dim + 1> arguments;
-    arguments[2 * dim] = time;
-    for (const auto &of_surface : of_surfaces)
-      {
-        const Given            &given   = of_surface.second;
-        const Surface<dim>     &surface = surfaces[of_surface.first];
-        const PointLayout<dim> &layout  = surface.points.layout();
-        const WaterConstants    soil    = constants(bodies[surface.body]);
-        for (const unsigned int cell : surface.points.cells())
-          {
-            surface.points.for_each_in_cell(
-              cell, [&](const ConstPointRef<dim> p) {
-                const SurfaceState<dim> state = surface_state<dim>(p, layout);
-                DrainedPoint<dim>       point;
-                point.cell     = cell;
-                point.boundary = 2 * dim + of_surface.first;
-                point.x        = p.basis_position(layout);
-                point.area     = p.mass() * state.area_vector();
-                point.to_basis = unit_symmetric_tensor<dim>();
-                if (layout.is_total_lagrangian())
-                  point.to_basis = invert(state.F);
-                point.mobility = soil.mobility;
-                point.solid    = soil.solid;
-                point.old_J    = determinant(state.F);
-                if (parameters.grid.is_axisymmetric())
-                  {
-                    point.radius = state.x[0];
-                    point.old_J *= state.x[0] / state.X[0];
-                  }
-                // The size of the cell along the normal, which has the
-                // direction F^T area in the configuration of the basis
-                // functions.
-                Tensor<1, dim> normal = point.area;
-                if (layout.is_total_lagrangian())
-                  normal = transpose(state.F) * point.area;
-                double size = 0.;
-                for (unsigned int d = 0; d < dim; ++d)
-                  size += std::abs(normal[d]) / (2. * lattice.cell_size(d));
-                point.penalty =
-                  penalty * size * point.area.norm() / normal.norm_square();
-                for (unsigned int d = 0; d < dim; ++d)
-                  {
-                    arguments[d]       = state.x[d];
-                    arguments[dim + d] = state.X[d];
-                  }
-                set(point,
-                    given,
-                    ArrayView<const double>(arguments.data(), 2 * dim + 1));
-                points.add(point);
-              });
-          }
-      }
   }
 
 
@@ -603,20 +389,25 @@ namespace greville
 
   template <int dim>
   std::vector<double>
-  PoreWater<dim>::advance(std::vector<Body<dim>> &bodies) const
+  PoreWater<dim>::advance(std::vector<Body<dim>>    &bodies,
+                          const std::vector<double> &last) const
   {
-    std::vector<std::pair<MaterialPoints<dim> *, unsigned int>> of_bodies;
+    std::vector<
+      std::pair<MaterialPoints<dim> *, typename WaterPoints<dim>::Numbers>>
+      of_bodies;
     for (Body<dim> &body : bodies)
-      of_bodies.emplace_back(&body.points, body.points.layout().first(field));
+      of_bodies.emplace_back(&body.points, numbers_of(body));
     points.store(of_bodies);
     std::vector<double> result = points.volumes();
+    result.resize(last.size(), 0.);
     if (free_surface)
       {
-        result.resize(3 + 2 * dim + parameters.general.surface_loads.size(),
-                      0.);
         result.back() = free_surface->outflow();
         result[1] += result.back();
       }
+    // What has come to the pores has this part already.
+    for (unsigned int k = 1; k < result.size(); ++k)
+      result[k] += part_of_earlier * last[k];
     return result;
   }
 

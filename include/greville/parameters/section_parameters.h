@@ -63,6 +63,7 @@ namespace greville
     std::string  table;
     double       capillary_height = 0.; // 0: infinite
     std::string  free_surface_pressure;
+    std::string  integration = "backward-euler";
   };
 
 

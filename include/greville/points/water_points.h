@@ -38,6 +38,11 @@ namespace greville
    * change of volume is summed at the points of the displacement, and the
    * storage is that per V_0.
    *
+   * BDF2 has the same form, as a step of length (1 + s) / (1 + 2 s) dt whose r
+   * is less s^2 / (1 + 2 s) of what has come to each point in the step before
+   * (@ref Hairer1993 "Hairer, Norsett and Wanner, 1993", section III.5), where
+   * s is the ratio of the lengths of both steps.
+   *
    * The p_n is that which points keep, sampled at their places: where points
    * stay in the space of the pressure, as in total Lagrangian steps, this is
    * the same as its coefficients.
@@ -61,19 +66,30 @@ namespace greville
            const bool                       is_axisymmetric = false);
 
     /**
-     * Begin a step of length @p dt (s) with the weight of water per volume (N /
-     * m^3) without points.
+     * The numbers of points that keep the pressure, Pa, and for BDF2 what water
+     * has come in the last step per stress-free volume; invalid without it.
      */
-    void
-    clear(const double dt, const dealii::Tensor<1, dim> &weight);
+    struct Numbers
+    {
+      unsigned int pressure, change;
+    };
 
     /**
-     * Add the points of a body at the start of the step, whose pressure is
-     * their number @p pressure.
+     * Begin a step of length @p dt (s) with the weight of water per volume (N /
+     * m^3) without points. Of what has come in the step before the fraction
+     * @p earlier counts.
+     */
+    void
+    clear(const double                  dt,
+          const dealii::Tensor<1, dim> &weight,
+          const double                  earlier = 0.);
+
+    /**
+     * Add the points of a body at the start of the step.
      */
     void
     add(const MaterialPoints<dim> &points,
-        const unsigned int         pressure,
+        const Numbers             &numbers,
         const WaterConstants      &constants);
 
     void
@@ -144,12 +160,11 @@ namespace greville
 
     /**
      * Give the points of all bodies, in the order in which they were added,
-     * the pressure of the last evaluate() as the number that is named with
-     * each.
+     * the numbers of the last evaluate().
      */
     void
-    store(const std::vector<std::pair<MaterialPoints<dim> *, unsigned int>>
-            &bodies) const;
+    store(const std::vector<std::pair<MaterialPoints<dim> *, Numbers>> &bodies)
+      const;
 
     /**
      * Of the last evaluate() on this process: the volume of water that the step
@@ -244,6 +259,7 @@ namespace greville
     std::vector<PointTerm>   points;
     std::vector<DrainedTerm> drained;
     double                   pressure_work = 0., sum_of_masses = 0.;
+    double                   part_of_earlier = 0.;
     std::vector<double>      water_volumes;
     std::array<double, 2>    cell_squares{}, sums_of_moduli{};
 

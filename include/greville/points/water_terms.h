@@ -127,6 +127,8 @@ namespace greville
       // WaterPoints::set_free_motion().
       double of_mass, of_surface = 0.;
       double old_p;
+      // What the last steps say of the water that comes, see WaterPoints.
+      double earlier = 0.;
     };
 
     struct Drained : Term

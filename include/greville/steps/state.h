@@ -167,6 +167,9 @@ namespace greville
     /// what has come to the pores, what has left through all boundaries, and
     /// what through each wall, each surface, and the free surface.
     std::vector<double> water;
+    /// The same of the last step, and its length; 0: it was of another stage.
+    std::vector<double> water_of_step;
+    double              water_step = 0.;
 
     /// How the cells are shared among processes, how often they were shared
     /// anew, and the imbalance() that the last time has left.

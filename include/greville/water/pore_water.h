@@ -3,17 +3,13 @@
 #ifndef greville_water_pore_water_h
 #define greville_water_pore_water_h
 
-#include <greville/base/expression.h>
 #include <greville/multigrid/p_multigrid.h>
-#include <greville/parameters/simulation_parameters.h>
 #include <greville/points/free_surface.h>
 #include <greville/points/point_transfer.h>
-#include <greville/points/surface.h>
-#include <greville/points/water_points.h>
+#include <greville/water/drained_boundaries.h>
 #include <greville/water/pressure_level.h>
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <vector>
 
@@ -56,6 +52,8 @@ namespace greville
   public:
     /// The field of points that keeps the pressure, Pa.
     static constexpr const char *field = "pore_pressure";
+    /// For BDF2: WaterPoints::Numbers::change.
+    static constexpr const char *field_of_change = "water_change";
 
     /**
      * Collective. The space of the displacement and the parameters are kept by
@@ -86,15 +84,17 @@ namespace greville
 
     /**
      * Collective. Begin a step of length @p dt (s) that ends at @p time with
-     * the acceleration @p gravity. Throws dealii::ExcMessage where a formula
-     * has no value.
+     * the acceleration @p gravity. The one before had the length @p last_dt; 0:
+     * there is none that BDF2 can go on from. Throws dealii::ExcMessage where a
+     * formula has no value.
      */
     void
     begin_step(const std::vector<Body<dim>>    &bodies,
                const std::vector<Surface<dim>> &surfaces,
                const double                     time,
                const double                     dt,
-               const dealii::Tensor<1, dim>    &gravity);
+               const dealii::Tensor<1, dim>    &gravity,
+               const double                     last_dt);
 
     /// Make a vector of coefficients, one for each function of the space.
     void
@@ -188,10 +188,12 @@ namespace greville
      * Collective. Give the points the pressure of the last evaluate(). Returns
      * the share of this process of the water that has come to the pores, of
      * that which has left through all boundaries in the step, and through each
-     * wall, each surface, and the free surface, m^3 (2D: m^2).
+     * wall, each surface, and the free surface, m^3 (2D: m^2). The @p last
+     * numbers are those of the step before.
      */
     std::vector<double>
-    advance(std::vector<Body<dim>> &bodies) const;
+    advance(std::vector<Body<dim>>    &bodies,
+            const std::vector<double> &last) const;
 
     /// The mean density of soil and water at the start of the step, kg / m^3.
     double
@@ -208,58 +210,11 @@ namespace greville
     }
 
   private:
-    using Kind = typename DrainedPoint<dim>::Kind;
-
-    /**
-     * What is given at a wall or a surface: a pressure, or a flow.
-     */
-    struct Given
-    {
-      Expression formula;
-      Kind       kind;
-    };
-
-    static Given
-    make_given(const std::string              &pressure,
-               const std::string              &flux,
-               const bool                      is_seepage_face,
-               const std::string              &pressure_name,
-               const std::string              &flux_name,
-               const std::vector<std::string> &variables);
-
-    /**
-     * The points of drained walls and surfaces.
-     */
-    void
-    add_walls(const std::vector<Body<dim>> &bodies, const double time);
-
-    void
-    add_surfaces(const std::vector<Body<dim>>    &bodies,
-                 const std::vector<Surface<dim>> &surfaces,
-                 const double                     time);
-
-    /**
-     * Set what is given at a point whose mobility in full pores is known.
-     */
-    void
-    set(DrainedPoint<dim>                     &point,
-        const Given                           &given,
-        const dealii::ArrayView<const double> &arguments) const;
-
-    /**
-     * Set what the soil in a cell at a wall is to the water: the mean of all
-     * bodies by volume. Returns whether there is any.
-     */
-    bool
-    set_soil(DrainedPoint<dim>            &point,
-             const std::vector<Body<dim>> &bodies,
-             const unsigned int            cell) const;
-
-    WaterConstants
-    constants(const Body<dim> &body) const;
-
     /// The levels of a Schur complement.
     using Levels = std::vector<std::unique_ptr<PressureLevel<dim>>>;
+
+    typename WaterPoints<dim>::Numbers
+    numbers_of(const Body<dim> &body) const;
 
     /// WaterPoints::add_schur_complement(), and the cycle.
     std::unique_ptr<PMultigrid<dim>>
@@ -279,13 +234,12 @@ namespace greville
     CellFilling<dim>            filling;
     std::vector<double>         filled; // parts of the displacement's cells
     WaterPoints<dim>            points;
-    double                      penalty = 0.; // of Nitsche's method, over h
+    DrainedBoundaries<dim>      drained;
 
     std::unique_ptr<FreeSurface<dim>> free_surface; // null: none
     double                            outer_work = 0.;
 
-    std::map<unsigned int, Given> of_walls, of_surfaces;
-    bool                          flow_is_linear = true;
+    bool flow_is_linear = true;
 
     // Without inertia; and with nothing but it, in dynamic steps.
     Levels                             levels, levels_of_mass;
@@ -293,6 +247,9 @@ namespace greville
     std::unique_ptr<PMultigrid<dim>>   multigrid, multigrid_of_mass;
     TangentParameters                  of_cycle;
     bool                               is_first = true, is_explicit = false;
+
+    // Of what water did in the last step, in BDF2.
+    double part_of_earlier = 0.;
 
     double             scale        = 0.; // N / m^3 (2D: N / m^3)
     double             speed        = 0.; // of pressure waves, m / s

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/quadrature_lib.h>
+
+#include <greville/parameters/names.h>
+#include <greville/water/drained_boundaries.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    std::vector<std::string>
+    variables_of_surfaces()
+    {
+      std::vector<std::string> variables = coordinate_names<dim>();
+      for (unsigned int d = 0; d < dim; ++d)
+        variables.push_back(std::string(1, "XYZ"[d]));
+      variables.push_back("t");
+      return variables;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  WaterConstants
+  water_constants(const Body<dim> &body, const WaterParameters &water)
+  {
+    const Material &material = *body.material;
+    return {water.bulk_modulus > 0. ? material.porosity / water.bulk_modulus
+                                    : 0.,
+            material.conductivity / water.unit_weight(),
+            material.conductivity_law == "kozeny-carman"
+              ? 1. - material.porosity
+              : 0.,
+            water.suction()};
+  }
+
+
+
+  template <int dim>
+  DrainedBoundaries<dim>::DrainedBoundaries(
+    const SplineSpace<dim>     &displacements,
+    const SimulationParameters &parameters,
+    const double                penalty)
+    : displacements(displacements)
+    , parameters(parameters)
+    , penalty(penalty)
+  {
+    std::vector<std::string> variables = coordinate_names<dim>();
+    variables.push_back("t");
+    const WallParameters &walls = parameters.walls;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (walls.passes_water(w))
+        {
+          const std::string name = "Walls/" + WallParameters::names[w];
+          of_walls.emplace(w,
+                           make_given(walls.pore_pressure[w],
+                                      walls.flux[w],
+                                      walls.seepage_face[w],
+                                      name + " pore pressure",
+                                      name + " flux",
+                                      variables));
+        }
+    const auto &names = parameters.general.surface_loads;
+    for (unsigned int k = 0; k < names.size(); ++k)
+      {
+        const SurfaceLoadParameters &load =
+          parameters.surface_loads.at(names[k]);
+        const std::string name = "Surface load " + names[k];
+        if (load.passes_water())
+          of_surfaces.emplace(k,
+                              make_given(load.pore_pressure,
+                                         load.flux,
+                                         load.seepage_face,
+                                         name + "/Pore pressure",
+                                         name + "/Flux",
+                                         variables_of_surfaces<dim>()));
+      }
+  }
+
+
+
+  template <int dim>
+  typename DrainedBoundaries<dim>::Given
+  DrainedBoundaries<dim>::make_given(const std::string &pressure,
+                                     const std::string &flux,
+                                     const bool         is_seepage_face,
+                                     const std::string &pressure_name,
+                                     const std::string &flux_name,
+                                     const std::vector<std::string> &variables)
+  {
+    if (!flux.empty())
+      return {{flux, flux_name, variables}, Kind::flux};
+    return {{pressure, pressure_name, variables},
+            is_seepage_face ? Kind::seepage : Kind::pressure};
+  }
+
+
+
+  template <int dim>
+  bool
+  DrainedBoundaries<dim>::has_seepage_face() const
+  {
+    for (const auto *given : {&of_walls, &of_surfaces})
+      for (const auto &entry : *given)
+        if (entry.second.kind == Kind::seepage)
+          return true;
+    return false;
+  }
+
+
+
+  template <int dim>
+  std::vector<unsigned int>
+  DrainedBoundaries<dim>::surfaces() const
+  {
+    std::vector<unsigned int> result;
+    for (const auto &entry : of_surfaces)
+      result.push_back(entry.first);
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  DrainedBoundaries<dim>::add_points(
+    const std::vector<Body<dim>>    &bodies,
+    const std::vector<Surface<dim>> &all_surfaces,
+    const std::vector<double>       &filled,
+    const double                     time,
+    WaterPoints<dim>                &points) const
+  {
+    add_walls(bodies, filled, time, points);
+    add_surfaces(bodies, all_surfaces, time, points);
+  }
+
+
+
+  template <int dim>
+  void
+  DrainedBoundaries<dim>::set(DrainedPoint<dim>             &point,
+                              const Given                   &given,
+                              const ArrayView<const double> &arguments) const
+  {
+    point.kind  = given.kind;
+    point.value = given.formula(arguments);
+    if (given.kind == Kind::flux)
+      return;
+    // Below a water level water comes in, too.
+    if (point.value > 0.)
+      point.kind = Kind::pressure;
+    point.mobility *=
+      relative_conductivity(point.value, parameters.water.suction())[0];
+  }
+
+
+
+  template <int dim>
+  bool
+  DrainedBoundaries<dim>::set_soil(DrainedPoint<dim>            &point,
+                                   const std::vector<Body<dim>> &bodies,
+                                   const unsigned int            cell) const
+  {
+    double volume = 0., volume0 = 0., mobility = 0., solid = 0.;
+    for (const Body<dim> &body : bodies)
+      {
+        const WaterConstants soil = water_constants(body, parameters.water);
+        body.points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+          volume += p.volume();
+          volume0 += p.volume0();
+          mobility += p.volume() * soil.mobility;
+          solid += p.volume() * soil.solid;
+        });
+      }
+    if (volume == 0.)
+      return false;
+    point.mobility = mobility / volume;
+    point.solid    = solid / volume;
+    point.old_J    = volume / volume0;
+    return true;
+  }
+
+
+
+  template <int dim>
+  void
+  DrainedBoundaries<dim>::add_walls(const std::vector<Body<dim>> &bodies,
+                                    const std::vector<double>    &filled,
+                                    const double                  time,
+                                    WaterPoints<dim>             &points) const
+  {
+    const auto                 &lattice = displacements.lattice();
+    const QGauss<dim - 1>       gauss(displacements.degree() + 1);
+    std::array<double, dim + 1> arguments;
+    arguments[dim] = time;
+    for (const auto &[w, given] : of_walls)
+      {
+        const unsigned int d    = w / 2;
+        const unsigned int side = w % 2;
+        const double       area = lattice.cell_volume() / lattice.cell_size(d);
+        for (unsigned int c = 0; c < displacements.owned_cells().size(); ++c)
+          {
+            const auto index = multi_index<dim>(displacements.owned_cells()[c],
+                                                lattice.n_cells());
+            if (index[d] != (side == 0 ? 0 : lattice.n_cells()[d] - 1))
+              continue;
+            DrainedPoint<dim> of_cell;
+            if (!set_soil(of_cell, bodies, c))
+              continue;
+            const Point<dim> corner = lattice.cell_corner(index);
+            for (unsigned int q = 0; q < gauss.size(); ++q)
+              {
+                DrainedPoint<dim> point = of_cell;
+                point.cell              = c;
+                point.boundary          = w;
+                for (unsigned int e = 0, k = 0; e < dim; ++e)
+                  point.x[e] =
+                    e == d
+                      ? (side == 0 ? lattice.lower(d) : lattice.upper(d))
+                      : corner[e] + lattice.cell_size(e) * gauss.point(q)[k++];
+                point.area[d] = (side == 0 ? -1. : 1.) * area *
+                                gauss.weight(q) * std::min(1., filled[c]);
+                point.to_basis = unit_symmetric_tensor<dim>();
+                if (parameters.grid.is_axisymmetric())
+                  {
+                    point.radius = point.x[0];
+                    point.area *= point.radius;
+                  }
+                point.penalty = penalty / (2. * lattice.cell_size(d));
+                for (unsigned int e = 0; e < dim; ++e)
+                  arguments[e] = point.x[e];
+                set(point,
+                    given,
+                    ArrayView<const double>(arguments.data(), dim + 1));
+                points.add(point);
+              }
+          }
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  DrainedBoundaries<dim>::add_surfaces(
+    const std::vector<Body<dim>>    &bodies,
+    const std::vector<Surface<dim>> &all_surfaces,
+    const double                     time,
+    WaterPoints<dim>                &points) const
+  {
+    const auto                     &lattice = displacements.lattice();
+    std::array<double, 2 * dim + 1> arguments;
+    arguments[2 * dim] = time;
+    for (const auto &of_surface : of_surfaces)
+      {
+        const Given            &given   = of_surface.second;
+        const Surface<dim>     &surface = all_surfaces[of_surface.first];
+        const PointLayout<dim> &layout  = surface.points.layout();
+        const WaterConstants    soil =
+          water_constants(bodies[surface.body], parameters.water);
+        for (const unsigned int cell : surface.points.cells())
+          {
+            surface.points.for_each_in_cell(
+              cell, [&](const ConstPointRef<dim> p) {
+                const SurfaceState<dim> state = surface_state<dim>(p, layout);
+                DrainedPoint<dim>       point;
+                point.cell     = cell;
+                point.boundary = 2 * dim + of_surface.first;
+                point.x        = p.basis_position(layout);
+                point.area     = p.mass() * state.area_vector();
+                point.to_basis = unit_symmetric_tensor<dim>();
+                if (layout.is_total_lagrangian())
+                  point.to_basis = invert(state.F);
+                point.mobility = soil.mobility;
+                point.solid    = soil.solid;
+                point.old_J    = determinant(state.F);
+                if (parameters.grid.is_axisymmetric())
+                  {
+                    point.radius = state.x[0];
+                    point.old_J *= state.x[0] / state.X[0];
+                  }
+                // The size of the cell along the normal, which has the
+                // direction F^T area in the configuration of the basis
+                // functions.
+                Tensor<1, dim> normal = point.area;
+                if (layout.is_total_lagrangian())
+                  normal = transpose(state.F) * point.area;
+                double size = 0.;
+                for (unsigned int d = 0; d < dim; ++d)
+                  size += std::abs(normal[d]) / (2. * lattice.cell_size(d));
+                point.penalty =
+                  penalty * size * point.area.norm() / normal.norm_square();
+                for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    arguments[d]       = state.x[d];
+                    arguments[dim + d] = state.X[d];
+                  }
+                set(point,
+                    given,
+                    ArrayView<const double>(arguments.data(), 2 * dim + 1));
+                points.add(point);
+              });
+          }
+      }
+  }
+
+
+
+  template WaterConstants
+  water_constants(const Body<2> &body, const WaterParameters &water);
+  template WaterConstants
+  water_constants(const Body<3> &body, const WaterParameters &water);
+  template class DrainedBoundaries<2>;
+  template class DrainedBoundaries<3>;
+} // namespace greville
