@@ -24,7 +24,7 @@ namespace greville
     struct KeySums
     {
       double         weight[2] = {0., 0.}; // w^A, w^B
-      double         gap = 0., start_pressure = 0.;
+      double         gap = 0., start_pressure = 0., pore_pressure = 0.;
       Tensor<1, dim> normal, slip, motion[2];
 
       template <typename Action>
@@ -35,6 +35,7 @@ namespace greville
         action(weight[1]);
         action(gap);
         action(start_pressure);
+        action(pore_pressure);
         for (unsigned int d = 0; d < dim; ++d)
           {
             action(normal[d]);
@@ -66,6 +67,9 @@ namespace greville
       // What sliding adds to D_k, not symmetric. Points by themselves, which
       // are for preconditioners, are without it.
       Tensor<2, dim> coupling;
+      // The derivative of the shear stress by the mean pressure of the pores,
+      // over the sum of a_s psi_k.
+      Tensor<1, dim> by_pore_pressure;
       // Where it slides, the direction of the shear stress, and D_k if it
       // stuck.
       Tensor<1, dim> direction;
@@ -164,8 +168,11 @@ namespace greville
         -law.shear_stiffness * slip - law.viscosity * rate * step;
       const double speed = rate * step.norm();
       double       most  = pressure > 0. ? law.adhesion : 0.;
+      // Where nothing presses, suction holds nothing either.
+      const double effective =
+        std::max(0., pressure - sums.pore_pressure / all);
       if (pressure > 0. && law.friction)
-        most += law.friction->strength(pressure, speed);
+        most += law.friction->strength(effective, speed);
       Tensor<2, dim> stiffness =
         (law.shear_stiffness + law.viscosity * rate) * plane;
       const bool slides = shear.norm() > most;
@@ -178,12 +185,13 @@ namespace greville
                        outer_product(direction, direction);
           stiffness *= most / shear.norm();
           shear *= most / shear.norm();
-          if (with_tangent && pressure > 0. && law.friction)
+          if (with_tangent && pressure > 0. && effective > 0. && law.friction)
             {
               const FrictionLaw::Slopes slopes =
-                law.friction->slopes(pressure, speed);
+                law.friction->slopes(effective, speed);
               result.coupling = slopes.by_pressure * normal_stiffness *
                                 outer_product(direction, n);
+              result.by_pore_pressure = -slopes.by_pressure / all * direction;
               if (speed > 0.)
                 result.coupling -= slopes.by_speed * rate / step.norm() *
                                    outer_product(direction, step);
@@ -251,6 +259,7 @@ namespace greville
                 {
                   sum.gap += w * point.gap;
                   sum.slip += w * point.slip;
+                  sum.pore_pressure += w * point.pore_pressure;
                 }
               sum.motion[point.side] += w * point.motion;
               if (!law.has_two_sides)
@@ -313,9 +322,10 @@ namespace greville
             Tensor<1, dim> &last = memory->sliding[name];
             if (last * result.direction < 0.)
               {
-                result.stiffness = result.sticking;
-                result.coupling  = Tensor<2, dim>();
-                result.direction = Tensor<1, dim>();
+                result.stiffness        = result.sticking;
+                result.coupling         = Tensor<2, dim>();
+                result.direction        = Tensor<1, dim>();
+                result.by_pore_pressure = Tensor<1, dim>();
               }
             last = result.direction;
           }
@@ -325,7 +335,8 @@ namespace greville
         for (unsigned int side = 0; side < 2; ++side)
           key.inverse_weights[side] =
             sum.weight[side] > 0. ? 1. / sum.weight[side] : 0.;
-        key.stiffness = w * (result.stiffness + result.coupling);
+        key.stiffness        = w * (result.stiffness + result.coupling);
+        key.by_pore_pressure = w * result.by_pore_pressure;
         tangent_keys.push_back(key);
         return result;
       }
@@ -435,6 +446,7 @@ namespace greville
     set_forces(std::vector<ContactPoint<dim>>                         &points,
                const std::vector<Hats<dim>>                           &hats,
                const std::unordered_map<std::uint64_t, KeyForce<dim>> &forces,
+               const ContactLaw                                       &law,
                ContactTangent<dim>                                    *tangent)
     {
       auto next = hats.begin();
@@ -446,7 +458,7 @@ namespace greville
           if (tangent)
             {
               point.stiffness = Tensor<2, dim>();
-              tangent->add_point(point.side);
+              tangent->add_point(point.side, law.measures(point.side));
             }
           if (!point.is_facing)
             continue;
@@ -520,7 +532,7 @@ namespace greville
                                        law,
                                        tangent,
                                        comm);
-    set_forces(points, hats, forces, tangent);
+    set_forces(points, hats, forces, contact_law, tangent);
 
     for (const ContactPoint<dim> &point : points)
       if (point.is_facing && point.side == 0)

@@ -17,6 +17,7 @@ namespace greville
   {
     keys = std::move(own_keys);
     sides.clear();
+    measure.clear();
     ends.clear();
     shares.clear();
     const std::uint64_t n_keys =
@@ -41,9 +42,10 @@ namespace greville
 
   template <int dim>
   void
-  ContactTangent<dim>::add_point(const unsigned int side)
+  ContactTangent<dim>::add_point(const unsigned int side, const bool measures)
   {
     sides.push_back(side);
+    measure.push_back(measures);
     ends.push_back(shares.size());
   }
 
@@ -65,7 +67,8 @@ namespace greville
   void
   ContactTangent<dim>::multiply(
     const std::vector<Tensor<1, dim>> &displacements,
-    std::vector<Tensor<1, dim>>       &forces) const
+    std::vector<Tensor<1, dim>>       &forces,
+    const std::vector<double>         *pore_pressures) const
   {
     AssertDimension(displacements.size(), sides.size());
     values = 0.;
@@ -76,6 +79,9 @@ namespace greville
           for (unsigned int d = 0; d < dim; ++d)
             values.local_element(first + d) +=
               shares[k].weight * displacements[s][d];
+          if (pore_pressures && measure[s])
+            values.local_element(shares[k].place + 2 * dim) +=
+              shares[k].weight * (*pore_pressures)[s];
         }
     values.compress(VectorOperation::add);
     for (unsigned int k = 0; k < keys.size(); ++k)
@@ -86,7 +92,9 @@ namespace greville
           u[d] =
             key.inverse_weights[0] * values.local_element(k * size + d) -
             key.inverse_weights[1] * values.local_element(k * size + dim + d);
-        const Tensor<1, dim> force = key.stiffness * u;
+        const Tensor<1, dim> force =
+          key.stiffness * u -
+          values.local_element(k * size + 2 * dim) * key.by_pore_pressure;
         for (unsigned int d = 0; d < dim; ++d)
           {
             values.local_element(k * size + d) =

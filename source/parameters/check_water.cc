@@ -113,7 +113,6 @@ namespace greville
             refuse_without_water(is_given, "Surface load " + name + parameter);
         return;
       }
-    const ContactParameters none_of_contact;
     for (const auto &[name, load] : surface_loads)
       check_boundary("Surface load " + name + "/",
                      {{"Pore pressure", "Seepage face", "Flux"}},
@@ -151,13 +150,6 @@ namespace greville
                       "'Simulation/Contacts' of bodies on several grids",
                       "water passes between bodies on one grid. Let all bodies "
                       "be one side, against rigid bodies or walls.");
-    for (const auto &[name, contact] : contacts)
-      refuse_with_water(contact.friction != none_of_contact.friction &&
-                          contact.friction != "rough",
-                        "'Contact " + name + "/Friction' = " + contact.friction,
-                        "the pressure of contacts is the total one, and "
-                        "friction is that of the effective one. Take "
-                        "'Adhesion', or rough.");
     for (const auto &[name, body] : bodies)
       refuse_with_water(body.K0 >= 0. && water.table.empty(),
                         "'Body " + name + "/K0' without a 'Water/Table'",

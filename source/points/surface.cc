@@ -99,6 +99,8 @@ namespace greville
       for (const std::string field : {"gap", "state"})
         if (!contact.empty())
           layout.add(field, 1);
+      if (!contact.empty() && body.points.layout().find("pore_pressure"))
+        layout.add("pore_pressure", 1);
       Surface<dim> surface;
       surface.name    = name;
       surface.contact = contact;

@@ -276,12 +276,15 @@ namespace greville
           const unsigned int  slip       = layout.first("slip"),
                              before      = layout.first("before");
           const PointField *const radius = layout.find("radius");
+          const PointField *const pore   = layout.find("pore_pressure");
           surface.points.for_each(
             [&](const unsigned int, ConstPointRef<dim> p) {
               ContactPoint<dim> &point = points.emplace_back();
               point.side               = side;
               set_place(point, p, surface_state<dim>(p, layout), radius);
               point.slip = p.vector(slip);
+              if (pore)
+                point.pore_pressure = p[pore->first];
               if (state.step > 0.)
                 point.motion = point.x - Point<dim>(p.vector(before));
             });
@@ -408,8 +411,9 @@ namespace greville
           const unsigned int load = layout.first("load"),
                              slip = layout.first("new_slip"),
                              gap  = layout.first("gap");
-          const bool         is_of_points = layout.find("radius");
-          const unsigned int normal       = layout.first("normal");
+          const bool              is_of_points = layout.find("radius");
+          const unsigned int      normal       = layout.first("normal");
+          const PointField *const pore         = layout.find("pore_pressure");
           surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
             for (unsigned int d = 0; d < dim; ++d)
               {
@@ -421,6 +425,8 @@ namespace greville
             p[gap] =
               point->is_facing ? std::min(point->gap, farthest) : farthest;
             p[gap + 1] = double(point->state);
+            if (pore)
+              p[pore->first] = point->pore_pressure;
             if (is_of_points && point->is_facing)
               for (unsigned int d = 0; d < dim; ++d)
                 p[normal + d] = -point->target_normal[d];

@@ -65,7 +65,8 @@ namespace greville
     /**
      * A row for a material point, from the one that it has had in the last
      * step, if it has had one. A radius that is not the default one belongs to
-     * the initial place, and is forgotten as the point slides.
+     * the initial place, and is forgotten as the point slides. The pressure of
+     * its pores is the number @p pore of the point, null without water.
      */
     template <int dim>
     std::vector<double>
@@ -73,6 +74,7 @@ namespace greville
               const Candidate<dim>    &candidate,
               const ContactPoint<dim> &met,
               const double             radius,
+              const PointField        *pore,
               const double            *last)
     {
       std::vector<double>  row(layout.size, 0.);
@@ -95,6 +97,8 @@ namespace greville
           p[layout.first("radius")]      = radius;
           p[layout.first("last_radius")] = radius;
           p[layout.first("gap")]         = met.gap - radius;
+          if (pore)
+            p[layout.first("pore_pressure")] = from[pore->first];
           for (unsigned int d = 0; d < dim; ++d)
             p[before + d] = from.position(d);
         }
@@ -284,6 +288,7 @@ namespace greville
                         is_new && gap > -deepest_initially * candidate.spacing
                           ? gap
                           : default_radius * candidate.spacing,
+                        body_of(place).points.layout().find("pore_pressure"),
                         found == last.end() ? nullptr
                                             : &last_rows[found->second]);
             if (gap < -smallest_lift * candidate.spacing && !is_new)

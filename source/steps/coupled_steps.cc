@@ -211,7 +211,9 @@ namespace greville
     if (has_water())
       {
         ImplicitSteps<dim> &steps = *parts[0].steps;
-        const PartTimer     timer(steps.log, "water");
+        if (contacts)
+          contacts->set_pore_pressure(blocks[1]);
+        const PartTimer timer(steps.log, "water");
         steps.water->evaluate(steps.displacement,
                               blocks[1],
                               steps.water_force,

@@ -243,6 +243,27 @@ namespace greville
     state.water_of_step = water.advance(state.bodies, state.water_of_step);
     for (unsigned int k = 0; k < state.water.size(); ++k)
       state.water[k] += state.water_of_step[k];
+
+    std::vector<MaterialPoints<dim> *>       in_contact;
+    std::vector<const MaterialPoints<dim> *> surfaces;
+    for (Surface<dim> &surface : state.surfaces)
+      if (surface.points.layout().find(PoreWater<dim>::field))
+        {
+          in_contact.push_back(&surface.points);
+          surfaces.push_back(&surface.points);
+        }
+    if (surfaces.empty())
+      return;
+    const auto values = water.at_surfaces(pressure, surfaces);
+    for (unsigned int k = 0; k < values.size(); ++k)
+      {
+        auto               value = values[k].begin();
+        const unsigned int first =
+          surfaces[k]->layout().first(PoreWater<dim>::field);
+        in_contact[k]->for_each([&](const unsigned int, const PointRef<dim> p) {
+          p[first] = *value++;
+        });
+      }
   }
 
 

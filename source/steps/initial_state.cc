@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/geometry/inside.h>
+#include <greville/points/water_table.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 #include <greville/steps/stage_bodies.h>
@@ -115,6 +116,30 @@ namespace greville
         signals.fastest       = std::max(signals.fastest, c + std::sqrt(v2));
         signals.crossing_rate = std::max(signals.crossing_rate, rate);
       });
+    }
+
+
+
+    /**
+     * Collective. Give surfaces in contact the initial pressure of their pores.
+     */
+    template <int dim>
+    void
+    set_pore_pressure(std::vector<Surface<dim>> &surfaces,
+                      const WaterTable<dim>     &table,
+                      const SplineSpace<dim>    &space)
+    {
+      run_on_all(
+        [&]() {
+          for (Surface<dim> &surface : surfaces)
+            if (const PointField *pore =
+                  surface.points.layout().find("pore_pressure"))
+              surface.points.for_each(
+                [&](const unsigned int, const PointRef<dim> p) {
+                  p[pore->first] = table(p.position());
+                });
+        },
+        space.communicator());
     }
   } // namespace
 
@@ -303,6 +328,13 @@ namespace greville
       }
     state.partition = discretization.partition();
     state.surfaces  = make_surfaces(state.bodies, loads, discretization);
+    if (parameters.general.pore_water)
+      set_pore_pressure(state.surfaces,
+                        {parameters.water.table,
+                         parameters.water.density,
+                         parameters.water.suction(),
+                         loads.gravity(parameters.time.start)},
+                        space);
     state.water.assign(2 + 2 * dim + state.surfaces.size(), 0.);
     if (!parameters.water.free_surface_pressure.empty())
       state.water.push_back(0.);

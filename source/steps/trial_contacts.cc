@@ -63,6 +63,7 @@ namespace greville
     , displacements(contacts.contacts.size())
     , relative(contacts.contacts.size())
     , changes(contacts.contacts.size())
+    , pore_pressures(contacts.contacts.size())
   {
     contacts.set_laws();
     contacts.commit();
@@ -111,6 +112,7 @@ namespace greville
             }
         points[c].resize(n);
         displacements[c].resize(n);
+        pore_pressures[c].resize(n);
       }
     for (unsigned int k = 0; k < steps.size(); ++k)
       for (VectorField<dim> *field : {&forces[k], &directions[k], &products[k]})
@@ -125,6 +127,30 @@ namespace greville
   TrialContacts<dim>::points_of(const Side &side) const
   {
     return contacts.parts[side.part]->current.surfaces[side.surface].points;
+  }
+
+
+
+  template <int dim>
+  bool
+  TrialContacts<dim>::feel_pores() const
+  {
+    return steps.front()->water && !is_symmetric();
+  }
+
+
+
+  template <int dim>
+  void
+  TrialContacts<dim>::set_pore_pressure(const VectorType &x)
+  {
+    if (!feel_pores())
+      return;
+    const auto values = steps.front()->water->at_surfaces(x, surfaces.front());
+    for (unsigned int k = 0; k < sides.size(); ++k)
+      for (std::size_t s = 0; s < values[k].size(); ++s)
+        points[sides[k].contact][sides[k].begin + s].pore_pressure =
+          values[k][s];
   }
 
 
@@ -330,9 +356,20 @@ namespace greville
                   share * free_bodies[b].trial.motion_at(
                             distance(free_bodies[b], points[c][s].x), all[b]);
       }
+    const bool with_pores = feel_pores();
+    if (with_pores)
+      {
+        const auto values =
+          steps.front()->water->at_surfaces(src[1], surfaces.front());
+        for (unsigned int k = 0; k < sides.size(); ++k)
+          std::copy(values[k].begin(),
+                    values[k].end(),
+                    pore_pressures[sides[k].contact].begin() + sides[k].begin);
+      }
     for (unsigned int c = 0; c < tangents.size(); ++c)
       tangents[c].multiply(free_bodies.empty() ? displacements[c] : relative[c],
-                           changes[c]);
+                           changes[c],
+                           with_pores ? &pore_pressures[c] : nullptr);
     if (!free_bodies.empty())
       {
         const auto                                    all = all_of(src.back());

@@ -118,18 +118,6 @@ namespace greville
 
 
   template <int dim>
-  std::vector<unsigned int>
-  DrainedBoundaries<dim>::surfaces() const
-  {
-    std::vector<unsigned int> result;
-    for (const auto &entry : of_surfaces)
-      result.push_back(entry.first);
-    return result;
-  }
-
-
-
-  template <int dim>
   void
   DrainedBoundaries<dim>::add_points(
     const std::vector<Body<dim>>    &bodies,

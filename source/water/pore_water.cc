@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/points/surface_values.h>
 #include <greville/water/pore_water.h>
 
 #include <algorithm>
@@ -111,11 +112,20 @@ namespace greville
     std::vector<double> parts(n_cells, 0.);
     for (unsigned int c = 0; c < filled.size(); ++c)
       parts[parents[c]] += filled[c] / GeometryInfo<dim>::max_children_per_cell;
-    // Functions are extended to where a surface is drained.
-    for (const unsigned int k : drained.surfaces())
-      for (const unsigned int cell : surfaces[k].points.cells())
-        if (parts[parents[cell]] <= 0.)
-          parts[parents[cell]] = -1.;
+    const auto has_friction = [&](const Surface<dim> &surface) {
+      if (surface.contact.empty())
+        return false;
+      const std::string &friction =
+        parameters.contacts.at(surface.contact).friction;
+      return friction != "0" && friction != "rough";
+    };
+    // Functions are extended to where a surface is drained, or friction needs
+    // the pressure.
+    for (unsigned int k = 0; k < surfaces.size(); ++k)
+      if (drained.has_surface(k) || has_friction(surfaces[k]))
+        for (const unsigned int cell : surfaces[k].points.cells())
+          if (parts[parents[cell]] <= 0.)
+            parts[parents[cell]] = -1.;
     const bool changed =
       filling.update(parts, parameters.scheme.filling_threshold(true), true) ||
       is_first;
@@ -361,6 +371,19 @@ namespace greville
         dx.add(1., rows);
       }
     dx *= 1. / scale;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::vector<double>>
+  PoreWater<dim>::at_surfaces(
+    const VectorType                               &x,
+    const std::vector<const MaterialPoints<dim> *> &surfaces) const
+  {
+    pressure.copy_locally_owned_data_from(x);
+    levels.back()->distribute(pressure);
+    return values_at_surfaces(tables.back(), parents, pressure, surfaces);
   }
 
 

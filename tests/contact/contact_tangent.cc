@@ -4,9 +4,11 @@
 
 // The derivative of averaged contact:
 // - it is that of the forces where bodies move without deformation, with one
-//   and with two sides, in stick and in sliding;
+//   and with two sides, in stick and in sliding, and by the pressure of pores;
 // - it is negative, keeps momentum, and is symmetric where nothing slides;
 // - points by themselves resist at least as much as their averages do;
+// - friction is that of the effective pressure: none where water bears all, and
+//   none at all where nothing presses;
 // - the rounds of Uzawa's method close a gap between springs.
 
 #include <greville/contact/averaged_contact.h>
@@ -42,7 +44,8 @@ struct Case
   Field<dim>                     noise[2];
   Tensor<1, dim>                 normal, tangent;
 
-  Case(const bool has_two_sides, const double depth)
+  // Pores have pressures about @p pore.
+  Case(const bool has_two_sides, const double depth, const double pore = 0.)
   {
     normal[0]  = -0.3;
     normal[1]  = 0.9;
@@ -73,6 +76,7 @@ struct Case
             point.area          = 1. / (n * m);
             point.gap           = -depth;
             point.is_facing     = true;
+            point.pore_pressure = pore * (1. + 0.3 * random[0][0]);
             points.push_back(point);
             for (unsigned int r = 0; r < 2; ++r)
               noise[r].push_back(random[r]);
@@ -118,7 +122,8 @@ template <int dim>
 void
 test_derivative(const bool         has_two_sides,
                 const double       slip,
-                const std::string &friction = "0.3")
+                const std::string &friction = "0.3",
+                const double       pore     = 0.)
 {
   ContactLaw law;
   law.stiffness       = 1e4;
@@ -129,7 +134,7 @@ test_derivative(const bool         has_two_sides,
   for (unsigned int d = 0; d < dim; ++d)
     h[d] = 0.13 + 0.01 * d;
   const AveragedContact<dim> contact(law, Point<dim>(), h, comm);
-  const Case<dim>            all(has_two_sides, 1e-3);
+  const Case<dim>            all(has_two_sides, 1e-3, pore);
   const Tensor<1, dim>       still;
   const Tensor<1, dim>       start       = slip * all.tangent;
   const double               step_length = friction == "0.3" ? 0. : 0.01;
@@ -175,6 +180,32 @@ test_derivative(const bool         has_two_sides,
                 (size > 1.) == !(slides && direction * all.tangent > 0.5));
       }
 
+  const auto at = [&](const double amount) {
+    Case<dim> changed = all;
+    for (std::size_t s = 0; s < changed.points.size(); ++s)
+      changed.points[s].pore_pressure += amount * all.noise[0][s][0];
+    Field<dim> unused;
+    return changed.forces(
+      contact, start, still, nullptr, unused, nullptr, step_length);
+  };
+  const Field<dim>    upper = at(1e-3), lower = at(-1e-3);
+  std::vector<double> dp;
+  for (const Tensor<1, dim> &value : all.noise[0])
+    dp.push_back(value[0]);
+  tangent.multiply(Field<dim>(dp.size()), product_by_tangent, &dp);
+  double error = 0., size = 0.;
+  for (std::size_t s = 0; s < dp.size(); ++s)
+    {
+      const Tensor<1, dim> exact = (upper[s] - lower[s]) / 2e-3;
+      error = std::max(error, (exact - product_by_tangent[s]).norm());
+      size  = std::max(size, exact.norm());
+    }
+  error = Utilities::MPI::max(error, comm);
+  size  = Utilities::MPI::max(size, comm);
+  check("The tangent is the derivative by the pressure of pores.",
+        error <= 1e-6 * size);
+  check("There is one where surfaces slide.", (size > 0.) == slides);
+
   Field<dim> products[2];
   for (unsigned int r = 0; r < 2; ++r)
     tangent.multiply(all.noise[r], products[r]);
@@ -204,6 +235,50 @@ test_derivative(const bool         has_two_sides,
             slides ||
               product<dim>(u, of_points) >= -product<dim>(u, of_average));
     }
+}
+
+
+
+// A side that slides over a rigid one, with water.
+void
+test_effective_pressure()
+{
+  ContactLaw law;
+  law.stiffness       = 1e4;
+  law.shear_stiffness = 5e3;
+  law.friction        = make_friction_law("0.3", "Friction");
+  law.has_two_sides   = false;
+  const AveragedContact<2> contact(law,
+                                   Point<2>(),
+                                   Tensor<1, 2>({0.13, 0.13}),
+                                   comm);
+  // The force, with the pressure 10 Pa for a depth of 1 mm.
+  const auto force = [&](const Case<2> &all) {
+    Field<2>     unused;
+    Tensor<1, 2> sum;
+    for (const Tensor<1, 2> &of_point :
+         all.forces(contact, 0.01 * all.tangent, {}, nullptr, unused))
+      sum += of_point;
+    return Utilities::MPI::sum(sum, comm);
+  };
+  for (const double pore : {0., 4., -4.})
+    {
+      const Case<2> all(false, 1e-3, pore);
+      double        water = 0.;
+      for (const auto &point : all.points)
+        water += point.area * point.pore_pressure;
+      water                    = Utilities::MPI::sum(water, comm);
+      const Tensor<1, 2> given = force(all);
+      check("The pressure is the total one.",
+            std::abs(given * all.normal - 10.) < 1e-12);
+      check("Friction is that of the effective one.",
+            std::abs(given * all.tangent + 0.3 * (10. - water)) < 1e-12);
+    }
+  const Case<2> bears_all(false, 1e-3, 100.);
+  check("Where water bears all there is none.",
+        std::abs(force(bears_all) * bears_all.tangent) < 1e-12);
+  check("Suction holds nothing where nothing presses.",
+        force(Case<2>(false, -1e-6, -100.)).norm() == 0.);
 }
 
 
@@ -256,6 +331,9 @@ test_main()
         const std::string friction = "0.3 + 0.1 * exp(-v / 0.05) - 0.005 * p";
         test_derivative<2>(has_two_sides, slip, friction);
         test_derivative<3>(has_two_sides, slip, friction);
+        test_derivative<2>(has_two_sides, slip, "0.3", 4.);
+        test_derivative<3>(has_two_sides, slip, friction, 4.);
       }
+  test_effective_pressure();
   test_rounds();
 }

@@ -105,11 +105,15 @@ namespace greville
    * at each point the pressure of splines of degree 2 and more oscillates.
    * Without the sectors, opposite faces of a thin body would share an average.
    *
-   * The slip is averaged likewise. The shear stress of a key,
-   * @f$-\epsilon_T \bar e_k - \zeta \dot{\bar e}_k@f$ with the mean elastic
-   * slip, is at most @f$\tau(t_k, v_k) + c@f$ with the strength of the
-   * FrictionLaw at the speed v_k of the step; beyond that the elastic slip of
-   * its points is set back by the mean.
+   * The slip is averaged likewise, and so is the pressure p of pore water. The
+   * shear stress of a key, @f$-\epsilon_T \bar e_k - \zeta \dot{\bar e}_k@f$
+   * with the mean elastic slip, is at most
+   * @f$\tau(\max(0, t_k - \bar p_k), v_k) + c@f$ where t_k > 0, with the
+   * strength of the FrictionLaw at the effective pressure
+   * (@ref Terzaghi1943 "Terzaghi, 1943") and the speed v_k of the step; beyond
+   * that the elastic slip of its points is set back by the mean. The weights
+   * are those of the gap, so that a Coulomb friction mu that slides all over an
+   * area has the sum mu (N - sum a p) of the force N and the points.
    *
    * Material points as side A have gaps and slip, which side B then has not:
    * the means are those over A.

@@ -47,6 +47,9 @@ namespace greville
 
     /// The pressure at the start of the step, Pa, see KeyMemory.
     double start_pressure = 0.;
+    /// That of the water in the pores, Pa, a part of the pressure of contact; 0
+    /// without water.
+    double pore_pressure = 0.;
 
     /// Whether the other side is in front of it, or it is a little way inside.
     bool is_facing = false;

@@ -15,18 +15,23 @@ namespace greville
 {
   /**
    * The derivative of the forces of an AveragedContact by displacements u of
-   * its points, where hat functions, areas and normals do not change:
+   * its points, and by the pressures p of the pore water there, where hat
+   * functions, areas and normals do not change:
    * @f[
    *   F_k = -w_k D_k \Bigl(
    *     \frac{1}{w^A_k} \sum_{s \in A} a_s \psi_k(x_s) u_s
-   *     - \frac{1}{w^B_k} \sum_{s \in B} a_s \psi_k(x_s) u_s \Bigr), \qquad
+   *     - \frac{1}{w^B_k} \sum_{s \in B} a_s \psi_k(x_s) u_s \Bigr)
+   *     - w_k \tau'_k d_k \frac{\sum_s a_s \psi_k(x_s) p_s}
+   *                            {\sum_s a_s \psi_k(x_s)}, \qquad
    *   f_s = \pm \frac{a_s \psi_k(x_s)}{w^{A, B}_k} F_k,
    * @f]
    * with D_k of a key, Pa / m: the stiffness of its pressure along its normal,
-   * and of the shear stress along the plane. It is symmetric and positive, but
-   * for a key that slides: its shear stress changes with the pressure, and with
-   * displacements across the direction of sliding. Without a side 1 the second
-   * sum is zero.
+   * and of the shear stress along the plane; and with the derivative of its
+   * strength by the effective pressure where it slides in the direction d_k,
+   * else 0. D_k is symmetric and positive, but for a key that slides: its shear
+   * stress changes with the pressure, and with displacements across the
+   * direction of sliding. Without a side 1 the second sum is zero. The last
+   * sums are those over the points that measure gaps.
    *
    * It couples all points with a common key, on whatever processes they are:
    * keys have owners, to which sums go.
@@ -37,17 +42,22 @@ namespace greville
   public:
     /**
      * Collective. The forces that displacements of all points give to them, in
-     * the order of the points.
+     * the order of the points, and changes of the pressure of the pores there;
+     * null: none.
      */
     void
     multiply(const std::vector<dealii::Tensor<1, dim>> &displacements,
-             std::vector<dealii::Tensor<1, dim>>       &forces) const;
+             std::vector<dealii::Tensor<1, dim>>       &forces,
+             const std::vector<double> *pore_pressures = nullptr) const;
 
     /// A key that belongs to this process.
     struct Key
     {
       double                 inverse_weights[2] = {0., 0.};
       dealii::Tensor<2, dim> stiffness; // w_k D_k
+      /// That by the mean pressure of the pores: -w_k tau'_k d_k over the sum
+      /// of a_s psi_k.
+      dealii::Tensor<1, dim> by_pore_pressure;
     };
 
     /**
@@ -60,9 +70,9 @@ namespace greville
           const std::vector<std::uint64_t> &numbers,
           const MPI_Comm                    comm);
 
-    /// The next point.
+    /// The next point, and whether it is one that measures gaps.
     void
-    add_point(const unsigned int side);
+    add_point(const unsigned int side, const bool measures);
 
     /// That this point has the key of a number.
     void
@@ -77,13 +87,15 @@ namespace greville
       double       weight;
     };
 
-    static constexpr unsigned int size = 2 * dim; // of a key in the vector
+    static constexpr unsigned int size = 2 * dim + 1; // of a key in the vector
 
     std::vector<Key>           keys;
     std::vector<unsigned char> sides;
-    std::vector<std::size_t>   ends; // of the shares of points
+    std::vector<bool>          measure; // points
+    std::vector<std::size_t>   ends;    // of the shares of points
     std::vector<Share>         shares;
-    /// Sums of the displacements of both sides, and then forces.
+    /// Sums of the displacements of both sides and of the pressure of the
+    /// pores, and then forces.
     mutable VectorType values;
   };
 } // namespace greville

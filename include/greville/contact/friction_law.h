@@ -12,8 +12,9 @@ namespace greville
 {
   /**
    * What two surfaces resist sliding with: they stick where the shear stress is
-   * below the strength, a function of the pressure p (Pa) and of the speed v
-   * at which they slide (m / s), and slide under a shear stress of this size.
+   * below the strength, a function of the pressure p (Pa; that of contact less
+   * the pressure of pore water) and of the speed v at which they slide (m / s),
+   * and slide under a shear stress of this size.
    *
    * A new law is a class that derives from this one, and one line in the list
    * of source/contact/friction_law.cc; or a call of add_friction_law() in a

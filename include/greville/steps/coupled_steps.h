@@ -24,7 +24,8 @@ namespace greville
    *
    * A part with pore water has no others, and a block for the pressure behind
    * that of the displacement (see PoreWater). Contacts act on the total stress,
-   * and nothing flows through them.
+   * their friction is that of the effective one, and nothing flows through
+   * them.
    */
   template <int dim>
   class CoupledSteps : public NewtonProblem

@@ -66,8 +66,9 @@ namespace greville
     }
 
     /**
-     * Collective. Give the points the pressure, and the state what has become
-     * of the water. Before they move.
+     * Collective. Give the points the pressure, surfaces in contact that at
+     * their points, for the friction of the next step, and the state what has
+     * become of the water. Before they move.
      */
     void
     advance(State<dim> &state) const;

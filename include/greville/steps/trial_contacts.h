@@ -42,6 +42,13 @@ namespace greville
     check_rigid_bodies() const;
 
     /**
+     * Collective. The pressure of pore water in the trial, of the only part, as
+     * the vector of its unknowns: friction is that of the effective pressure.
+     */
+    void
+    set_pore_pressure(const VectorType &x);
+
+    /**
      * Collective. Contact at the trial displacements of the parts; with the
      * tangent, which is added to the stiffness of the parts. Returns what is
      * wrong, empty if nothing is.
@@ -103,7 +110,8 @@ namespace greville
     /**
      * Collective. To the products of the parts' matrices with @p src add what
      * their tangent has beyond the stiffness of single points. Behind the parts
-     * are free rigid bodies, if there are any, whose product is set.
+     * is the pressure of pore water, if there is any, whose product stays; and
+     * free rigid bodies, if there are any, whose product is set.
      */
     void
     add_product(std::vector<VectorType>       &dst,
@@ -156,6 +164,10 @@ namespace greville
 
     const MaterialPoints<dim> &
     points_of(const Side &side) const;
+
+    /// Whether friction depends on the pressure of pore water.
+    bool
+    feel_pores() const;
 
     /// A free rigid body.
     struct FreeBody
@@ -221,6 +233,7 @@ namespace greville
     std::vector<VectorField<dim>>                    directions, products;
     std::vector<std::vector<dealii::Tensor<1, dim>>> displacements, relative;
     std::vector<std::vector<dealii::Tensor<1, dim>>> changes;
+    std::vector<std::vector<double>>                 pore_pressures;
   };
 } // namespace greville
 

@@ -44,9 +44,12 @@ namespace greville
     bool
     has_seepage_face() const;
 
-    /// The numbers of the surfaces.
-    std::vector<unsigned int>
-    surfaces() const;
+    /// Whether water passes the surface with this number.
+    bool
+    has_surface(const unsigned int k) const
+    {
+      return of_surfaces.count(k) > 0;
+    }
 
     /**
      * Add the points at a @p time to @p points. Cells of the displacement are

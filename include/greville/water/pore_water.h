@@ -175,6 +175,14 @@ namespace greville
     precondition(VectorType &dx, const VectorType &rows) const;
 
     /**
+     * Collective. The pressure with the coefficients @p x at the points of each
+     * of the @p surfaces, see values_at_surfaces().
+     */
+    std::vector<std::vector<double>>
+    at_surfaces(const VectorType                               &x,
+                const std::vector<const MaterialPoints<dim> *> &surfaces) const;
+
+    /**
      * Collective. The norm of the forces, and what round-off makes of the
      * residual, of the last evaluate().
      */
