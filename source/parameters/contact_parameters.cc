@@ -122,7 +122,9 @@ namespace greville
       "The coefficient of friction mu, a number or a formula of the pressure p "
       "(Pa) and of the speed of sliding v (m / s), such as 0.2 + 0.2 * exp(-v "
       "/ 0.01); or rough: surfaces that touch do not slide. The shear stress "
-      "is at most mu times the pressure, plus the adhesion. Unit: none.");
+      "is at most mu times the pressure, plus the adhesion. In soil with pore "
+      "water p is the effective pressure: that of contact less that of the "
+      "pores. Unit: none.");
     add_parameter(prm, "Adhesion", adhesion, Double(0.))(
       "Shear stress that surfaces under pressure bear without friction. Unit: "
       "Pa.");

@@ -34,12 +34,11 @@ namespace greville
     unsigned int body = 0;
     /// The contact that its load is that of, which the points keep; empty:
     /// none. Points in contact have the fields "slip", "new_slip", "gap",
-    /// "state" and, with water, "pore_pressure" (see ContactPoint), and
-    /// "before", x at the start of the last step. The gap is at most
-    /// farthest_gap_in_cells, where there is nothing, too. Those that are
-    /// material points of the body have a "radius" (m), "last_radius" at the
-    /// start of the last step, their area as mass, and the opposite of the
-    /// other side's normal as normal.
+    /// "state", with water "pore_pressure" (see ContactPoint), and "before", x
+    /// at the start of the last step. The gap is at most farthest_gap_in_cells,
+    /// where there is nothing, too. Those that are material points of the body
+    /// have a "radius" (m), "last_radius" at the start of the last step, their
+    /// area as mass, and the opposite of the other side's normal as normal.
     std::string contact;
     /// At most what the load per initial area changes by displacement, Pa / m,
     /// and by velocity, Pa s / m: they bound explicit steps.
