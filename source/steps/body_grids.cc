@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/memory.h>
+#include <greville/boundary/loads.h>
 #include <greville/boundary/walls.h>
 #include <greville/points/body.h>
 #include <greville/steps/body_grids.h>
@@ -77,7 +78,7 @@ namespace greville
       body.material = parameters.materials.at(body.parameters->material).get();
       make_points(body,
                   space,
-                  Tensor<1, dim>(),
+                  Loads<dim>(parameters).gravity(parameters.time.start),
                   PointLayout<dim>(body.material->state_names()));
 
       BodyOnGrid<dim> result;

@@ -22,6 +22,17 @@ namespace greville
 
 
 
+    /**
+     * Whether the strength of a contact may depend on the pressure.
+     */
+    bool
+    depends_on_pressure(const ContactParameters &contact)
+    {
+      return contact.friction != "0" && contact.friction != "rough";
+    }
+
+
+
     template <int dim>
     unsigned int
     degree_of_pressure(const SplineSpace<dim>     &displacements,
@@ -112,17 +123,12 @@ namespace greville
     std::vector<double> parts(n_cells, 0.);
     for (unsigned int c = 0; c < filled.size(); ++c)
       parts[parents[c]] += filled[c] / GeometryInfo<dim>::max_children_per_cell;
-    const auto has_friction = [&](const Surface<dim> &surface) {
-      if (surface.contact.empty())
-        return false;
-      const std::string &friction =
-        parameters.contacts.at(surface.contact).friction;
-      return friction != "0" && friction != "rough";
-    };
     // Functions are extended to where a surface is drained, or friction needs
     // the pressure.
     for (unsigned int k = 0; k < surfaces.size(); ++k)
-      if (drained.has_surface(k) || has_friction(surfaces[k]))
+      if (drained.has_surface(k) ||
+          (!surfaces[k].contact.empty() &&
+           depends_on_pressure(parameters.contacts.at(surfaces[k].contact))))
         for (const unsigned int cell : surfaces[k].points.cells())
           if (parts[parents[cell]] <= 0.)
             parts[parents[cell]] = -1.;
@@ -207,7 +213,12 @@ namespace greville
   PoreWater<dim>::guess(VectorType &x)
   {
     initialize(x);
-    if (!flow_is_linear)
+    if (!flow_is_linear ||
+        std::any_of(parameters.contacts.begin(),
+                    parameters.contacts.end(),
+                    [](const auto &contact) {
+                      return depends_on_pressure(contact.second);
+                    }))
       points.average_old_pressure(x);
   }
 

@@ -105,7 +105,7 @@ namespace greville
 
     /**
      * Collective. The pressure that a trial step begins with: zero, or where
-     * the flow depends on it, that of the points at the start.
+     * flow or friction depend on it, that of the points at the start.
      */
     void
     guess(VectorType &x);
