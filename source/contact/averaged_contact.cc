@@ -120,6 +120,9 @@ namespace greville
         return result;
       const double all =
         law.has_two_sides && law.both_measure ? w[0] + w[1] : w[0];
+      // Of the sides that have pores.
+      const double pores =
+        (law.has_pores_on(0) ? w[0] : 0.) + (law.has_pores_on(1) ? w[1] : 0.);
       const double         weight = 2. * w[0] * w[1] / (w[0] + w[1]);
       const double         gap    = sums.gap / all;
       const Tensor<1, dim> n      = sums.normal / sums.normal.norm();
@@ -170,7 +173,7 @@ namespace greville
       double       most  = pressure > 0. ? law.adhesion : 0.;
       // Where nothing presses, suction holds nothing either.
       const double effective =
-        std::max(0., pressure - sums.pore_pressure / all);
+        std::max(0., pressure - (pores > 0. ? sums.pore_pressure / pores : 0.));
       if (pressure > 0. && law.friction)
         most += law.friction->strength(effective, speed);
       Tensor<2, dim> stiffness =
@@ -191,7 +194,9 @@ namespace greville
                 law.friction->slopes(effective, speed);
               result.coupling = slopes.by_pressure * normal_stiffness *
                                 outer_product(direction, n);
-              result.by_pore_pressure = -slopes.by_pressure / all * direction;
+              if (pores > 0.)
+                result.by_pore_pressure =
+                  -slopes.by_pressure / pores * direction;
               if (speed > 0.)
                 result.coupling -= slopes.by_speed * rate / step.norm() *
                                    outer_product(direction, step);
@@ -259,8 +264,9 @@ namespace greville
                 {
                   sum.gap += w * point.gap;
                   sum.slip += w * point.slip;
-                  sum.pore_pressure += w * point.pore_pressure;
                 }
+              if (law.has_pores_on(point.side))
+                sum.pore_pressure += w * point.pore_pressure;
               sum.motion[point.side] += w * point.motion;
               if (!law.has_two_sides)
                 sum.motion[1] += w * point.target_motion;
@@ -458,7 +464,7 @@ namespace greville
           if (tangent)
             {
               point.stiffness = Tensor<2, dim>();
-              tangent->add_point(point.side, law.measures(point.side));
+              tangent->add_point(point.side, law.has_pores_on(point.side));
             }
           if (!point.is_facing)
             continue;

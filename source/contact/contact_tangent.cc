@@ -17,7 +17,7 @@ namespace greville
   {
     keys = std::move(own_keys);
     sides.clear();
-    measure.clear();
+    have_pores.clear();
     ends.clear();
     shares.clear();
     const std::uint64_t n_keys =
@@ -42,10 +42,10 @@ namespace greville
 
   template <int dim>
   void
-  ContactTangent<dim>::add_point(const unsigned int side, const bool measures)
+  ContactTangent<dim>::add_point(const unsigned int side, const bool has_pores)
   {
     sides.push_back(side);
-    measure.push_back(measures);
+    have_pores.push_back(has_pores);
     ends.push_back(shares.size());
   }
 
@@ -79,7 +79,7 @@ namespace greville
           for (unsigned int d = 0; d < dim; ++d)
             values.local_element(first + d) +=
               shares[k].weight * displacements[s][d];
-          if (pore_pressures && measure[s])
+          if (pore_pressures && have_pores[s])
             values.local_element(shares[k].place + 2 * dim) +=
               shares[k].weight * (*pore_pressures)[s];
         }

@@ -3,9 +3,11 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/parameters/names.h>
-#include <greville/parameters/simulation_parameters.h>
+#include <greville/parameters/pores.h>
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace greville
 {
@@ -58,7 +60,60 @@ namespace greville
                              "' is true and needs '" + names[0] +
                              "': 0 in air."));
     }
+
+
+
+    /**
+     * The materials of bodies, in all stages.
+     */
+    std::set<std::string>
+    materials_of(const SimulationParameters     &parameters,
+                 const std::vector<std::string> &bodies)
+    {
+      std::set<std::string> result;
+      for (const std::string &name : bodies)
+        {
+          result.insert(parameters.bodies.at(name).material);
+          for (const StageParameters &stage : parameters.stages)
+            if (stage.material_of.count(name) > 0)
+              result.insert(stage.material_of.at(name));
+        }
+      return result;
+    }
+
+
+
+    /**
+     * Those of bodies that have a grid of their own beside saturated ones.
+     */
+    std::set<std::string>
+    materials_without_pores(const SimulationParameters &parameters)
+    {
+      std::set<std::string> with, without;
+      for (const auto &group : parameters.body_groups())
+        (has_pores(parameters, group) ? with : without)
+          .merge(materials_of(parameters, group));
+      if (with.empty())
+        return {};
+      for (const std::string &name : with)
+        without.erase(name);
+      return without;
+    }
   } // namespace
+
+
+
+  bool
+  has_pores(const SimulationParameters     &parameters,
+            const std::vector<std::string> &bodies)
+  {
+    const auto materials = materials_of(parameters, bodies);
+    return std::any_of(materials.begin(),
+                       materials.end(),
+                       [&](const std::string &name) {
+                         return parameters.materials.at(name)->porosity > 0.;
+                       });
+  }
 
 
 
@@ -66,6 +121,7 @@ namespace greville
   SimulationParameters::check_water() const
   {
     const WaterParameters none;
+    const auto            without_pores = materials_without_pores(*this);
     for (const auto &[name, material] : materials)
       {
         const std::string section = "Material " + name + "/";
@@ -77,6 +133,16 @@ namespace greville
                                  section + "Hydraulic conductivity");
             refuse_without_water(material->conductivity_law != "constant",
                                  section + "Conductivity law");
+            continue;
+          }
+        if (without_pores.count(name) > 0)
+          {
+            AssertThrow(material->conductivity == 0.,
+                        ExcMessage("The parameter '" + section +
+                                   "Hydraulic conductivity' is " +
+                                   text_of(material->conductivity) +
+                                   " m / s, but its 'Porosity' is 0: water "
+                                   "needs pores."));
             continue;
           }
         AssertThrow(material->porosity > 0. && material->porosity < 1.,
@@ -114,11 +180,18 @@ namespace greville
         return;
       }
     for (const auto &[name, load] : surface_loads)
-      check_boundary("Surface load " + name + "/",
-                     {{"Pore pressure", "Seepage face", "Flux"}},
-                     load.pore_pressure,
-                     load.seepage_face,
-                     load.flux);
+      {
+        check_boundary("Surface load " + name + "/",
+                       {{"Pore pressure", "Seepage face", "Flux"}},
+                       load.pore_pressure,
+                       load.seepage_face,
+                       load.flux);
+        refuse_with_water(load.passes_water() && !has_pores(*this, {load.body}),
+                          "'Surface load " + name +
+                            (load.flux.empty() ? "/Pore pressure'" : "/Flux'"),
+                          "the material of 'Body " + load.body +
+                            "' has no pores.");
+      }
     for (const auto &[name, value] :
          {std::make_pair("Density", water.density),
           std::make_pair("Bulk modulus", water.bulk_modulus),
@@ -136,20 +209,24 @@ namespace greville
                   std::to_string(water.degree) +
                   ": the pore pressure has the order of 'Grid/Order', " +
                   std::to_string(grid.degree) + ", or one less."));
-    for (const unsigned int n : grid.cells)
-      AssertThrow(n % 2 == 0,
-                  ExcMessage("The parameter 'Grid/Cells' has a direction of " +
-                             std::to_string(n) +
-                             " cells: with 'Simulation/Pore water' numbers of "
-                             "cells are even, as the pressure has cells of "
-                             "twice the size."));
-    refuse_with_water(has_body_grids(),
+    const auto check_cells = [](const std::string               &section,
+                                const std::vector<unsigned int> &cells) {
+      for (const unsigned int n : cells)
+        AssertThrow(n % 2 == 0,
+                    ExcMessage("The parameter '" + section +
+                               "Grid/Cells' has a direction of " +
+                               std::to_string(n) +
+                               " cells: with 'Simulation/Pore water' numbers "
+                               "of cells are even, as the pressure has cells "
+                               "of twice the size."));
+    };
+    check_cells("", grid.cells);
+    for (const auto &[name, own] : body_grids)
+      check_cells("Body " + name + "/", own.cells);
+    refuse_with_water(has_body_grids() && contacts.empty(),
                       "'Grid/Per body' and sections 'Grid' of bodies",
-                      "water passes between bodies on one grid.");
-    refuse_with_water(!contacts.empty() && body_groups().size() > 1,
-                      "'Simulation/Contacts' of bodies on several grids",
-                      "water passes between bodies on one grid. Let all bodies "
-                      "be one side, against rigid bodies or walls.");
+                      "water passes between bodies on one grid. Name them in "
+                      "'Contacts'.");
     for (const auto &[name, body] : bodies)
       refuse_with_water(body.K0 >= 0. && water.table.empty(),
                         "'Body " + name + "/K0' without a 'Water/Table'",

@@ -101,6 +101,30 @@ namespace greville
 
 
 
+    /**
+     * The share of a part in the number @p k of outflows_of() the whole run. It
+     * knows the surfaces of its own bodies only.
+     */
+    template <int dim>
+    double
+    water_of(const Simulation<dim>          &part,
+             const std::vector<std::string> &all_loads,
+             const unsigned int              k)
+    {
+      constexpr unsigned int first = 2 + 2 * dim;
+      const auto            &water = part.state().water;
+      if (k < first)
+        return water[k];
+      const auto &loads = part.stage_parameters().general.surface_loads;
+      if (k == first + all_loads.size())
+        return water.back();
+      const auto found =
+        std::find(loads.begin(), loads.end(), all_loads[k - first]);
+      return found == loads.end() ? 0. : water[first + (found - loads.begin())];
+    }
+
+
+
     std::string
     reaction_name(const unsigned int wall, const unsigned int component)
     {
@@ -473,7 +497,7 @@ namespace greville
         for (const unsigned int k : numbers)
           row.more.push_back(
             Utilities::MPI::sum(ensemble.sum([&](const Simulation<dim> &part) {
-              return part.state().water[k];
+              return water_of(part, parameters.general.surface_loads, k);
             }),
                                 comm));
       }

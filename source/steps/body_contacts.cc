@@ -193,8 +193,15 @@ namespace greville
     const double penalty =
       contact.given.penalty > 0. ? contact.given.penalty : default_penalty;
     ContactLaw law;
-    law.has_two_sides   = contact.rigid < 0;
-    law.both_measure    = !contact.given.is_by_material_points();
+    law.has_two_sides = contact.rigid < 0;
+    law.both_measure  = !contact.given.is_by_material_points();
+    for (unsigned int side = 0; side < 2; ++side)
+      law.has_pores[side] =
+        std::any_of(contact.sides[side].begin(),
+                    contact.sides[side].end(),
+                    [](const Place &place) {
+                      return place.part->stage_parameters().general.pore_water;
+                    });
     law.stiffness       = penalty * contact.modulus / contact.cell_size;
     law.shear_stiffness = shear_share * law.stiffness;
     law.viscosity =

@@ -4,6 +4,7 @@
 #include <greville/base/memory.h>
 #include <greville/boundary/loads.h>
 #include <greville/boundary/walls.h>
+#include <greville/parameters/pores.h>
 #include <greville/points/body.h>
 #include <greville/steps/body_grids.h>
 
@@ -141,6 +142,8 @@ namespace greville
         walls.region[w]   = "";
         walls.velocity[w] = walls.displacement[w] = "";
         walls.friction[w]                         = 0.;
+        walls.pore_pressure[w] = walls.flux[w] = "";
+        walls.seepage_face[w]                  = false;
       };
       free(part.walls);
       for (StageParameters &stage : part.stages)
@@ -413,6 +416,11 @@ namespace greville
       {
         SimulationParameters part = parameters;
         part.general.bodies       = group;
+        if (part.general.pore_water && !has_pores(parameters, group))
+          {
+            part.general.pore_water = false;
+            part.water              = WaterParameters();
+          }
         const GridParameters grid = parameters.grid_of(group[0]);
         if (parameters.scheme.is_total_lagrangian())
           {

@@ -23,11 +23,21 @@ namespace greville
     , blocks(parts.size())
   {
     Assert(contacts || parts.size() == 1, ExcInternalError());
-    Assert(!has_water() || parts.size() == 1, ExcInternalError());
     if (has_water())
-      blocks.emplace_back();
+      blocks.resize(2 * parts.size());
     if (has_rigid_block())
       blocks.emplace_back();
+  }
+
+
+
+  template <int dim>
+  bool
+  CoupledSteps<dim>::has_water() const
+  {
+    return std::any_of(parts.begin(), parts.end(), [](const Part &part) {
+      return part.steps->water != nullptr;
+    });
   }
 
 
@@ -94,11 +104,12 @@ namespace greville
         parts[k].steps->system.read(blocks[k], parts[k].steps->displacement);
         n_local += blocks[k].locally_owned_size();
       }
-    if (has_water())
-      {
-        parts[0].steps->water->guess(blocks[1]);
-        n_local += blocks[1].locally_owned_size();
-      }
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      if (parts[k].steps->water)
+        {
+          parts[k].steps->water->guess(pressure(blocks, k));
+          n_local += pressure(blocks, k).locally_owned_size();
+        }
     if (has_rigid_block())
       {
         contacts->initialize_rigid(blocks.back());
@@ -208,19 +219,19 @@ namespace greville
         if (!problem.empty())
           return problem;
       }
-    if (has_water())
-      {
-        ImplicitSteps<dim> &steps = *parts[0].steps;
-        if (contacts)
-          contacts->set_pore_pressure(blocks[1]);
-        const PartTimer timer(steps.log, "water");
-        steps.water->evaluate(steps.displacement,
-                              blocks[1],
-                              steps.water_force,
-                              blocks[1]);
-        for (unsigned int d = 0; d < dim; ++d)
-          steps.force[d] += steps.water_force[d];
-      }
+    if (contacts)
+      contacts->set_pore_pressures(blocks);
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      if (ImplicitSteps<dim> &steps = *parts[k].steps; steps.water)
+        {
+          const PartTimer timer(steps.log, "water");
+          steps.water->evaluate(steps.displacement,
+                                pressure(blocks, k),
+                                steps.water_force,
+                                pressure(blocks, k));
+          for (unsigned int d = 0; d < dim; ++d)
+            steps.force[d] += steps.water_force[d];
+        }
     if (contacts)
       {
         const PartTimer   timer(parts[0].steps->log, "contact");
@@ -267,12 +278,11 @@ namespace greville
                          ? std::max(steps.force_scale, steps.round_off / tolerance)
                          : steps.force_scale;
         square += scale * scale;
+        if (steps.water && tolerance > 0.)
+          square += std::pow(steps.water->round_off() / tolerance, 2);
       }
     if (has_rigid_block())
       square += std::pow(contacts->rigid_scale(), 2);
-    const double tolerance = parts[0].steps->parameters.newton.tolerance;
-    if (has_water() && tolerance > 0.)
-      square += std::pow(parts[0].steps->water->round_off() / tolerance, 2);
     return std::sqrt(square);
   }
 
@@ -342,9 +352,8 @@ namespace greville
     result.reduction  = 1.;
     try
       {
-        result = has_water() ? solve_with_water(dx, b, tolerance)
-                 : contacts  ? solve_all(dx, b, tolerance)
-                             : front.system.solve(dx, b, tolerance);
+        result = contacts || has_water() ? solve_all(dx, b, tolerance)
+                                         : front.system.solve(dx, b, tolerance);
       }
     catch (const ErrorOnAll &error)
       {
@@ -364,25 +373,35 @@ namespace greville
                                const double      tolerance)
   {
     std::vector<TangentSystem<dim> *> systems;
-    bool                              with_cg   = contacts->is_symmetric();
-    unsigned int                      n_vectors = 100;
+    bool         with_cg   = !has_water() && contacts->is_symmetric();
+    unsigned int n_vectors = contacts ? 100 : 50;
     for (const Part &part : parts)
       {
         systems.push_back(&part.steps->system);
-        with_cg   = with_cg && systems.back()->takes_cg();
-        n_vectors = std::max(n_vectors, systems.back()->n_basis_vectors());
+        with_cg = with_cg && systems.back()->takes_cg();
+        if (!has_water())
+          n_vectors = std::max(n_vectors, systems.back()->n_basis_vectors());
       }
     const auto multiply = [&](VectorType &dst, const VectorType &src) {
       read(blocks, src);
       for (unsigned int k = 0; k < parts.size(); ++k)
-        systems[k]->multiply(products[k], blocks[k]);
-      contacts->add_product(products, blocks);
+        {
+          systems[k]->multiply(products[k], blocks[k]);
+          if (parts[k].steps->water)
+            add_water(k);
+        }
+      if (contacts)
+        contacts->add_product(products, blocks);
       write(dst, products);
     };
     const auto precondition = [&](VectorType &dst, const VectorType &src) {
       read(blocks, src);
       for (unsigned int k = 0; k < parts.size(); ++k)
-        systems[k]->precondition(products[k], blocks[k]);
+        {
+          if (parts[k].steps->water)
+            precondition_water(k);
+          systems[k]->precondition(products[k], blocks[k]);
+        }
       if (has_rigid_block())
         contacts->precondition_rigid(products.back(), blocks.back());
       write(dst, products);
@@ -402,48 +421,39 @@ namespace greville
 
 
   template <int dim>
-  SolveResult
-  CoupledSteps<dim>::solve_with_water(VectorType       &x,
-                                      const VectorType &b,
-                                      const double      tolerance)
+  void
+  CoupledSteps<dim>::add_water(const unsigned int k)
   {
-    ImplicitSteps<dim>   &steps  = *parts[0].steps;
-    TangentSystem<dim>   &system = steps.system;
-    const PoreWater<dim> &water  = *steps.water;
+    ImplicitSteps<dim> &steps  = *parts[k].steps;
+    TangentSystem<dim> &system = steps.system;
     // Fields that nothing else needs before the next evaluate().
     VectorField<dim> &direction = steps.work, &force = steps.water_force;
-    VectorType        of_water;
-    of_water.reinit(blocks[0]);
-    const auto multiply = [&](VectorType &dst, const VectorType &src) {
-      read(blocks, src);
-      system.multiply(products[0], blocks[0]);
-      for (VectorType &component : direction)
-        component = 0.;
-      system.extend(direction, blocks[0]);
-      water.multiply(direction, blocks[1], force, products[1]);
-      system.restrict(of_water, force, nullptr);
-      products[0] += of_water;
-      if (contacts)
-        contacts->add_product(products, blocks);
-      write(dst, products);
-    };
-    const auto precondition = [&](VectorType &dst, const VectorType &src) {
-      read(blocks, src);
-      water.precondition(products[1], blocks[1]);
-      water.spread(products[1], force);
-      system.restrict(of_water, force, nullptr);
-      blocks[0] -= of_water;
-      system.precondition(products[0], blocks[0]);
-      if (has_rigid_block())
-        contacts->precondition_rigid(products.back(), blocks.back());
-      write(dst, products);
-    };
-    const unsigned int n_vectors = contacts ? 100 : 50;
-    return TangentSystem<dim>::solve_together(
-      {&system}, tolerance, [&](const unsigned int n) {
-        return solve_krylov(
-          {tolerance, n}, multiply, precondition, x, b, n_vectors);
-      });
+    for (VectorType &component : direction)
+      component = 0.;
+    system.extend(direction, blocks[k]);
+    steps.water->multiply(direction,
+                          pressure(blocks, k),
+                          force,
+                          pressure(products, k));
+    VectorType of_water;
+    of_water.reinit(blocks[k]);
+    system.restrict(of_water, force, nullptr);
+    products[k] += of_water;
+  }
+
+
+
+  template <int dim>
+  void
+  CoupledSteps<dim>::precondition_water(const unsigned int k)
+  {
+    ImplicitSteps<dim> &steps = *parts[k].steps;
+    steps.water->precondition(pressure(products, k), pressure(blocks, k));
+    steps.water->spread(pressure(products, k), steps.water_force);
+    VectorType of_water;
+    of_water.reinit(blocks[k]);
+    steps.system.restrict(of_water, steps.water_force, nullptr);
+    blocks[k] -= of_water;
   }
 
 

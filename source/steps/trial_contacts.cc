@@ -112,7 +112,7 @@ namespace greville
             }
         points[c].resize(n);
         displacements[c].resize(n);
-        pore_pressures[c].resize(n);
+        pore_pressures[c].resize(n, 0.);
       }
     for (unsigned int k = 0; k < steps.size(); ++k)
       for (VectorField<dim> *field : {&forces[k], &directions[k], &products[k]})
@@ -135,22 +135,48 @@ namespace greville
   bool
   TrialContacts<dim>::feel_pores() const
   {
-    return steps.front()->water && !is_symmetric();
+    return !is_symmetric() &&
+           std::any_of(steps.begin(), steps.end(), [](const auto *part) {
+             return part->water != nullptr;
+           });
   }
 
 
 
   template <int dim>
   void
-  TrialContacts<dim>::set_pore_pressure(const VectorType &x)
+  TrialContacts<dim>::find_pore_pressures(const std::vector<VectorType> &blocks)
+  {
+    for (unsigned int part = 0; part < steps.size(); ++part)
+      if (steps[part]->water)
+        {
+          const auto values =
+            steps[part]->water->at_surfaces(blocks[steps.size() + part],
+                                            surfaces[part]);
+          auto of_side = values.begin();
+          for (const Side &side : sides)
+            if (side.part == part)
+              {
+                std::copy(of_side->begin(),
+                          of_side->end(),
+                          pore_pressures[side.contact].begin() + side.begin);
+                ++of_side;
+              }
+        }
+  }
+
+
+
+  template <int dim>
+  void
+  TrialContacts<dim>::set_pore_pressures(const std::vector<VectorType> &blocks)
   {
     if (!feel_pores())
       return;
-    const auto values = steps.front()->water->at_surfaces(x, surfaces.front());
-    for (unsigned int k = 0; k < sides.size(); ++k)
-      for (std::size_t s = 0; s < values[k].size(); ++s)
-        points[sides[k].contact][sides[k].begin + s].pore_pressure =
-          values[k][s];
+    find_pore_pressures(blocks);
+    for (unsigned int c = 0; c < points.size(); ++c)
+      for (std::size_t s = 0; s < points[c].size(); ++s)
+        points[c][s].pore_pressure = pore_pressures[c][s];
   }
 
 
@@ -358,14 +384,7 @@ namespace greville
       }
     const bool with_pores = feel_pores();
     if (with_pores)
-      {
-        const auto values =
-          steps.front()->water->at_surfaces(src[1], surfaces.front());
-        for (unsigned int k = 0; k < sides.size(); ++k)
-          std::copy(values[k].begin(),
-                    values[k].end(),
-                    pore_pressures[sides[k].contact].begin() + sides[k].begin);
-      }
+      find_pore_pressures(src);
     for (unsigned int c = 0; c < tangents.size(); ++c)
       tangents[c].multiply(free_bodies.empty() ? displacements[c] : relative[c],
                            changes[c],

@@ -9,6 +9,7 @@
 #include <greville/contact/contact_tangent.h>
 #include <greville/contact/friction_law.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
@@ -31,11 +32,19 @@ namespace greville
     double                             adhesion = 0.;
     /// Gaps of this size count as closed in a ContactTangent, m.
     double touching = 0.;
+    /// Which sides have pore water, whose pressure friction does not feel.
+    std::array<bool, 2> has_pores{{true, true}};
     /// Whether both sides deform; otherwise only points of side 0 are given.
     bool has_two_sides = true;
     /// Whether gaps and slip of side 1 count, too. Those of side 0 alone do
     /// where it consists of material points, which have no surface.
     bool both_measure = true;
+
+    bool
+    has_pores_on(const unsigned int side) const
+    {
+      return has_pores[side] && (side == 0 || has_two_sides);
+    }
 
     bool
     measures(const unsigned int side) const
@@ -111,9 +120,10 @@ namespace greville
    * @f$\tau(\max(0, t_k - \bar p_k), v_k) + c@f$ where t_k > 0, with the
    * strength of the FrictionLaw at the effective pressure
    * (@ref Terzaghi1943 "Terzaghi, 1943") and the speed v_k of the step; beyond
-   * that the elastic slip of its points is set back by the mean. The weights
-   * are those of the gap, so that a Coulomb friction mu that slides all over an
-   * area has the sum mu (N - sum a p) of the force N and the points.
+   * that the elastic slip of its points is set back by the mean. The mean of p
+   * is that over the sides that have pores, with the weights of the gap, so
+   * that a Coulomb friction mu that slides all over an area of soil has the sum
+   * mu (N - sum a p) of the force N and the points.
    *
    * Material points as side A have gaps and slip, which side B then has not:
    * the means are those over A.

@@ -31,7 +31,7 @@ namespace greville
    * else 0. D_k is symmetric and positive, but for a key that slides: its shear
    * stress changes with the pressure, and with displacements across the
    * direction of sliding. Without a side 1 the second sum is zero. The last
-   * sums are those over the points that measure gaps.
+   * sums are those over the sides that have pores.
    *
    * It couples all points with a common key, on whatever processes they are:
    * keys have owners, to which sums go.
@@ -70,9 +70,9 @@ namespace greville
           const std::vector<std::uint64_t> &numbers,
           const MPI_Comm                    comm);
 
-    /// The next point, and whether it is one that measures gaps.
+    /// The next point, and whether its side has pores.
     void
-    add_point(const unsigned int side, const bool measures);
+    add_point(const unsigned int side, const bool has_pores);
 
     /// That this point has the key of a number.
     void
@@ -91,8 +91,8 @@ namespace greville
 
     std::vector<Key>           keys;
     std::vector<unsigned char> sides;
-    std::vector<bool>          measure; // points
-    std::vector<std::size_t>   ends;    // of the shares of points
+    std::vector<bool>          have_pores; // points
+    std::vector<std::size_t>   ends;       // of the shares of points
     std::vector<Share>         shares;
     /// Sums of the displacements of both sides and of the pressure of the
     /// pores, and then forces.

@@ -22,10 +22,10 @@ namespace greville
    * tangents are symmetric, and by FGMRES else, with the p-multigrid of each
    * part as its block of the preconditioner (see TangentSystem).
    *
-   * A part with pore water has no others, and a block for the pressure behind
-   * that of the displacement (see PoreWater). Contacts act on the total stress,
-   * their friction is that of the effective one, and nothing flows through
-   * them.
+   * Behind the displacements of all parts are the pressures of the pore water
+   * of all parts (see PoreWater), where a body has any; those of parts without
+   * it are empty. Contacts act on the total stress, their friction is that of
+   * the effective one, and nothing flows through them.
    */
   template <int dim>
   class CoupledSteps : public NewtonProblem
@@ -88,23 +88,29 @@ namespace greville
     solve_all(VectorType &x, const VectorType &b, const double tolerance);
 
     /**
-     * Collective. The same with the pressure of pore water.
+     * Collective. What the pore water of part k adds to the product with the
+     * blocks; and its part of the preconditioner, before that of the
+     * displacement.
      */
-    SolveResult
-    solve_with_water(VectorType       &x,
-                     const VectorType &b,
-                     const double      tolerance);
+    void
+    add_water(const unsigned int k);
+    void
+    precondition_water(const unsigned int k);
 
-    /// Whether the last block is that of free rigid bodies. That of pore water
-    /// is before it.
+    /// The block of the pressure of part k.
+    VectorType &
+    pressure(std::vector<VectorType> &of_parts, const unsigned int k) const
+    {
+      return of_parts[parts.size() + k];
+    }
+
+    /// Whether the last block is that of free rigid bodies.
     bool
     has_rigid_block() const;
 
+    /// Whether any part has pore water.
     bool
-    has_water() const
-    {
-      return parts[0].steps->water != nullptr;
-    }
+    has_water() const;
 
     /**
      * Collective. Tell the parts why Newton's method has failed at @p x.

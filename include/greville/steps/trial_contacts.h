@@ -42,11 +42,11 @@ namespace greville
     check_rigid_bodies() const;
 
     /**
-     * Collective. The pressure of pore water in the trial, of the only part, as
-     * the vector of its unknowns: friction is that of the effective pressure.
+     * Collective. The pressures of pore water in the trial, as the blocks of
+     * CoupledSteps: friction is that of the effective pressure.
      */
     void
-    set_pore_pressure(const VectorType &x);
+    set_pore_pressures(const std::vector<VectorType> &blocks);
 
     /**
      * Collective. Contact at the trial displacements of the parts; with the
@@ -110,8 +110,8 @@ namespace greville
     /**
      * Collective. To the products of the parts' matrices with @p src add what
      * their tangent has beyond the stiffness of single points. Behind the parts
-     * is the pressure of pore water, if there is any, whose product stays; and
-     * free rigid bodies, if there are any, whose product is set.
+     * are the pressures of pore water, if there is any, whose product stays;
+     * and free rigid bodies, if there are any, whose product is set.
      */
     void
     add_product(std::vector<VectorType>       &dst,
@@ -168,6 +168,10 @@ namespace greville
     /// Whether friction depends on the pressure of pore water.
     bool
     feel_pores() const;
+
+    /// Collective. The pressures, or changes of them, at all points.
+    void
+    find_pore_pressures(const std::vector<VectorType> &blocks);
 
     /// A free rigid body.
     struct FreeBody

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_parameters_pores_h
+#define greville_parameters_pores_h
+
+#include <greville/parameters/simulation_parameters.h>
+
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Whether any of the bodies has a material with pores, in any stage. A group
+   * of bodies without any that has a grid of its own is without pore water.
+   */
+  bool
+  has_pores(const SimulationParameters     &parameters,
+            const std::vector<std::string> &bodies);
+} // namespace greville
+
+#endif
