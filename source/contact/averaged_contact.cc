@@ -171,9 +171,12 @@ namespace greville
         -law.shear_stiffness * slip - law.viscosity * rate * step;
       const double speed = rate * step.norm();
       double       most  = pressure > 0. ? law.adhesion : 0.;
-      // Where nothing presses, suction holds nothing either.
+      // Suction counts up to the pressure of the contact, so that the strength
+      // has no jump where nothing presses.
+      const double mean_pore = pores > 0. ? sums.pore_pressure / pores : 0.;
+      const bool   is_capped = mean_pore < -pressure;
       const double effective =
-        std::max(0., pressure - (pores > 0. ? sums.pore_pressure / pores : 0.));
+        is_capped ? 2. * pressure : std::max(0., pressure - mean_pore);
       if (pressure > 0. && law.friction)
         most += law.friction->strength(effective, speed);
       Tensor<2, dim> stiffness =
@@ -192,9 +195,9 @@ namespace greville
             {
               const FrictionLaw::Slopes slopes =
                 law.friction->slopes(effective, speed);
-              result.coupling = slopes.by_pressure * normal_stiffness *
-                                outer_product(direction, n);
-              if (pores > 0.)
+              result.coupling = (is_capped ? 2. : 1.) * slopes.by_pressure *
+                                normal_stiffness * outer_product(direction, n);
+              if (pores > 0. && !is_capped)
                 result.by_pore_pressure =
                   -slopes.by_pressure / pores * direction;
               if (speed > 0.)

@@ -143,6 +143,12 @@ namespace greville
                                    text_of(material->conductivity) +
                                    " m / s, but its 'Porosity' is 0: water "
                                    "needs pores."));
+            AssertThrow(material->conductivity_law == "constant",
+                        ExcMessage("The parameter '" + section +
+                                   "Conductivity law' is " +
+                                   material->conductivity_law +
+                                   ", but its 'Porosity' is 0: water needs "
+                                   "pores."));
             continue;
           }
         AssertThrow(material->porosity > 0. && material->porosity < 1.,
@@ -202,13 +208,17 @@ namespace greville
                              ": it has to be finite. Water of the 'Bulk "
                              "modulus' 0 is incompressible, and pores of the "
                              "'Capillary height' 0 stay full."));
-    AssertThrow(water.degree == 0 || water.degree == grid.degree ||
-                  water.degree + 1 == grid.degree,
-                ExcMessage(
-                  "The parameter 'Water/Order' is " +
-                  std::to_string(water.degree) +
-                  ": the pore pressure has the order of 'Grid/Order', " +
-                  std::to_string(grid.degree) + ", or one less."));
+    const auto check_degree = [&](const std::string &section,
+                                  const unsigned int degree) {
+      AssertThrow(water.degree == 0 || water.degree == degree ||
+                    water.degree + 1 == degree,
+                  ExcMessage("The parameter 'Water/Order' is " +
+                             std::to_string(water.degree) +
+                             ": the pore pressure has the order of '" +
+                             section + "Grid/Order', " +
+                             std::to_string(degree) + ", or one less."));
+    };
+    check_degree("", grid.degree);
     const auto check_cells = [](const std::string               &section,
                                 const std::vector<unsigned int> &cells) {
       for (const unsigned int n : cells)
@@ -222,13 +232,20 @@ namespace greville
     };
     check_cells("", grid.cells);
     for (const auto &[name, own] : body_grids)
-      check_cells("Body " + name + "/", own.cells);
+      if (has_pores(*this, {name}))
+        {
+          const std::string section = "Body " + name + "/";
+          check_cells(section, own.cells);
+          check_degree(section, grid_of(name).degree);
+        }
     refuse_with_water(has_body_grids() && contacts.empty(),
                       "'Grid/Per body' and sections 'Grid' of bodies",
-                      "water passes between bodies on one grid. Name them in "
-                      "'Contacts'.");
+                      "water flows between bodies on a common grid only. Leave "
+                      "the grids of bodies out, or let 'Contacts' name the "
+                      "bodies.");
     for (const auto &[name, body] : bodies)
-      refuse_with_water(body.K0 >= 0. && water.table.empty(),
+      refuse_with_water(body.K0 >= 0. && water.table.empty() &&
+                          has_pores(*this, {name}),
                         "'Body " + name + "/K0' without a 'Water/Table'",
                         "it is the weight of the soil less the pressure of "
                         "the water. Give the table, the effective 'Stress', "

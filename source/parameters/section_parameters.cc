@@ -42,7 +42,8 @@ namespace greville
       "and other parts, relative to the folder of this file.");
     add_parameter(prm, "Pore water", pore_water)(
       "Whether water fills the pores of all bodies, with a pressure of its "
-      "own: stresses are effective ones then.");
+      "own: stresses are effective ones then. A body of the 'Porosity' 0 that "
+      "a contact names is dry.");
   }
 
 
@@ -57,7 +58,8 @@ namespace greville
       "incompressible. Unit: Pa.");
     add_parameter(prm, "Order", degree, Integer(0, SplineSpace<2>::max_degree))(
       "Order of the B-splines of the pore pressure, on cells of twice the "
-      "size: 'Grid/Order' or one less. 0: 'Grid/Order'. Unit: none.");
+      "size: that of the grid of each body or one less. 0: that of the grid. "
+      "Unit: none.");
     add_parameter(prm, "Table", table)(
       "The water table at the start, as the coordinate along gravity's axis: a "
       "formula of x, y (, z). Bodies begin with the pressure of water at rest, "
@@ -77,8 +79,10 @@ namespace greville
                   integration,
                   Selection("backward-euler|BDF2"))(
       "The flow of the water in time: backward Euler, of order 1 in the step, "
-      "or BDF2, of order 2, which begins each stage with a step of backward "
-      "Euler. BDF2 belongs to implicit and quasi-static steps. Unit: none.");
+      "or BDF2, of order 2. The first step of a stage, and one that is more "
+      "than 2.4 times as long as the last one, are backward Euler all the "
+      "same. "
+      "BDF2 belongs to implicit and quasi-static steps. Unit: none.");
   }
 
 

@@ -154,7 +154,8 @@ namespace greville
                   Selection("stop|warn|ignore"))(
       "What to do where the bodies have more energy than they had initially "
       "and loads and walls have given them, less what damping has taken, by a "
-      "tenth of the largest energy so far: an unstable step shows in this.");
+      "tenth of the largest energy or work of one source so far: an unstable "
+      "step shows in this.");
     add_parameter(prm, "Points outside", outside, Selection("error|remove"))(
       "What to do about points that leave the grid.");
   }

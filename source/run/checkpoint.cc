@@ -17,7 +17,7 @@ namespace greville
   namespace
   {
     // The number changes with the meaning of texts and tables.
-    constexpr const char *format = "Greville checkpoint 2";
+    constexpr const char *format = "Greville checkpoint 3";
 
     constexpr const char *prefix = "checkpoint_";
 

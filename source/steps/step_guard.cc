@@ -22,7 +22,8 @@ namespace greville
     // left by two; a mode that grows keeps a tenth of its energy.
     constexpr double swing_left_out = 0.9;
 
-    // The gain that is accepted, as a part of the largest energy so far.
+    // The gain that is accepted, as a fraction of the largest energy or
+    // work of one source so far.
     constexpr double accepted_gain = 0.1;
 
     // The part of the mass that rounding may change.
@@ -389,6 +390,9 @@ namespace greville
     const MPI_Comm          comm   = discretization.communicator();
     double                  gain =
       state.energy.gain(now, swing_left_out * Utilities::MPI::sum(swing, comm));
+    const double limit = std::max(accepted_gain, 2. * state.warned_gain);
+    if (!scheme.looks_at_energy() || !(gain > limit))
+      return;
     // A stiff body that is pressed between others stores far less than the work
     // that passes through it, whose parts have errors of their own.
     const unsigned int n_sources =
@@ -400,17 +404,18 @@ namespace greville
     const double largest = state.energy.largest_with(now);
     if (largest_work > largest)
       gain *= largest / largest_work;
-    if (!scheme.looks_at_energy() ||
-        !(gain > std::max(accepted_gain, 2. * state.warned_gain)))
+    if (!(gain > limit))
       return;
     state.warned_gain = gain;
     std::ostringstream message;
-    message << "energy has come from nothing: " << 100. * gain
-            << " % of the largest energy so far, with the work of loads, walls "
-               "and damping counted. The steps are unstable with mass <"
-            << scheme.mass
-            << ">: take 'Scheme/Mass' = lumped or fmpm-2, a larger "
-               "'Scheme/Filter' or a smaller 'Time/Safety'";
+    message
+      << "energy has come from nothing: " << 100. * gain
+      << " % of the largest energy or work of one source so far, with the "
+         "work of loads, walls and damping counted. The steps are unstable "
+         "with mass <"
+      << scheme.mass
+      << ">: take 'Scheme/Mass' = lumped or fmpm-2, a larger "
+         "'Scheme/Filter' or a smaller 'Time/Safety'";
     if (scheme.stops_at_energy_gain())
       throw StepFailed(message.str() +
                        " ('Scheme/Energy gain' = warn goes on)");

@@ -117,7 +117,7 @@ namespace greville
    * The slip is averaged likewise, and so is the pressure p of pore water. The
    * shear stress of a key, @f$-\epsilon_T \bar e_k - \zeta \dot{\bar e}_k@f$
    * with the mean elastic slip, is at most
-   * @f$\tau(\max(0, t_k - \bar p_k), v_k) + c@f$ where t_k > 0, with the
+   * @f$\tau(t_k - \max(-t_k, \min(t_k, \bar p_k)), v_k) + c@f$, with the
    * strength of the FrictionLaw at the effective pressure
    * (@ref Terzaghi1943 "Terzaghi, 1943") and the speed v_k of the step; beyond
    * that the elastic slip of its points is set back by the mean. The mean of p
@@ -126,7 +126,7 @@ namespace greville
    * mu (N - sum a p) of the force N and the points.
    *
    * Material points as side A have gaps and slip, which side B then has not:
-   * the means are those over A.
+   * the means of these are those over A.
    */
   template <int dim>
   class AveragedContact
