@@ -102,8 +102,8 @@ namespace greville
 
 
     /**
-     * What this process has of the number @p k of outflows_of() in a part, which
-     * numbers the loads on its own bodies only.
+     * What this process has of the number @p k of outflows_of() in a part,
+     * which numbers the loads on its own bodies only.
      */
     template <int dim>
     double
