@@ -174,7 +174,8 @@ namespace greville
   double
   Expression::operator()(const ArrayView<const double> &values) const
   {
-    AssertDimension(values.size(), parser->values.size());
+    AssertThrow(values.size() == parser->values.size(),
+                ExcDimensionMismatch(values.size(), parser->values.size()));
     std::copy(values.begin(), values.end(), parser->values.begin());
     double result;
     try

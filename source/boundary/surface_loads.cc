@@ -300,7 +300,7 @@ namespace greville
         std::find_if(bodies.begin(), bodies.end(), [&](const auto &body) {
           return body.name == name;
         });
-      Assert(body != bodies.end(), ExcInternalError());
+      AssertThrow(body != bodies.end(), ExcInternalError());
       return body;
     };
     const auto add = [&](const std::string &name,

@@ -70,7 +70,8 @@ namespace greville
     std::vector<Tensor<1, dim>>       &forces,
     const std::vector<double>         *pore_pressures) const
   {
-    AssertDimension(displacements.size(), sides.size());
+    AssertThrow(displacements.size() == sides.size(),
+                ExcDimensionMismatch(displacements.size(), sides.size()));
     values = 0.;
     for (std::size_t s = 0, k = 0; s < sides.size(); ++s)
       for (; k < ends[s]; ++k)

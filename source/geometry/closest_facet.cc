@@ -155,11 +155,12 @@ namespace greville
     template <int dim>
     ClosestFacet<dim>::ClosestFacet(const ClosedSurface<dim> &surface)
     {
-      Assert(!surface.empty(), ExcMessage("The surface has no facets."));
+      AssertThrow(!surface.empty(), ExcMessage("The surface has no facets."));
       std::vector<Entry> entries;
       for (const Facet<dim> &corners : surface)
         {
-          AssertDimension(corners.size(), dim);
+          AssertThrow(corners.size() == dim,
+                      ExcDimensionMismatch(corners.size(), dim));
           FlatFacet<dim> facet;
           std::copy(corners.begin(), corners.end(), facet.corners.begin());
           const auto along = corners[1] - corners[0];

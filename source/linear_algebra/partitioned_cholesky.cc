@@ -97,9 +97,12 @@ namespace greville
     layout = new_layout;
     for (Vector &vector : at_interface)
       vector.reinit(0);
-    AssertDimension(matrix.size(), layout->n_local());
-    AssertDimension(positions.size(), layout->n_owned());
-    AssertDimension(may_leave_out.size(), layout->n_owned());
+    AssertThrow(matrix.size() == layout->n_local(),
+                ExcDimensionMismatch(matrix.size(), layout->n_local()));
+    AssertThrow(positions.size() == layout->n_owned(),
+                ExcDimensionMismatch(positions.size(), layout->n_owned()));
+    AssertThrow(may_leave_out.size() == layout->n_owned(),
+                ExcDimensionMismatch(may_leave_out.size(), layout->n_owned()));
     add_ghosts(positions, may_leave_out);
     find_interface();
     find_order(positions, may_leave_out, reach);
@@ -363,7 +366,8 @@ namespace greville
   PartitionedCholesky::hold(const std::vector<unsigned char> &held,
                             const unsigned int                n_components)
   {
-    AssertDimension(held.size(), layout->n_owned());
+    AssertThrow(held.size() == layout->n_owned(),
+                ExcDimensionMismatch(held.size(), layout->n_owned()));
     held_interior.n_components = n_components;
     held_interior.rows.clear();
     for (unsigned int k = 0; k < n_interior; ++k)

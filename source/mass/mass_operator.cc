@@ -171,9 +171,9 @@ namespace greville
                                 VectorType       &dst,
                                 const VectorType &src) const
   {
-    Assert(src.get_partitioner().get() == in.space.partitioner().get() &&
-             dst.get_partitioner().get() == out.space.partitioner().get(),
-           ExcMessage("Vectors have to be made by the space."));
+    AssertThrow(src.get_partitioner().get() == in.space.partitioner().get() &&
+                  dst.get_partitioner().get() == out.space.partitioner().get(),
+                ExcMessage("Vectors have to be made by the space."));
     const bool communicate = src.get_partitioner()->n_mpi_processes() > 1;
     if (communicate)
       src.update_ghost_values();
@@ -391,9 +391,10 @@ namespace greville
     : spline_space(&space)
     , cross(space, space, weights)
   {
-    Assert(space.n_components() == 1,
-           ExcMessage("The mass matrix is the same for all components; use a "
-                      "space with one."));
+    AssertThrow(space.n_components() == 1,
+                ExcMessage(
+                  "The mass matrix is the same for all components; use a "
+                  "space with one."));
     space.initialize_vector(matrix_diagonal);
     cross.diagonal(matrix_diagonal);
     std::tie(inactive_diagonal, inactive_functions) =

@@ -264,7 +264,9 @@ namespace greville
     const int          n        = spline_space->degree() + 1;
     const int          length   = 2 * n - 1;
     const unsigned int n_in_all = matrix.m();
-    AssertDimension(n_in_all, spline_space->n_dofs_per_cell());
+    AssertThrow(n_in_all == spline_space->n_dofs_per_cell(),
+                ExcDimensionMismatch(n_in_all,
+                                     spline_space->n_dofs_per_cell()));
     for (unsigned int a = 0; a < n_in_all; ++a)
       {
         double *row =

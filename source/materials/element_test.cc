@@ -364,7 +364,8 @@ namespace greville
   ElementTestTable::column(const std::string &name) const
   {
     const auto k = std::find(names.begin(), names.end(), name) - names.begin();
-    AssertIndexRange(k, std::ptrdiff_t(names.size()));
+    AssertThrow(k < std::ptrdiff_t(names.size()),
+                ExcIndexRange(k, 0, std::ptrdiff_t(names.size())));
     std::vector<double> result;
     for (const auto &row : rows)
       result.push_back(row[k]);

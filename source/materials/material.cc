@@ -115,7 +115,8 @@ namespace greville
                      const ArrayView<MaterialTangent>     &result,
                      const unsigned int                    dim) const
   {
-    AssertDimension(points.size(), result.size());
+    AssertThrow(points.size() == result.size(),
+                ExcDimensionMismatch(points.size(), result.size()));
     // Small against the strains at which laws bend; rounding errors of f are of
     // 1e-9 of the step. A power of two adds none.
     const double                  size = std::ldexp(1., -23);

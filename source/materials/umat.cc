@@ -524,7 +524,8 @@ namespace greville
   {
     if (tangent == "differences")
       return Material::tangents(points, result, dim);
-    AssertDimension(points.size(), result.size());
+    AssertThrow(points.size() == result.size(),
+                ExcDimensionMismatch(points.size(), result.size()));
     Increment     increment;
     MaterialPoint point;
     Matrix        C{};

@@ -43,7 +43,7 @@ namespace greville
                                     const unsigned int n_components,
                                     const std::vector<unsigned char> &held)
   {
-    Assert(space.degree() == 1, ExcInternalError());
+    AssertThrow(space.degree() == 1, ExcInternalError());
     std::vector<Unknown> unknowns;
     unknowns.reserve(functions.size() * n_components);
     for (unsigned int i = 0; i < functions.size(); ++i)

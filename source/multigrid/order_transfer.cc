@@ -97,7 +97,9 @@ namespace greville
         const LevelOperator<dim>  &coarse  = *levels[l - 1];
         const DensityWeights<dim> *density = fine.transfer_weights();
         Step                      &step    = steps[l - 1];
-        AssertDimension(fine.n_components(), coarse.n_components());
+        AssertThrow(fine.n_components() == coarse.n_components(),
+                    ExcDimensionMismatch(fine.n_components(),
+                                         coarse.n_components()));
         step.fine_level   = &fine;
         step.coarse_level = &coarse;
 

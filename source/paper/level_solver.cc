@@ -98,7 +98,7 @@ namespace greville
   {
     if (method == LevelMethod::stationary)
       {
-        Assert(preconditioner, ExcNotInitialized());
+        AssertThrow(preconditioner, ExcNotInitialized());
         improve<dim>(A, *preconditioner, parameters, x, b, result);
         return;
       }

@@ -66,9 +66,10 @@ namespace greville
     , smoother_parameters(smoother_parameters)
     , n_terms(n_fmpm_terms(name))
   {
-    Assert(n_terms > 0 ||
-             std::count(solver_names.begin(), solver_names.end(), name) == 1,
-           ExcMessage("Unknown solver <" + name + ">."));
+    AssertThrow(n_terms > 0 ||
+                  std::count(solver_names.begin(), solver_names.end(), name) ==
+                    1,
+                ExcMessage("Unknown solver <" + name + ">."));
   }
 
 

@@ -70,7 +70,8 @@ namespace greville
     std::pair<PetscInt, PetscInt> range;
     check_petsc(MatGetOwnershipRange(matrix, &range.first, &range.second));
     check_petsc(MatGetSize(matrix, &n_all, nullptr));
-    AssertDimension(n_owned, range.second - range.first);
+    AssertThrow(n_owned == range.second - range.first,
+                ExcDimensionMismatch(n_owned, range.second - range.first));
 
     // The numbers in the domain, ascending.
     Mat                   local_matrix;

@@ -50,7 +50,7 @@ namespace greville
   {
     if (stages.empty())
       return;
-    AssertIndexRange(stage, stages.size());
+    AssertThrow(stage < stages.size(), ExcIndexRange(stage, 0, stages.size()));
     static_cast<StageSections &>(*this) = stages[stage];
     if (stage > 0)
       time.start = stages[stage - 1].time.end;

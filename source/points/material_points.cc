@@ -24,7 +24,8 @@ namespace greville
     if (const PointField *field = find(name))
       {
         (void)field;
-        AssertDimension(field->n_components, n_components);
+        AssertThrow(field->n_components == n_components,
+                    ExcDimensionMismatch(field->n_components, n_components));
         return;
       }
     all_fields.push_back({name, size, n_components});
@@ -50,7 +51,7 @@ namespace greville
   PointLayout<dim>::first(const std::string &name) const
   {
     const PointField *field = find(name);
-    Assert(field, ExcMessage("There is no field '" + name + "'."));
+    AssertThrow(field, ExcMessage("There is no field '" + name + "'."));
     return field->first;
   }
 
@@ -169,7 +170,8 @@ namespace greville
   MaterialPoints<dim>::insert(const unsigned int             cell,
                               const ArrayView<const double> &values)
   {
-    AssertDimension(values.size(), point_layout.size);
+    AssertThrow(values.size() == point_layout.size,
+                ExcDimensionMismatch(values.size(), point_layout.size));
     const unsigned int lane = counts[cell] % width;
     if (lane == 0)
       {

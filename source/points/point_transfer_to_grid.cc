@@ -255,8 +255,8 @@ namespace greville
     VectorField<dim>                               *momentum,
     VectorField<dim>                               *force)
   {
-    Assert((mass == nullptr) == (momentum == nullptr),
-           ExcMessage("Mass and momentum go together."));
+    AssertThrow((mass == nullptr) == (momentum == nullptr),
+                ExcMessage("Mass and momentum go together."));
     if (!mass && !force)
       return;
     const unsigned int n_vector = windows ? simd_width : 0;
@@ -270,8 +270,8 @@ namespace greville
       with_order(tables.space->degree(), [&](const auto size) {
         constexpr int n      = decltype(size)::value;
         const bool    affine = points->layout().find("affine");
-        Assert(!affine || !windows,
-               ExcMessage("APIC does not go with domains."));
+        AssertThrow(!affine || !windows,
+                    ExcMessage("APIC does not go with domains."));
         const auto run = [&](auto with_mass, auto with_force, auto apic) {
           add_points<dim, n, with_mass, with_force, apic>(*points,
                                                           tables,

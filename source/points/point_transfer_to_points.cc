@@ -511,12 +511,14 @@ namespace greville
     const bool                  deform  = update.deformation != nullptr;
     const bool                  same    = update.deformation == update.velocity;
     [[maybe_unused]] const bool is_flip = !update.apic && update.flip == 1.;
-    Assert(update.velocity || !(update.move || (kick && !is_flip)),
-           ExcMessage("Points that move, and kicks of PIC and APIC, need a "
-                      "velocity of the grid."));
-    Assert(!update.apic || points.layout().find("affine"), ExcInternalError());
-    Assert(!update.apic || !windows,
-           ExcMessage("APIC does not go with domains."));
+    AssertThrow(update.velocity || !(update.move || (kick && !is_flip)),
+                ExcMessage(
+                  "Points that move, and kicks of PIC and APIC, need a "
+                  "velocity of the grid."));
+    AssertThrow(!update.apic || points.layout().find("affine"),
+                ExcInternalError());
+    AssertThrow(!update.apic || !windows,
+                ExcMessage("APIC does not go with domains."));
 
     std::vector<const VectorField<dim> *> fields;
     // A kick of FLIP does not look at it, but at its place in the buffer.
@@ -571,7 +573,7 @@ namespace greville
       else if (!kick && update.move && !deform)
         run(Pass<false, true, false, false, false>());
       else
-        Assert(false, ExcNotImplemented());
+        AssertThrow(false, ExcNotImplemented());
     });
     return report;
   }

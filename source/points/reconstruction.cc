@@ -146,8 +146,8 @@ namespace greville
               continue;
             const unsigned int n =
               neighbors.find(lexicographic<dim>(neighbor, extents));
-            Assert(n != dealii::numbers::invalid_unsigned_int,
-                   ExcInternalError());
+            AssertThrow(n != dealii::numbers::invalid_unsigned_int,
+                        ExcInternalError());
             is_inner = is_inner && filling[n] > 0.;
             for (unsigned int d = 0; d < dim; ++d)
               if (offset[d] == 1)

@@ -155,7 +155,7 @@ namespace greville
                                  const VectorField<dim>    *direction,
                                  const bool                 moves)
   {
-    Assert(points.layout().projected_J != 0, ExcInternalError());
+    AssertThrow(points.layout().projected_J != 0, ExcInternalError());
     const SplineSpace<dim> &space    = *tables.space;
     const unsigned int      n_fields = direction ? 2 : 1;
     buffer.resize(

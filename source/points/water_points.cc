@@ -22,7 +22,9 @@ namespace greville
     pressure_tables.reinit(pressures);
     parents               = given_parents;
     terms.is_axisymmetric = axisymmetric;
-    AssertDimension(parents.size(), displacements.owned_cells().size());
+    AssertThrow(parents.size() == displacements.owned_cells().size(),
+                ExcDimensionMismatch(parents.size(),
+                                     displacements.owned_cells().size()));
   }
 
 

@@ -37,7 +37,8 @@ namespace greville
                            const bool                 with_outer_hosts)
   {
     const unsigned int n_owned = spline_space->owned_cells().size();
-    AssertDimension(filling.size(), n_owned);
+    AssertThrow(filling.size() == n_owned,
+                ExcDimensionMismatch(filling.size(), n_owned));
     all_are_hosts                          = threshold == 0.;
     unsigned int               has_changed = 0;
     std::vector<unsigned char> now(n_owned);

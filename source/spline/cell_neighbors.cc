@@ -73,7 +73,8 @@ namespace greville
   void
   CellNeighbors<dim>::exchange(std::vector<double> &values) const
   {
-    AssertDimension(values.size(), cells.size());
+    AssertThrow(values.size() == cells.size(),
+                ExcDimensionMismatch(values.size(), cells.size()));
     if (buffer.size() == 0) // one process
       return;
     buffer.zero_out_ghost_values();

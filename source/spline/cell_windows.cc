@@ -14,7 +14,8 @@ namespace greville
                            const bool              averages_values)
   {
     with_values = averages_values;
-    AssertDimension(space.n_components(), 1);
+    AssertThrow(space.n_components() == 1,
+                ExcDimensionMismatch(space.n_components(), 1));
     spline_space              = &space;
     const unsigned int n      = space.degree() + 3;
     n_in_window               = Utilities::fixed_power<dim>(n);
@@ -157,7 +158,8 @@ namespace greville
   CellWindows<dim>::add_to(VectorField<dim>          &field,
                            const std::vector<double> &buffer) const
   {
-    AssertDimension(buffer.size(), n_places() * dim);
+    AssertThrow(buffer.size() == n_places() * dim,
+                ExcDimensionMismatch(buffer.size(), n_places() * dim));
     for (unsigned int d = 0; d < dim; ++d)
       add_to(field[d], buffer.data() + d, dim);
   }

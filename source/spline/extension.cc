@@ -165,8 +165,8 @@ namespace greville
     const auto              place   = std::lower_bound(extended_numbers.begin(),
                                         extended_numbers.end(),
                                         function);
-    Assert(place != extended_numbers.end() && *place == function,
-           ExcMessage("The function is not extended."));
+    AssertThrow(place != extended_numbers.end() && *place == function,
+                ExcMessage("The function is not extended."));
     const auto i = multi_index<dim>(space.function_position(function), extents);
     MultiIndex<dim> local_extents;
     local_extents.fill(p + 1);

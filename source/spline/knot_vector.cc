@@ -101,8 +101,9 @@ namespace greville
                        const unsigned int       derivative,
                        const ArrayView<double> &values) const
   {
-    AssertIndexRange(derivative, 3);
-    AssertDimension(values.size(), p + 1);
+    AssertThrow(derivative < 3, ExcIndexRange(derivative, 0, 3));
+    AssertThrow(values.size() == p + 1,
+                ExcDimensionMismatch(values.size(), p + 1));
     const unsigned int span = spans[element];
 
     if (derivative > p)
@@ -140,8 +141,10 @@ namespace greville
                       const ArrayView<const double> &arguments,
                       const ArrayView<double>       &weights) const
   {
-    AssertDimension(arguments.size(), p);
-    AssertDimension(weights.size(), p + 1);
+    AssertThrow(arguments.size() == p,
+                ExcDimensionMismatch(arguments.size(), p));
+    AssertThrow(weights.size() == p + 1,
+                ExcDimensionMismatch(weights.size(), p + 1));
     const unsigned int span = spans[element];
 
     // The algorithm of de Boor with another argument in every step, run
@@ -187,7 +190,8 @@ namespace greville
   BandedMatrix
   cross_matrix(const KnotVector &rows, const KnotVector &columns)
   {
-    AssertDimension(rows.n_elements(), columns.n_elements());
+    AssertThrow(rows.n_elements() == columns.n_elements(),
+                ExcDimensionMismatch(rows.n_elements(), columns.n_elements()));
     const unsigned int n_rows = rows.degree() + 1,
                        n_cols = columns.degree() + 1;
 

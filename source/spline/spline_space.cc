@@ -337,7 +337,8 @@ namespace greville
   {
     const auto number_of = [this](const std::uint64_t position) {
       const auto place = std::lower_bound(owned.begin(), owned.end(), position);
-      Assert(place != owned.end() && *place == position, ExcInternalError());
+      AssertThrow(place != owned.end() && *place == position,
+                  ExcInternalError());
       return first_owned + types::global_dof_index(place - owned.begin());
     };
 
@@ -373,8 +374,8 @@ namespace greville
   unsigned int
   SplineSpace<dim>::cell_number(const CellIterator &cell) const
   {
-    Assert(cell->is_locally_owned(),
-           ExcMessage("Only owned cells have a place here."));
+    AssertThrow(cell->is_locally_owned(),
+                ExcMessage("Only owned cells have a place here."));
     return cell_numbers[cell->active_cell_index()];
   }
 
@@ -433,8 +434,8 @@ namespace greville
                             const DoFHandler<dim> &dof_handler,
                             VectorType            &bernstein) const
   {
-    Assert(dof_handler.get_fe() == fe(),
-           ExcMessage("The DoFHandler has to carry the space's fe()."));
+    AssertThrow(dof_handler.get_fe() == fe(),
+                ExcMessage("The DoFHandler has to carry the space's fe()."));
 
     VectorType ghosted;
     initialize_vector(ghosted);

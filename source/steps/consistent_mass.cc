@@ -185,7 +185,7 @@ namespace greville
                              const std::vector<const VectorField<dim> *> &b,
                              const std::vector<double> &shares)
   {
-    AssertDimension(x.size(), b.size());
+    AssertThrow(x.size() == b.size(), ExcDimensionMismatch(x.size(), b.size()));
     if (!is_assembled)
       assemble();
     keep_memory();
@@ -215,7 +215,7 @@ namespace greville
                                   const VectorField<dim>           &b,
                                   const std::vector<unsigned char> &more)
   {
-    Assert(solver_of_held, ExcMessage("There are no friction walls."));
+    AssertThrow(solver_of_held, ExcMessage("There are no friction walls."));
     keep_memory();
     std::vector<unsigned char> all_held = with_ghosts(this->space(), more);
     for (unsigned int f = 0; f < all_held.size(); ++f)

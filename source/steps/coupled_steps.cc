@@ -22,7 +22,7 @@ namespace greville
     , dt(dt)
     , blocks(parts.size())
   {
-    Assert(contacts || parts.size() == 1, ExcInternalError());
+    AssertThrow(contacts || parts.size() == 1, ExcInternalError());
     if (has_water())
       blocks.resize(2 * parts.size());
     if (has_rigid_block())

@@ -121,7 +121,8 @@ namespace greville
   void
   Ensemble<dim>::set_state(const std::vector<State<dim>> &states)
   {
-    AssertDimension(states.size(), parts.size());
+    AssertThrow(states.size() == parts.size(),
+                ExcDimensionMismatch(states.size(), parts.size()));
     // Only a stage that cannot be entered fails: then all parts go back.
     std::vector<State<dim>> before;
     for (unsigned int k = 0; k < parts.size() && before.empty(); ++k)

@@ -74,7 +74,7 @@ namespace greville
                          const std::vector<const VectorField<dim> *> &b,
                          const std::vector<double> &)
   {
-    AssertDimension(x.size(), b.size());
+    AssertThrow(x.size() == b.size(), ExcDimensionMismatch(x.size(), b.size()));
     if (n_terms > 1)
       products.resize(x.size());
     for (unsigned int k = 0; k < x.size(); ++k)

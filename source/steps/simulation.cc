@@ -259,7 +259,9 @@ namespace greville
   void
   Simulation<dim>::set_state(const State<dim> &state)
   {
-    AssertDimension(state.bodies.size(), current.bodies.size());
+    AssertThrow(state.bodies.size() == current.bodies.size(),
+                ExcDimensionMismatch(state.bodies.size(),
+                                     current.bodies.size()));
     const bool is_here =
       !state.partition || state.partition->is_same(*current.partition);
     const bool goes_on = is_here && integrator && state.stage == entered_stage;

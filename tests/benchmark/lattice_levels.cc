@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1 2
-// Release: 3
+// Processes: 1
+// All: 2 3
 
 // Geometric levels below the Laplacian of order 1 on bodies that end anywhere
 // in the lattice: iterations of conjugate gradients do not grow with the mesh,

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1 2
+// Processes: 1
+// All: 2
+// Debug: no
 
 // All operators on boxes and on bodies of points: iterations that do not
 // depend on the number of processes by much, and what the columns say.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1 2
+// Processes: 1
+// All: 2
+// Debug: no
 
 // What a run leaves: the columns and rows of its CSV files, the parameters, no
 // temporary file; and each option of the benchmark has an effect on them.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1 2
+// Processes: 1
+// All: 2
+// Debug: no
 
 // Projection of a smooth function from the material points of a disk, weighted
 // by their masses: on extended B-splines the errors of values and gradients at

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1 2
-// Release: 3
+// Processes: 1
+// All: 2 3
 
 // Extended B-splines: a level, applied and assembled, is the dense matrix
 // E^T M~ E, with coefficients held at a wall and lumped fragments, on any

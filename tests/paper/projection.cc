@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1 2
+// Processes: 1
+// All: 2
+// Debug: no
 
 // L2 projection of a smooth function: order p + 1 for values and p for
 // gradients in 2D and 3D, with every component of a solve in play (extraction,

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1 2
+// Processes: 1
+// All: 2
+// Debug: no
 
 // Table 1 of Tielen, Moeller and Vuik (2019): on one process not more
 // iterations than published in any entry, for V-, W- and F-cycles; on several

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1 2
-// Release: 3
+// Processes: 1
+// All: 2 3
 
 // The tensor-product inverse is exact for constant density, on any number of
 // processes, and its preconditioner is symmetric for others and leaves inactive

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1
+// Processes: 1
+// Debug: no
 
 // output/NAME/parameters.prm of each shipped file runs again, from another
 // folder and with results that agree bit for bit. Two sets of parameters live

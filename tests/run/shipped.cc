@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1
+// Processes: 1
+// Debug: no
 
 // Every shipped parameter file, those of examples, of the user guide and of the
 // reference parse, their files are there, their points can be made on a coarse

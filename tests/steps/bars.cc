@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1
+// Processes: 1
+// Debug: no
 
 // Exact solutions of bars (benchmarks A1 to A4, A7): orders of convergence.
 #include "simulation.h"

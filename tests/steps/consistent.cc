@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1 2
+// Processes: 1
+// All: 2
+// Debug: no
 
 // The exact mass matrix at free surfaces: colliding disks keep energy and
 // momentum; the cycle with all orders gives what the solver of all components

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1 2
+// Processes: 1
+// All: 2
+// Debug: no
 
 // Stress-free blocks in free flight across many cells with the exact mass: the
 // filter of the velocity keeps them at rest in themselves, and momentum;

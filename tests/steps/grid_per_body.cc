@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1 2
-// Release: 4
+// Processes: 1
+// All: 2 4
 
 // Bodies with grids of their own: they are alone, go in common steps, meet the
 // walls of the grid, and bear their loads.

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1 2
 
 // Implicit and quasi-static steps: free fall, orders in time, damping of high
 // modes, loads that depend on the position of points, conservation of energy

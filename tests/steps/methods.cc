@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1 2
-// Release: 4
+// Processes: 1
+// All: 2 4
 
 // Every solver of the consistent mass matrix gives the same steps: on a sliding
 // floor and on a floor with friction, in each order of a step.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1
+// Processes: 1
+// Debug: no
 
 // The axis-aligned manufactured solution (benchmark A8) of the shipped files,
 // on coarser grids.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Release: 1 3 4
+// Processes: 1
+// All: 3 4
+// Debug: no
 
 // A body that is smaller than the part of the grid of one process flies through
 // it, so that processes have none of its points and functions for many steps:

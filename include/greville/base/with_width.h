@@ -36,7 +36,7 @@ namespace greville
   with_width(const unsigned int width, const Action &action)
   {
     const bool is_known = with_one_of<1, 2, 3, 4, 8>(width, action);
-    Assert(is_known, dealii::ExcInternalError());
+    AssertThrow(is_known, dealii::ExcInternalError());
     (void)is_known;
   }
 
@@ -48,7 +48,7 @@ namespace greville
   with_order(const unsigned int degree, const Action &action)
   {
     const bool is_known = with_one_of<2, 3, 4, 5, 6>(degree + 1, action);
-    Assert(is_known, dealii::ExcInternalError());
+    AssertThrow(is_known, dealii::ExcInternalError());
     (void)is_known;
   }
 
@@ -63,8 +63,8 @@ namespace greville
   {
     with_order(degree, [&](const auto size) {
       constexpr int n = decltype(size)::value;
-      Assert(other == degree || (other > 0 && other + 1 == degree),
-             dealii::ExcInternalError());
+      AssertThrow(other == degree || (other > 0 && other + 1 == degree),
+                  dealii::ExcInternalError());
       if (other == degree)
         action(size, size);
       else

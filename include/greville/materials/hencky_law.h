@@ -79,7 +79,8 @@ namespace greville
              const dealii::ArrayView<MaterialTangent>     &result,
              const unsigned int                            dim) const final
     {
-      AssertDimension(points.size(), result.size());
+      AssertThrow(points.size() == result.size(),
+                  dealii::ExcDimensionMismatch(points.size(), result.size()));
       for (std::size_t first = 0; first < points.size(); first += n_lanes)
         differentiate(points.begin() + first,
                       std::min<std::size_t>(n_lanes, points.size() - first),

@@ -130,7 +130,7 @@ namespace greville
     virtual void
     update_lanes(MaterialLanes & /*points*/) const
     {
-      Assert(false, dealii::ExcPureFunctionCalled());
+      AssertThrow(false, dealii::ExcPureFunctionCalled());
     }
 
     /**

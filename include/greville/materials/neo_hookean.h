@@ -137,7 +137,8 @@ namespace greville
              const dealii::ArrayView<MaterialTangent>     &result,
              const unsigned int                            dim) const override
     {
-      AssertDimension(points.size(), result.size());
+      AssertThrow(points.size() == result.size(),
+                  dealii::ExcDimensionMismatch(points.size(), result.size()));
       const double lambda = elastic.lambda, mu = elastic.shear;
       for (std::size_t p = 0; p < points.size(); ++p)
         {

@@ -154,7 +154,8 @@ namespace greville
              const dealii::ArrayView<MaterialTangent>     &result,
              const unsigned int                            dim) const override
     {
-      AssertDimension(points.size(), result.size());
+      AssertThrow(points.size() == result.size(),
+                  dealii::ExcDimensionMismatch(points.size(), result.size()));
       for (std::size_t p = 0; p < points.size(); ++p)
         result[p] = tangent(points[p], dim);
     }

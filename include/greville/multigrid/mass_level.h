@@ -91,7 +91,7 @@ namespace greville
     const MassOperator<dim> &
     mass() const
     {
-      Assert(mass_operator, dealii::ExcNotInitialized());
+      AssertThrow(mass_operator, dealii::ExcNotInitialized());
       return *mass_operator;
     }
 

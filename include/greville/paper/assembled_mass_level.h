@@ -49,7 +49,7 @@ namespace greville
     Mat
     matrix() const override
     {
-      Assert(mass_matrix, dealii::ExcNotInitialized());
+      AssertThrow(mass_matrix, dealii::ExcNotInitialized());
       return mass_matrix->petsc();
     }
 

@@ -56,7 +56,9 @@ namespace greville
     void
     set_space(const SplineSpace<dim> &space)
     {
-      AssertDimension(space.owned_cells().size(), heads.size());
+      AssertThrow(space.owned_cells().size() == heads.size(),
+                  dealii::ExcDimensionMismatch(space.owned_cells().size(),
+                                               heads.size()));
       spline_space = &space;
     }
 

@@ -121,7 +121,8 @@ namespace greville
     double
     greville_abscissa(const unsigned int i) const
     {
-      AssertIndexRange(i, n_functions());
+      AssertThrow(i < n_functions(),
+                  dealii::ExcIndexRange(i, 0, n_functions()));
       double sum = 0;
       for (unsigned int k = 1; k <= p; ++k)
         sum += t[i + k];

@@ -69,7 +69,8 @@ namespace greville
     const SplineSpace<dim> &
     operator[](const unsigned int level) const
     {
-      AssertIndexRange(level, spaces.size());
+      AssertThrow(level < spaces.size(),
+                  dealii::ExcIndexRange(level, 0, spaces.size()));
       return spaces[level];
     }
 
