@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 4
+// Processes: 1 2
+// All: 4
 
 // Tables and texts in files: what is written is read on all processes, by rows
 // in their order; files that are truncated, foreign or changed in any byte are

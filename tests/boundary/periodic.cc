@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 4
+// Processes: 1 2
+// All: 4
 
 // Periodic walls: a body that flies through them goes on as in an open grid,
 // and a body does not know where a period begins.

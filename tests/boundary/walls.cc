@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
 
 // Walls: what they hold, moving ones, Coulomb friction.
 #include "simulation.h"

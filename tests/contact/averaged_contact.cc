@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 3
+// Processes: 1 2
+// All: 3
 
 // Gaps between surfaces that are known by points only, and contact by averages:
 // - projection onto curved surfaces has an error of second order in the spacing

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 3
+// Processes: 1 2
+// All: 3
 
 // The derivative of averaged contact:
 // - it is that of the forces where bodies move without deformation, with one

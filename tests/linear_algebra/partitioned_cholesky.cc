@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 3 4
+// Processes: 1 2
+// All: 3 4
 
 // PartitionedCholesky with the mass matrices of full and of jagged bodies: the
 // preconditioner is symmetric, leaves out what is held, and conjugate gradients

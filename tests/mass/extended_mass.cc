@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 3
+// Processes: 1 2
+// All: 3
 
 // The fast path of simulations: ExtendedMass is the dense matrix E^T M~ E, with
 // fragments, held functions and any width, StencilMatrix is MassOperator,

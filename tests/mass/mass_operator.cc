@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 3 4
+// Processes: 1 2
+// All: 3 4
 
 // The matrix-free and the assembled operator are the same, on any number of
 // processes the same as on one, symmetric, and right: the sum of all entries is

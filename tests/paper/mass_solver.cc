@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 3 4
+// Processes: 1 2
+// All: 3 4
 
 // Every solver by name on constant, smooth and half-empty densities in 2D and
 // 3D: the iterations are in range, or the solver says why it did not converge.

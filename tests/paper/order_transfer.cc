@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
 
 // Transfers keep constants, the exact one keeps polynomials, "transpose" is the
 // transpose, and all agree with assembled matrices.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
 
 // Bodies from shapes and files: their volumes, points, stresses and
 // displacements, and the messages for what is wrong.

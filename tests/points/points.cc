@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 3 4
+// Processes: 1 2
+// All: 3 4
 
 // Points are neither lost nor doubled nor changed, whatever cells and processes
 // they move to.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
 
 // Sums over points and back are those of loops over points and functions that
 // KnotVector evaluates; they conserve mass and momentum, and are exact for

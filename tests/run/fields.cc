@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
 
 // Fields in files: classes of cells and forces on the grid, points of loads on
 // surfaces, and points that are read again.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
 
 // What a run and a sweep leave.
 #include <greville/run/run.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 3
+// Processes: 1 2
+// All: 3
 
 // Hosts of cells and classes of functions on drawings, and extension keeps
 // polynomials, at the walls, too.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 4
+// Processes: 1 2
+// All: 4
 
 // Spaces on periodic grids: numbers, partition of unity, projections of order
 // p + 1, matrices that commute with shifts, and hosts and extension that do not

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 3 4
+// Processes: 1 2 3
+// All: 4
 
 // Numbering and ownership on meshes and partitions of all kinds: each dof is
 // owned once, all processes agree on its number, and the coefficients of the

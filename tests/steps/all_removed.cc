@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 3 4
+// Processes: 1 2
+// All: 3 4
 
 // A body that leaves the grid, to the last point: the run ends by itself.
 #include "simulation.h"

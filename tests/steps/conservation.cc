@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
 
 // Mass and momentum of a spinning and translating disk, in each step; with APIC
 // and the functions of the interior also the spin. Points cross process

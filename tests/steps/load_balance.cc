@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1 2
 
 // Cells that are shared among processes anew while points move: work stays
 // balanced, and the results are those without, for the main ways through the

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 4
+// Processes: 1 2
+// All: 4
 
 // The same run on all processes and on one: statistics of every step agree,
 // with points that cross process borders, for the main ways through the code.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 4
+// Processes: 1 2
+// All: 4
 
 // Runs that go on from a checkpoint, or begin with another run; what becomes of
 // earlier results, and folders that are in use.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 4
+// Processes: 1 2 4
 
 // A state as tables in a file: a simulation that takes it from there has the
 // same bits from then on, on the same number of processes, and the same

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2 4
+// Processes: 1 2
+// All: 4
 
 // The linear systems of implicit steps: the operator is the derivative of the
 // force, and p-multigrid needs few iterations, whatever the mesh, the order and
