@@ -117,7 +117,7 @@ configure() {
 
 # configure_clang: what scripts/fuzz builds and scripts/lint reads.
 configure_clang() {
-  configure build-clang Debug -DCMAKE_CXX_COMPILER=clang++-14 \
+  configure build-clang Debug -DCMAKE_CXX_COMPILER=clang++ \
     -DGREVILLE_SANITIZE=address,undefined -DGREVILLE_TESTS=ON \
     -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
 }
