@@ -1,5 +1,5 @@
-# Greville on Debian 12, by its Debian package:
-#   docker build -t greville .
+# Greville on Debian, by its Debian package:
+#   docker build -t greville .    # Debian 12; 13: --build-arg DEBIAN=trixie
 #   run="docker run --rm --user $(id -u):$(id -g) -v $PWD:/work greville"
 #   $run greville --new slope
 #   $run greville slope.prm
@@ -7,11 +7,12 @@
 # With Apptainer, on a cluster:
 #   apptainer build greville.sif docker-daemon://greville:latest
 #   apptainer exec greville.sif greville slope.prm
-FROM debian:bookworm AS build
+ARG DEBIAN=bookworm
+FROM debian:${DEBIAN} AS build
 COPY . /greville
 RUN cd /greville && scripts/package
 
-FROM debian:bookworm-slim
+FROM debian:${DEBIAN}-slim
 COPY --from=build /greville/build-package/greville_*.deb /tmp/
 # Compilers for UMATs.
 RUN apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \

@@ -3,8 +3,8 @@
 
 packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
 drawing_packages="python3-matplotlib python3-vtk9 python3-pil python3-h5py"
-test_packages="numdiff gfortran lld clang-format-14 doxygen python3-numpy python3-yaml python3-nbclient python3-ipykernel $drawing_packages"
-checking_packages="clang-14 clang-tidy-14 libclang-rt-14-dev valgrind gcc"
+test_packages="numdiff gfortran lld doxygen python3-numpy python3-yaml python3-nbclient python3-ipykernel $drawing_packages"
+checking_packages="clang clang-tidy libclang-rt-dev valgrind gcc"
 
 # Without these ccache does not look into its cache where a precompiled header
 # is used. With the others, clones of the project share what they have compiled.
@@ -28,8 +28,28 @@ wrong_usage() {
   exit 2
 }
 
-# Install the Debian packages that are missing.
+# --yes, which all of these scripts take: packages are installed without a
+# question. This file, which they source, takes it out of their arguments.
+assume_yes=false
+for argument; do
+  shift
+  case $argument in
+    --yes) assume_yes=true ;;
+    *) set -- "$@" "$argument" ;;
+  esac
+done
+
+# Install the Debian packages that are missing. Debian 13's deal.II also wants
+# a linker, which its package only recommends.
 install_packages() {
+  install_missing "$@" || return 1
+  if dpkg -L libdeal.ii-dev 2>/dev/null | grep '[.]cmake$' |
+    xargs -r grep -qs -e -fuse-ld=mold; then
+    install_missing mold
+  fi
+}
+
+install_missing() {
   missing=""
   for package in "$@"; do
     if ! dpkg-query -W -f='${Status}' "$package" 2>/dev/null |
@@ -38,13 +58,35 @@ install_packages() {
     fi
   done
   [ -z "$missing" ] && return 0
+  install="apt-get install -y --no-install-recommends$missing"
   as_root=""
-  [ "$(id -u)" -eq 0 ] || as_root="sudo"
-  say "installing:$missing"
+  if [ "$(id -u)" -ne 0 ]; then
+    as_root="sudo"
+  fi
+  say "missing packages:$missing"
+  if ! command -v apt-get >/dev/null ||
+    { [ -n "$as_root" ] && ! command -v sudo >/dev/null; }; then
+    say "install them, or what corresponds to them, as root: $install"
+    return 1
+  fi
+  if [ -n "$as_root" ] && ! $assume_yes; then
+    answer=""
+    if [ -t 0 ]; then
+      printf '== install them by sudo %s? [y/N] ' "$install"
+      read -r answer || true
+    fi
+    case $answer in
+      [yY]*) assume_yes=true ;;
+      *)
+        say "nothing is installed; --yes installs without a question, or copy:" \
+          "sudo $install"
+        return 1
+        ;;
+    esac
+  fi
   $as_root apt-get update
   # shellcheck disable=SC2086
-  DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y \
-    --no-install-recommends $missing
+  $as_root env DEBIAN_FRONTEND=noninteractive $install
 }
 
 # is_configured FOLDER: whether it is a build tree of this project. In a copy of
@@ -75,7 +117,7 @@ configure() {
 
 # configure_clang: what scripts/fuzz builds and scripts/lint reads.
 configure_clang() {
-  configure build-clang Debug -DCMAKE_CXX_COMPILER=clang++-14 \
+  configure build-clang Debug -DCMAKE_CXX_COMPILER=clang++ \
     -DGREVILLE_SANITIZE=address,undefined -DGREVILLE_TESTS=ON \
     -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
 }
@@ -101,15 +143,17 @@ build() {
 }
 
 # Open MPI refuses to run as root unless it is told twice, and more processes
-# than cores unless told once.
+# than cores unless told once. Open MPI 5 has names of its own (PRTE_).
 set_up_mpi() {
   if [ "$(id -u)" -eq 0 ]; then
     export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
   fi
   export OMPI_MCA_rmaps_base_oversubscribe=1
+  export PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
   export OMPI_MCA_mpi_yield_when_idle=1
   # Several runs at a time must not be bound to the same core.
   export OMPI_MCA_hwloc_base_binding_policy=none
+  export PRTE_MCA_hwloc_default_binding_policy=none
   export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
   # Memory comes in large pages and is kept, where the kernel lets programs ask
   # for that (doc/results/simulation.md).

@@ -50,7 +50,9 @@ def project_file(name):
 def environment():
     """As set_up_mpi of scripts/common.sh; what the caller has set counts."""
     defaults = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
-                "OMPI_MCA_hwloc_base_binding_policy": "none", "OMP_NUM_THREADS": "1", "DEAL_II_NUM_THREADS": "1",
+                "OMPI_MCA_hwloc_base_binding_policy": "none",
+                "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+                "PRTE_MCA_hwloc_default_binding_policy": "none", "OMP_NUM_THREADS": "1", "DEAL_II_NUM_THREADS": "1",
                 "GLIBC_TUNABLES": "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=4294967296:"
                                   "glibc.malloc.trim_threshold=8589934592:glibc.malloc.top_pad=67108864"}
     if os.geteuid() == 0:

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/base/symmetric_tensor.h>
-
+#include <greville/base/eigenvectors.h>
 #include <greville/base/largest_eigenvalue.h>
 
 #include <array>

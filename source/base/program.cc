@@ -5,6 +5,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameter_tree.h>
+#include <greville/base/plugin.h>
 #include <greville/base/program.h>
 
 #include <algorithm>
@@ -17,6 +18,7 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -137,6 +139,9 @@ namespace greville
     }
 
 
+
+    static_assert(std::string_view(GREVILLE_VERSION) == GREVILLE_PLUGIN_VERSION,
+                  "Let plugin.h have the version of CMakeLists.txt.");
 
     std::string
     version_of(const Program &program)
@@ -536,9 +541,12 @@ namespace greville
   int
   run_program(const Program &program, int argc, char **argv)
   {
-    const std::vector<std::string>   arguments(argv + std::min(argc, 1),
+    const std::vector<std::string> arguments(argv + std::min(argc, 1),
                                              argv + argc);
-    Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+    // PETSc would take options of this program for its own, and print warnings
+    // of them on standard output. PETSC_OPTIONS in the environment has its own.
+    int                              n_for_petsc = std::min(argc, 1);
+    Utilities::MPI::MPI_InitFinalize mpi(n_for_petsc, argv, 1);
     // Of its own: no message of the run can be taken for one of these.
     MPI_Comm comm;
     MPI_Comm_dup(MPI_COMM_WORLD, &comm);

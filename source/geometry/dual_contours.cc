@@ -2,8 +2,7 @@
 
 #include "dual_contours.h"
 
-#include <deal.II/base/symmetric_tensor.h>
-
+#include <greville/base/eigenvectors.h>
 #include <greville/spline/lattice.h>
 
 #include <algorithm>

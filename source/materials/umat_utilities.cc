@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/eigenvectors.h>
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/materials/umat_utilities.h>

@@ -6,6 +6,7 @@
 // What the tests of materials share: materials from a text with parameters,
 // steps of one point, random deformations.
 
+#include <greville/base/eigenvectors.h>
 #include <greville/base/parameters.h>
 #include <greville/materials/hencky.h>
 #include <greville/materials/material.h>

@@ -57,6 +57,43 @@ answers 2 1 "not <x>" scripts/fuzz x
 answers 2 1 "there is no parser <x>" scripts/fuzz 1 x
 answers 2 1 "there is no file <x.cc>" scripts/lint x.cc
 answers 2 1 "--tests takes" scripts/fresh_machine --tests
+answers 2 1 "--release takes" scripts/fresh_machine --release
+answers 2 10 "Usage: .ci/build" .ci/build g++ Fast
+
+# A user who is not root is shown what is missing; sudo is called after a yes, or
+# not at all. The programs that install are replaced by ones that say so.
+(
+  place=$(mktemp -d)
+  trap 'rm -rf "$place"' EXIT
+  printf '#!/bin/sh\necho 1000\n' >"$place/id"
+  printf '#!/bin/sh\necho called: sudo "$@"\n' >"$place/sudo"
+  printf '#!/bin/sh\nexit 1\n' >"$place/dpkg-query"
+  printf '#!/bin/sh\necho called: apt-get\n' >"$place/apt-get"
+  printf '. scripts/common.sh\ninstall_packages soil water\n' >"$place/script"
+  chmod +x "$place"/*
+  asked() {
+    PATH=$place:$PATH sh -e "$place/script" "$@" </dev/null 2>&1
+  }
+  asked >"$place/out" && exit 1
+  grep -q "missing packages: soil water" "$place/out" || exit 1
+  grep -q "sudo apt-get install -y --no-install-recommends soil water" \
+    "$place/out" || exit 1
+  ! grep called "$place/out" || exit 1
+  asked --yes >"$place/out" || exit 1
+  grep -q "called: sudo env .* apt-get install -y .* soil water" "$place/out" ||
+    exit 1
+  rm "$place/sudo" "$place/apt-get"
+  mkdir "$place/bin"
+  for program in sh grep sed nproc dirname basename; do
+    ln -s "$(command -v $program)" "$place/bin"
+  done
+  PATH=$place:$place/bin asked --yes >"$place/out" && exit 1
+  grep -q "as root: apt-get install" "$place/out"
+) >"$out" 2>&1 || {
+  echo "FAILED: the installation of packages:"
+  cat "$out"
+  status=1
+}
 
 # A build tree of another folder is configured anew, one of this folder is not.
 (

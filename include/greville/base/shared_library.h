@@ -20,11 +20,10 @@ namespace greville
                       const std::string              &parameter);
 
   /**
-   * Load a plugin and call its function
-   *   extern "C" void register_in_greville();
-   * which adds laws, loads, integrators and other parts (add_material(), ...).
-   * A plugin that has been loaded is not asked again. Throws as
-   * function_of_library(), and what the function throws.
+   * Load a plugin and call its function (plugin.h), which adds laws, loads,
+   * integrators and other parts (add_material(), ...). A plugin that has been
+   * loaded is not asked again. Throws as function_of_library(), if the plugin
+   * was compiled for another build, and what the function throws.
    */
   void
   load_plugin(const std::string &file, const std::string &parameter);

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Processes: 1
+
+// A plugin says for which build it was compiled: that of this build is loaded,
+// one of another build and one that does not say are refused before they are.
+
+#include <greville/base/plugin.h>
+#include <greville/base/shared_library.h>
+#include <greville/materials/material.h>
+
+#include "../tests.h"
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+std::string
+content_of(const std::string &file)
+{
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+
+
+// What load_plugin() says of the plugin sponge with another text in place of
+// one of the same length; nothing if it loads it.
+std::string
+message_with(const std::string &text, const std::string &other)
+{
+  std::string content = content_of(BUILD_DIR "/libraries/sponge.so");
+  const auto  found   = content.find(text);
+  check("the plugin has <" + text + ">", found != std::string::npos);
+  content.replace(found, other.size(), other);
+  std::ofstream("other.so", std::ios::binary) << content;
+  try
+    {
+      load_plugin("other.so", "Simulation/Additional shared libraries");
+      return "";
+    }
+  catch (const std::exception &error)
+    {
+      return message_of(error);
+    }
+}
+
+
+
+void
+test_main()
+{
+  const std::string build = GREVILLE_BUILD, mark = GREVILLE_PLUGIN_MARK;
+  const auto        has = [](const std::string &text, const std::string &part) {
+    check("<" + part + "> is in <" + text + ">",
+          text.find(part) != std::string::npos);
+  };
+
+  std::string newer = build;
+  newer[newer.find('.') - 1]++;
+  const std::string of_another_build = message_with(mark + build, mark + newer);
+  has(of_another_build,
+      "'Simulation/Additional shared libraries' is <other.so>");
+  has(of_another_build, "was compiled for another build, <" + newer + ">");
+  has(of_another_build, "This program is <" + build + ">");
+  has(of_another_build, "-DCMAKE_BUILD_TYPE=");
+
+  const std::string without = message_with(mark, std::string(mark.size(), ' '));
+  has(without, "'Simulation/Additional shared libraries' is <other.so>");
+  has(without, "does not say for which build it was compiled");
+  has(without, "GREVILLE_PLUGIN");
+  has(without, "-DCMAKE_BUILD_TYPE=");
+
+  const auto has_sponge = [] {
+    const auto names = material_names();
+    return std::count(names.begin(), names.end(), "sponge");
+  };
+  check("a plugin that is refused adds nothing", has_sponge() == 0);
+  check("this build is loaded", message_with(build, build).empty());
+  check("the plugin adds its law", has_sponge() == 1);
+}
