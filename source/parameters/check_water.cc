@@ -169,7 +169,6 @@ namespace greville
         refuse_without_water(water.density != none.density, "Water/Density");
         refuse_without_water(water.bulk_modulus != none.bulk_modulus,
                              "Water/Bulk modulus");
-        refuse_without_water(water.degree != none.degree, "Water/Order");
         refuse_without_water(!water.table.empty(), "Water/Table");
         refuse_without_water(water.capillary_height != 0.,
                              "Water/Capillary height");
@@ -208,17 +207,6 @@ namespace greville
                              ": it has to be finite. Water of the 'Bulk "
                              "modulus' 0 is incompressible, and pores of the "
                              "'Capillary height' 0 stay full."));
-    const auto check_degree = [&](const std::string &section,
-                                  const unsigned int degree) {
-      AssertThrow(water.degree == 0 || water.degree == degree ||
-                    water.degree + 1 == degree,
-                  ExcMessage("The parameter 'Water/Order' is " +
-                             std::to_string(water.degree) +
-                             ": the pore pressure has the order of '" +
-                             section + "Grid/Order', " +
-                             std::to_string(degree) + ", or one less."));
-    };
-    check_degree("", grid.degree);
     const auto check_cells = [](const std::string               &section,
                                 const std::vector<unsigned int> &cells) {
       for (const unsigned int n : cells)
@@ -233,11 +221,7 @@ namespace greville
     check_cells("", grid.cells);
     for (const auto &[name, own] : body_grids)
       if (has_pores(*this, {name}))
-        {
-          const std::string section = "Body " + name + "/";
-          check_cells(section, own.cells);
-          check_degree(section, grid_of(name).degree);
-        }
+        check_cells("Body " + name + "/", own.cells);
     refuse_with_water(has_body_grids() && contacts.empty(),
                       "'Grid/Per body' and sections 'Grid' of bodies",
                       "water flows between bodies on a common grid only. Leave "

@@ -56,10 +56,6 @@ namespace greville
     add_parameter(prm, "Bulk modulus", bulk_modulus, Double(0.))(
       "With 'Simulation/Pore water': bulk modulus of the water; 0: it is "
       "incompressible. Unit: Pa.");
-    add_parameter(prm, "Order", degree, Integer(0, SplineSpace<2>::max_degree))(
-      "Order of the B-splines of the pore pressure, on cells of twice the "
-      "size: that of the grid of each body or one less. 0: that of the grid. "
-      "Unit: none.");
     add_parameter(prm, "Table", table)(
       "The water table at the start, as the coordinate along gravity's axis: a "
       "formula of x, y (, z). Bodies begin with the pressure of water at rest, "

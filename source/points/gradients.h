@@ -31,6 +31,8 @@ namespace greville
     {
       static constexpr int n_functions = power(n, dim);
 
+      Gradients() = default;
+
       Gradients(const CellGeometry<dim, n> &cell, const dealii::Point<dim> &x)
         : Gradients(evaluated(cell, x))
       {}
@@ -65,6 +67,8 @@ namespace greville
     template <int dim, int n>
     struct ValuesAndGradients
     {
+      ValuesAndGradients() = default;
+
       ValuesAndGradients(const CellGeometry<dim, n> &cell,
                          const dealii::Point<dim>   &x)
         : ValuesAndGradients(evaluated(cell, x))

@@ -35,7 +35,8 @@ namespace greville
       for_each_row(const Action &action) const
       {
         const auto &N = this->N, &dN = this->dN;
-#pragma GCC unroll 6
+        // Not unrolled, as the code of high orders would not fit the cache.
+#pragma GCC unroll 1
         for (int z = 0; z < (dim == 3 ? n : 1); ++z)
 #pragma GCC unroll 6
           for (int y = 0; y < n; ++y)

@@ -170,7 +170,7 @@ namespace greville
 
 
   template <int dim>
-  template <int n, bool is_symmetric, bool with_hoop>
+  template <int n, bool with_hoop>
   void
   PointTangents<dim>::multiply(double                   *y,
                                const double             *x,
@@ -203,7 +203,10 @@ namespace greville
             Shape shape;
             shape.template evaluate<true>(geometry, position);
             shape.gradient(u, H);
-            apply<Shape::n_pairs, is_symmetric>(group + dim * simd_width, H, T);
+            if (symmetric)
+              apply<Shape::n_pairs, true>(group + dim * simd_width, H, T);
+            else
+              apply<Shape::n_pairs, false>(group + dim * simd_width, H, T);
             shape.add_divergence(T, sums);
             group += size;
           }
@@ -229,16 +232,10 @@ namespace greville
       if constexpr (dim == 2)
         if (axisymmetric)
           {
-            if (symmetric)
-              multiply<n, true, true>(y, x, places);
-            else
-              multiply<n, false, true>(y, x, places);
+            multiply<n, true>(y, x, places);
             return;
           }
-      if (symmetric)
-        multiply<n, true, false>(y, x, places);
-      else
-        multiply<n, false, false>(y, x, places);
+      multiply<n, false>(y, x, places);
     });
   }
 
@@ -263,12 +260,12 @@ namespace greville
       /**
        * The sum over points, with C_iJkL at [lane] = C[iJ][kL][lane] of groups.
        */
-      template <bool symmetric>
       void
       sum_up(const CellGeometry<dim, n> &geometry,
              const double               *group,
              const unsigned int          n_points,
              const std::size_t           group_size,
+             const bool                  symmetric,
              Number                     *matrix)
       {
         std::fill_n(matrix, size, Number(0.));
@@ -282,7 +279,7 @@ namespace greville
               for (int k = i; k < dim; ++k)
                 {
                   for (int q = 0; q < n_together; ++q)
-                    contract<symmetric>(C + q, i, k, q);
+                    contract(C + q, symmetric, i, k, q);
                   add(block);
                   block += n_functions * stride;
                 }
@@ -318,9 +315,12 @@ namespace greville
       /**
        * C_iJkL d_J N_a.
        */
-      template <bool symmetric>
       void
-      contract(const double *C, const int i, const int k, const int q)
+      contract(const double *C,
+               const bool    symmetric,
+               const int     i,
+               const int     k,
+               const int     q)
       {
         // Only the component r has the pair of f_zz.
         const auto pair_of = [](const int component, const int direction) {
@@ -331,7 +331,7 @@ namespace greville
         const auto entry = [&](const int r, const int s) {
           if (r < 0 || s < 0)
             return 0.;
-          if constexpr (symmetric)
+          if (symmetric)
             return C[entry_of<n_pairs, true>(std::min(r, s), std::max(r, s)) *
                      n_together];
           else
@@ -403,12 +403,8 @@ namespace greville
           const CellGeometry<dim, decltype(order)::value> geometry(of_space,
                                                                    points.cell);
           const double *group = numbers.data() + points.first;
-          if (symmetric)
-            sums->template sum_up<true>(
-              geometry, group, points.n_points, size, matrix.get());
-          else
-            sums->template sum_up<false>(
-              geometry, group, points.n_points, size, matrix.get());
+          sums->sum_up(
+            geometry, group, points.n_points, size, symmetric, matrix.get());
           action(points.cell, matrix.get(), Stiffness::stride);
         }
     };

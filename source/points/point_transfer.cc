@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/mass/stencil_matrix.h>
+
 #include "point_kernels.h"
 #include <sstream>
 
@@ -144,6 +146,278 @@ namespace greville
           }
       }
     return result;
+  }
+
+
+
+  namespace
+  {
+    /**
+     * sum[k] += sum_p factors[k][p] x[p] for vectors sum[k] and x[p] that are
+     * @p stride numbers apart.
+     */
+    template <int n, int stride>
+    inline void
+    add_products(double *sum,
+                 const double (&factors)[n][simd_width],
+                 const double *x)
+    {
+      // As many sums at a time as there are registers for.
+      constexpr int n_sums = n % 7 == 0   ? 7
+                             : n % 6 == 0 ? 6
+                             : n % 5 == 0 ? 5
+                                          : n;
+#pragma GCC unroll 4
+      for (int first = 0; first < n; first += n_sums)
+        {
+          Simd part[n_sums];
+#pragma GCC unroll 7
+          for (int k = 0; k < n_sums; ++k)
+            part[k] = load(sum + (first + k) * stride);
+#pragma GCC unroll 8
+          for (unsigned int p = 0; p < simd_width; ++p)
+            {
+              const Simd x_p = load(x + p * stride);
+#pragma GCC unroll 7
+              for (int k = 0; k < n_sums; ++k)
+                part[k] += factors[first + k][p] * x_p;
+            }
+#pragma GCC unroll 7
+          for (int k = 0; k < n_sums; ++k)
+            store(part[k], sum + (first + k) * stride);
+        }
+    }
+
+
+
+    /**
+     * Add the mass matrices of the cells: for all pairs of functions in each
+     * direction sum_p m_p N_a N_b. Shape functions have points in the lanes,
+     * the sums have pairs in x, so that they need not be added up over lanes.
+     */
+    template <int dim, int n>
+    void
+    add_cells(const MaterialPoints<dim>   &points,
+              const SpacePolynomials<dim> &tables,
+              StencilMatrix<dim>          &matrix)
+    {
+      using Layout           = PointLayout<dim>;
+      constexpr int n_pairs  = n * (n + 1) / 2;
+      constexpr int n_outer  = dim == 3 ? n_pairs : 1;
+      constexpr int width    = simd_width;
+      constexpr int n_blocks = (n_pairs + width - 1) / width;
+      constexpr int stride   = n_blocks * width;
+
+      std::vector<double> sums(n_outer * n_pairs * stride);
+      double              factors[n_pairs][width];       // m N_y N_y N_z N_z
+      double              pairs_x[width][stride] = {{}}; // N_x N_x of a point
+      const std::vector<unsigned int> &cells     = points.cells();
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        {
+          const unsigned int         cell = cells[c];
+          const CellGeometry<dim, n> geometry(tables, cell);
+          std::fill(sums.begin(), sums.end(), 0.);
+          for (unsigned int g = points.first_group(cell);
+               g != MaterialPoints<dim>::none;
+               g = points.next_group(g))
+            {
+              prefetch_next(points, c, g, Layout::volume0);
+              const double *group = points.group(g);
+              Simd          x[dim];
+              load_basis_positions(points, group, x);
+              ShapeValues<dim, n> shape;
+              shape.template evaluate<false>(geometry, x);
+              const Simd m = load(group + Layout::mass * simd_width);
+
+              Simd pairs[dim][n_pairs];
+#pragma GCC unroll 3
+              for (int d = 0; d < dim; ++d)
+                {
+                  int k = 0;
+#pragma GCC unroll 6
+                  for (int a = 0; a < n; ++a)
+#pragma GCC unroll 6
+                    for (int b = a; b < n; ++b)
+                      pairs[d][k++] = shape.N[d][a] * shape.N[d][b];
+                }
+              for (int k = 0; k < n_pairs; ++k)
+                for (int point = 0; point < width; ++point)
+                  pairs_x[point][k] = pairs[0][k][point];
+              for (int z = 0; z < n_outer; ++z)
+                {
+                  const Simd m_z = dim == 3 ? m * pairs[dim - 1][z] : m;
+                  for (int y = 0; y < n_pairs; ++y)
+                    store(m_z * pairs[1][y], factors[y]);
+                  for (int block = 0; block < n_blocks; ++block)
+                    {
+                      double *sum = sums.data() + z * n_pairs * stride +
+                                    std::size_t(block) * width;
+                      add_products<n_pairs, stride>(sum,
+                                                    factors,
+                                                    pairs_x[0] + block * width);
+                    }
+                }
+            }
+          matrix.add_cell(cell, sums.data(), stride);
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::add_mass_matrix(
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    StencilMatrix<dim>                             &matrix) const
+  {
+    for (const MaterialPoints<dim> *points : bodies)
+      with_order(tables.space->degree(), [&](const auto n) {
+        add_cells<dim, decltype(n)::value>(*points, tables, matrix);
+      });
+  }
+
+
+
+  namespace
+  {
+    /**
+     * Call action(group, N) for all groups of points, where N(a) is the value
+     * of function a of their cell, and then finish(functions) for the cell.
+     */
+    template <int dim, int n, typename Points, typename Action, typename Finish>
+    void
+    for_each_group(Points                      &points,
+                   const SpacePolynomials<dim> &tables,
+                   const Action                &action,
+                   const Finish                &finish)
+    {
+      for (const unsigned int cell : points.cells())
+        {
+          const CellGeometry<dim, n> geometry(tables, cell);
+          for (unsigned int g = points.first_group(cell);
+               g != MaterialPoints<dim>::none;
+               g = points.next_group(g))
+            {
+              Simd x[dim];
+              load_basis_positions(points, points.group(g), x);
+              ShapeValues<dim, n> shape;
+              shape.template evaluate<false>(geometry, x);
+              Simd N[power(n, dim)];
+              shape.multiply(N);
+              action(points.group(g), N, geometry.functions);
+            }
+          finish(geometry.functions);
+        }
+    }
+
+
+
+    /**
+     * V0, V0 (J - 1) and V0 |J - 1| of the points, per function.
+     */
+    template <int dim, int n>
+    void
+    add_volumes(const MaterialPoints<dim>   &points,
+                const SpacePolynomials<dim> &tables,
+                std::array<VectorType, 3>   &sums)
+    {
+      constexpr int n_functions = power(n, dim);
+      Simd          cell_sums[n_functions][3];
+      for (auto &three : cell_sums)
+        for (Simd &sum : three)
+          sum = 0.;
+      for_each_group<dim, n>(
+        points,
+        tables,
+        [&](const double *group, const Simd *N, const unsigned int *) {
+          const Simd V = load(group + PointLayout<dim>::volume0 * simd_width);
+          const Simd change =
+            V * (load(group + PointLayout<dim>::J * simd_width) - 1.);
+          const Simd size = abs(change);
+          for (int a = 0; a < n_functions; ++a)
+            {
+              cell_sums[a][0] += V * N[a];
+              cell_sums[a][1] += change * N[a];
+              cell_sums[a][2] += size * N[a];
+            }
+        },
+        [&](const unsigned int *functions) {
+          for (int a = 0; a < n_functions; ++a)
+            for (unsigned int k = 0; k < 3; ++k)
+              {
+                sums[k].local_element(functions[a]) += reduce(cell_sums[a][k]);
+                cell_sums[a][k] = 0.;
+              }
+        });
+    }
+
+
+
+    /**
+     * J += part (sum_a N_a w_a (J_a - 1) - (J - 1) sum_a N_a w_a).
+     */
+    template <int dim, int n>
+    void
+    mix(MaterialPoints<dim>         &points,
+        const SpacePolynomials<dim> &tables,
+        const VectorType            &changes,
+        const VectorType            &weights,
+        const double                 part)
+    {
+      for_each_group<dim, n>(
+        points,
+        tables,
+        [&](double *group, const Simd *N, const unsigned int *functions) {
+          Simd change = 0., weight = 0.;
+          for (int a = 0; a < power(n, dim); ++a)
+            {
+              change += N[a] * changes.local_element(functions[a]);
+              weight += N[a] * weights.local_element(functions[a]);
+            }
+          double    *address = group + PointLayout<dim>::J * simd_width;
+          const Simd V = load(group + PointLayout<dim>::volume0 * simd_width);
+          Simd       J = load(address);
+          // Lanes without a point keep J = 1.
+          where(V > 0., J) = J + part * (change - (J - 1.) * weight);
+          store(J, address);
+        },
+        [](const unsigned int *) {});
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::share_volume(MaterialPoints<dim> &points,
+                                   const double         part)
+  {
+    const SplineSpace<dim>   &space = *tables.space;
+    std::array<VectorType, 3> sums;
+    for (VectorType &sum : sums)
+      space.initialize_vector(sum);
+    with_order(space.degree(), [&](const auto size) {
+      add_volumes<dim, decltype(size)::value>(points, tables, sums);
+    });
+    for (VectorType &sum : sums)
+      sum.compress(VectorOperation::add);
+    const VectorType &volumes = sums[0];
+    VectorType       &changes = sums[1], &sizes = sums[2];
+    for (unsigned int i = 0; i < volumes.locally_owned_size(); ++i)
+      if (sizes.local_element(i) > 0.)
+        {
+          double      &change = changes.local_element(i);
+          double      &size   = sizes.local_element(i);
+          const double weight = 0.5 * (1. + change / size);
+          change *= weight / volumes.local_element(i);
+          size = weight;
+        }
+    changes.update_ghost_values();
+    sizes.update_ghost_values();
+    with_order(space.degree(), [&](const auto size) {
+      mix<dim, decltype(size)::value>(points, tables, changes, sizes, part);
+    });
   }
 
 

@@ -5,6 +5,7 @@
 #include "gradients.h"
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace greville
 {
@@ -22,6 +23,9 @@ namespace greville
     pressure_tables.reinit(pressures);
     parents               = given_parents;
     terms.is_axisymmetric = axisymmetric;
+    AssertThrow(displacements.degree() == pressures.degree(),
+                ExcDimensionMismatch(displacements.degree(),
+                                     pressures.degree()));
     AssertThrow(parents.size() == displacements.owned_cells().size(),
                 ExcDimensionMismatch(parents.size(),
                                      displacements.owned_cells().size()));
@@ -153,189 +157,241 @@ namespace greville
 
 
 
-  template <int dim>
-  template <int                             n,
-            int                             m,
-            typename WaterPoints<dim>::Pass pass,
-            typename Self,
-            typename Terms>
-  void
-  WaterPoints<dim>::sum_terms(Self &self, Terms &of_terms)
+  namespace
   {
-    constexpr int  n_u = power(n, dim), n_p = power(m, dim);
-    constexpr bool with_rows = pass == Pass::evaluate || pass == Pass::multiply;
-    constexpr bool with_u    = with_rows || pass == Pass::free_motion;
-    constexpr bool with_force      = pass != Pass::free_motion;
-    const bool     is_axisymmetric = self.terms.is_axisymmetric;
-    for (std::size_t k = 0; k < of_terms.size();)
+    /**
+     * The fields of the grid at a term, with gradients with respect to its x.
+     */
+    template <int dim>
+    struct Values
+    {
+      Tensor<2, dim> slope;    // of the displacement
+      double         u_r = 0.; // in axisymmetry
+      double         p   = 0.;
+      Tensor<1, dim> p_slope;
+    };
+
+
+
+    /**
+     * The terms of a cell: fields at them, and the sums over them. Fields and
+     * sums that are null are left out, and with the rows the pressure.
+     */
+    template <int dim>
+    class CellTerms
+    {
+    public:
+      virtual ~CellTerms() = default;
+
+      virtual void
+      begin(const unsigned int cell) = 0;
+
+      virtual Values<dim>
+      evaluate(const Point<dim> &x) = 0;
+
+      /// What the term of the last evaluate() gives.
+      virtual void
+      add(const typename WaterTerms<dim>::Sources &sources) = 0;
+
+      virtual void
+      end() = 0;
+
+      /// Of the forces, and of the rows, of the cells.
+      std::array<double, 2> squares{};
+    };
+
+
+
+    template <int dim, int n>
+    class CellTermsOfOrder : public CellTerms<dim>
+    {
+    public:
+      CellTermsOfOrder(const typename WaterTangents<dim>::Fields &fields,
+                       const bool                                 with_hoop)
+        : fields(fields)
+        , with_hoop(with_hoop)
+      {}
+
+      void
+      begin(const unsigned int cell) override
       {
-        const unsigned int         cell = of_terms[k].cell;
-        const CellGeometry<dim, n> of_u(self.displacement_tables, cell);
-        const CellGeometry<dim, m> of_p(self.pressure_tables,
-                                        self.parents[cell]);
-        double                     u[dim][n_u], p[n_p];
-        double                     f[dim][n_u] = {}, r[n_p] = {};
-        for (int a = 0; a < n_u && with_u; ++a)
-          for (int i = 0; i < dim; ++i)
-            u[i][a] = self.u_buffer[std::size_t(of_u.functions[a]) * dim + i];
-        for (int b = 0; b < n_p && with_rows; ++b)
-          p[b] = self.p_buffer[of_p.functions[b]];
-        for (; k < of_terms.size() && of_terms[k].cell == cell; ++k)
-          {
-            auto                            &term  = of_terms[k];
-            const auto                       shape = evaluated(of_u, term.x);
-            const Gradients<dim, n>          G(shape);
-            const ValuesAndGradients<dim, m> q(of_p, term.x);
-            double                           N[n_u], u_r = 0.;
-            if (is_axisymmetric)
-              {
-                shape.multiply(N);
-                for (int a = 0; a < n_u && with_u; ++a)
-                  u_r += u[0][a] * N[a];
-              }
-            Tensor<2, dim> slope; // of u
-            Change         change;
-            for (int a = 0; a < n_u && with_u; ++a)
-              for (int i = 0; i < dim; ++i)
-                for (int j = 0; j < dim; ++j)
-                  slope[i][j] += u[i][a] * G.values[j][a];
-            Tensor<1, dim> p_slope;
-            for (int b = 0; b < n_p && with_rows; ++b)
-              {
-                change.p += p[b] * q.values[b];
-                for (int j = 0; j < dim; ++j)
-                  p_slope[j] += p[b] * q.gradients.values[j][b];
-              }
-            Sources sources;
-            if constexpr (pass == Pass::evaluate)
-              {
-                const Tensor<2, dim> h = slope * term.to_basis;
-                const Tensor<2, dim> inverse =
-                  invert(Tensor<2, dim>(unit_symmetric_tensor<dim>()) + h);
-                term.change = change_of_volume(h);
-                if (is_axisymmetric)
-                  {
-                    term.end_radius = term.radius + u_r;
-                    term.change += (1. + term.change) *
-                                   (term.radius - term.radius_of_F + u_r) /
-                                   term.radius_of_F;
-                  }
-                term.J        = 1. + term.change;
-                term.map      = term.to_basis * inverse;
-                term.p        = change.p;
-                term.gradient = transpose(term.map) * p_slope;
-                self.terms.finish(term, inverse);
-                sources = self.terms.sources(term);
-              }
-            else if constexpr (pass == Pass::begin)
-              {
-                sources.force =
-                  -term.volume * term.old_p * transpose(term.to_basis);
-                if (is_axisymmetric)
-                  sources.radial = -term.volume * term.old_p / term.radius;
-              }
-            else if constexpr (pass == Pass::free_motion)
-              {
-                term.of_surface = term.volume * trace(slope * term.to_basis);
-                if (is_axisymmetric)
-                  term.of_surface += term.volume * u_r / term.radius;
-              }
-            else
-              {
-                if (is_axisymmetric)
-                  change.hoop = u_r / term.end_radius;
-                change.h        = slope * term.map;
-                change.gradient = transpose(term.map) * p_slope;
-                sources         = self.terms.derivative(term, change);
-              }
-            for (int a = 0; a < n_u && with_force; ++a)
-              for (int i = 0; i < dim; ++i)
-                for (int j = 0; j < dim; ++j)
-                  f[i][a] += sources.force[i][j] * G.values[j][a];
-            for (int a = 0; a < n_u && is_axisymmetric; ++a)
-              f[0][a] += sources.radial * N[a];
-            for (int b = 0; b < n_p && with_rows; ++b)
-              {
-                r[b] += sources.value * q.values[b];
-                for (int j = 0; j < dim; ++j)
-                  r[b] += sources.gradient[j] * q.gradients.values[j][b];
-              }
-            if constexpr (pass == Pass::evaluate)
-              self.count(term, sources.value);
-          }
-        for (int a = 0; a < n_u && with_force; ++a)
-          for (int i = 0; i < dim; ++i)
+        of_u = CellGeometry<dim, n>(fields.displacements, cell);
+        of_p = CellGeometry<dim, n>(fields.pressures, fields.parents[cell]);
+        for (int i = 0; i < dim; ++i)
+          for (int a = 0; a < n_functions; ++a)
             {
-              self.forces[std::size_t(of_u.functions[a]) * dim + i] += f[i][a];
-              if constexpr (pass == Pass::evaluate)
-                self.cell_squares[0] += f[i][a] * f[i][a];
+              f[i][a] = 0.;
+              if (fields.u)
+                u[i][a] = fields.u[std::size_t(of_u.functions[a]) * dim + i];
             }
-        for (int b = 0; b < n_p && with_rows; ++b)
+        for (int b = 0; b < n_functions; ++b)
           {
-            self.row_sums[of_p.functions[b]] += r[b];
-            if constexpr (pass == Pass::evaluate)
-              self.cell_squares[1] += r[b] * r[b];
+            r[b] = 0.;
+            if (fields.rows)
+              p[b] = fields.p[of_p.functions[b]];
           }
       }
-  }
+
+      Values<dim>
+      evaluate(const Point<dim> &x) override
+      {
+        Values<dim> at;
+        const auto  shape = evaluated(of_u, x);
+        G                 = Gradients<dim, n>(shape);
+        if (with_hoop)
+          shape.multiply(N);
+        if (fields.u)
+          {
+            for (int i = 0; i < dim; ++i)
+              for (int j = 0; j < dim; ++j)
+                for (int a = 0; a < n_functions; ++a)
+                  at.slope[i][j] += u[i][a] * G.values[j][a];
+            for (int a = 0; a < n_functions && with_hoop; ++a)
+              at.u_r += u[0][a] * N[a];
+          }
+        if (fields.rows)
+          {
+            q = ValuesAndGradients<dim, n>(of_p, x);
+            for (int b = 0; b < n_functions; ++b)
+              {
+                at.p += p[b] * q.values[b];
+                for (int j = 0; j < dim; ++j)
+                  at.p_slope[j] += p[b] * q.gradients.values[j][b];
+              }
+          }
+        return at;
+      }
+
+      void
+      add(const typename WaterTerms<dim>::Sources &sources) override
+      {
+        if (fields.forces)
+          {
+            for (int i = 0; i < dim; ++i)
+              for (int j = 0; j < dim; ++j)
+                for (int a = 0; a < n_functions; ++a)
+                  f[i][a] += sources.force[i][j] * G.values[j][a];
+            for (int a = 0; a < n_functions && with_hoop; ++a)
+              f[0][a] += sources.radial * N[a];
+          }
+        if (fields.rows)
+          for (int b = 0; b < n_functions; ++b)
+            {
+              r[b] += sources.value * q.values[b];
+              for (int j = 0; j < dim; ++j)
+                r[b] += sources.gradient[j] * q.gradients.values[j][b];
+            }
+      }
+
+      void
+      end() override
+      {
+        for (int a = 0; a < n_functions && fields.forces; ++a)
+          for (int i = 0; i < dim; ++i)
+            {
+              fields.forces[std::size_t(of_u.functions[a]) * dim + i] +=
+                f[i][a];
+              this->squares[0] += f[i][a] * f[i][a];
+            }
+        for (int b = 0; b < n_functions && fields.rows; ++b)
+          {
+            fields.rows[of_p.functions[b]] += r[b];
+            this->squares[1] += r[b] * r[b];
+          }
+      }
+
+    private:
+      static constexpr int n_functions = power(n, dim);
+
+      const typename WaterTangents<dim>::Fields fields;
+      const bool                                with_hoop;
+      CellGeometry<dim, n>                      of_u, of_p;
+      double                                    u[dim][n_functions];
+      double                                    f[dim][n_functions];
+      double                                    p[n_functions], r[n_functions];
+      // Of the last evaluate().
+      Gradients<dim, n>          G;
+      ValuesAndGradients<dim, n> q;
+      double                     N[n_functions];
+    };
+
+
+
+    template <int dim>
+    std::unique_ptr<CellTerms<dim>>
+    make_cell_terms(const typename WaterTangents<dim>::Fields &fields,
+                    const bool                                 with_hoop)
+    {
+      std::unique_ptr<CellTerms<dim>> result;
+      with_order(fields.displacements.space->degree(), [&](const auto size) {
+        result = std::make_unique<CellTermsOfOrder<dim, decltype(size)::value>>(
+          fields, with_hoop);
+      });
+      return result;
+    }
+
+
+
+    /**
+     * Let action(term, its Values) say what each term gives.
+     */
+    template <int dim, typename Terms, typename Action>
+    void
+    sum_terms(CellTerms<dim> &of_cell, Terms &terms, const Action &action)
+    {
+      for (std::size_t k = 0; k < terms.size();)
+        {
+          const unsigned int cell = terms[k].cell;
+          of_cell.begin(cell);
+          for (; k < terms.size() && terms[k].cell == cell; ++k)
+            of_cell.add(action(terms[k], of_cell.evaluate(terms[k].x)));
+          of_cell.end();
+        }
+    }
+  } // namespace
 
 
 
   template <int dim>
-  template <typename WaterPoints<dim>::Pass pass, typename Self>
-  void
-  WaterPoints<dim>::run(Self                   &self,
-                        const VectorField<dim> *u,
-                        const VectorType       *p,
-                        VectorField<dim>       *force,
-                        VectorType             *rows)
+  typename WaterTangents<dim>::Fields
+  WaterPoints<dim>::begin_pass(const VectorField<dim> *u,
+                               const VectorType       *p,
+                               const bool              with_force,
+                               const bool              with_rows) const
   {
     const auto n_functions = [](const SpacePolynomials<dim> &tables) {
       return tables.space->owned_functions().size() +
              tables.space->ghost_functions().size();
     };
-    const std::size_t n_u = n_functions(self.displacement_tables);
-    const std::size_t n_p = n_functions(self.pressure_tables);
-    self.u_buffer.resize(n_u * dim);
+    const std::size_t n_u = n_functions(displacement_tables);
+    const std::size_t n_p = n_functions(pressure_tables);
+    u_buffer.resize(n_u * dim);
     for (unsigned int d = 0; d < dim && u; ++d)
-      put_into_buffer((*u)[d], dim, d, self.u_buffer);
-    self.p_buffer.resize(n_p);
+      put_into_buffer((*u)[d], dim, d, u_buffer);
+    p_buffer.resize(n_p);
     if (p)
-      put_into_buffer(*p, 1, 0, self.p_buffer);
-    self.forces.assign(n_u * dim, 0.);
-    self.row_sums.assign(n_p, 0.);
-    // The points of bodies have their derivatives in groups.
-    constexpr bool of_groups = pass == Pass::multiply || pass == Pass::spread;
-    if constexpr (of_groups)
-      {
-        const typename WaterTangents<dim>::Fields fields{
-          self.displacement_tables,
-          self.pressure_tables,
-          self.parents,
-          self.u_buffer.data(),
-          self.p_buffer.data(),
-          self.forces.data(),
-          self.row_sums.data()};
-        if constexpr (pass == Pass::multiply)
-          self.tangents.add_product(fields);
-        else
-          self.tangents.add_spread(fields);
-      }
-    with_orders(self.displacement_tables.space->degree(),
-                self.pressure_tables.space->degree(),
-                [&](const auto size_u, const auto size_p) {
-                  constexpr int n = decltype(size_u)::value;
-                  constexpr int m = decltype(size_p)::value;
-                  if constexpr (!of_groups)
-                    sum_terms<n, m, pass>(self, self.points);
-                  if constexpr (pass == Pass::evaluate ||
-                                pass == Pass::multiply)
-                    sum_terms<n, m, pass>(self, self.drained);
-                });
-    for (unsigned int d = 0; d < dim && force; ++d)
-      take_from_buffer(self.forces, dim, d, (*force)[d]);
+      put_into_buffer(*p, 1, 0, p_buffer);
+    forces.assign(n_u * dim, 0.);
+    row_sums.assign(n_p, 0.);
+    return {displacement_tables,
+            pressure_tables,
+            parents,
+            u ? u_buffer.data() : nullptr,
+            p ? p_buffer.data() : nullptr,
+            with_force ? forces.data() : nullptr,
+            with_rows ? row_sums.data() : nullptr};
+  }
+
+
+
+  template <int dim>
+  void
+  WaterPoints<dim>::end_pass(VectorField<dim> &force, VectorType *rows) const
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      take_from_buffer(forces, dim, d, force[d]);
     if (rows)
-      take_from_buffer(self.row_sums, 1, 0, *rows);
+      take_from_buffer(row_sums, 1, 0, *rows);
   }
 
 
@@ -348,9 +404,34 @@ namespace greville
                              VectorType             &rows)
   {
     std::fill(water_volumes.begin(), water_volumes.end(), 0.);
-    pressure_work = 0.;
-    cell_squares  = {};
-    run<Pass::evaluate>(*this, &u, &p, &force, &rows);
+    pressure_work       = 0.;
+    const auto of_cells = make_cell_terms<dim>(begin_pass(&u, &p, true, true),
+                                               terms.is_axisymmetric);
+    const auto sources  = [&](auto &term, const Values<dim> &at) {
+      const Tensor<2, dim> h = at.slope * term.to_basis;
+      const Tensor<2, dim> inverse =
+        invert(Tensor<2, dim>(unit_symmetric_tensor<dim>()) + h);
+      term.change = change_of_volume(h);
+      if (terms.is_axisymmetric)
+        {
+          term.end_radius = term.radius + at.u_r;
+          term.change += (1. + term.change) *
+                         (term.radius - term.radius_of_F + at.u_r) /
+                         term.radius_of_F;
+        }
+      term.J        = 1. + term.change;
+      term.map      = term.to_basis * inverse;
+      term.p        = at.p;
+      term.gradient = transpose(term.map) * at.p_slope;
+      terms.finish(term, inverse);
+      const Sources result = terms.sources(term);
+      count(term, result.value);
+      return result;
+    };
+    sum_terms(*of_cells, points, sources);
+    sum_terms(*of_cells, drained, sources);
+    cell_squares = of_cells->squares;
+    end_pass(force, &rows);
     tangents.set(terms, points);
   }
 
@@ -363,7 +444,21 @@ namespace greville
                              VectorField<dim>       &force,
                              VectorType             &rows) const
   {
-    run<Pass::multiply>(*this, &du, &dp, &force, &rows);
+    const auto fields = begin_pass(&du, &dp, true, true);
+    // The points of bodies have their derivatives in groups.
+    tangents.add_product(fields);
+    sum_terms(*make_cell_terms<dim>(fields, terms.is_axisymmetric),
+              drained,
+              [&](const DrainedTerm &term, const Values<dim> &at) {
+                Change change;
+                change.p = at.p;
+                if (terms.is_axisymmetric)
+                  change.hoop = at.u_r / term.end_radius;
+                change.h        = at.slope * term.map;
+                change.gradient = transpose(term.map) * at.p_slope;
+                return terms.derivative(term, change);
+              });
+    end_pass(force, &rows);
   }
 
 
@@ -372,7 +467,8 @@ namespace greville
   void
   WaterPoints<dim>::spread(const VectorType &dp, VectorField<dim> &force) const
   {
-    run<Pass::spread>(*this, nullptr, &dp, &force, nullptr);
+    tangents.add_spread(begin_pass(nullptr, &dp, true, false));
+    end_pass(force, nullptr);
   }
 
 
@@ -381,7 +477,18 @@ namespace greville
   void
   WaterPoints<dim>::begin_force(VectorField<dim> &force) const
   {
-    run<Pass::begin>(*this, nullptr, nullptr, &force, nullptr);
+    sum_terms(*make_cell_terms<dim>(begin_pass(nullptr, nullptr, true, false),
+                                    terms.is_axisymmetric),
+              points,
+              [&](const PointTerm &term, const Values<dim> &) {
+                Sources sources;
+                sources.force =
+                  -term.volume * term.old_p * transpose(term.to_basis);
+                if (terms.is_axisymmetric)
+                  sources.radial = -term.volume * term.old_p / term.radius;
+                return sources;
+              });
+    end_pass(force, nullptr);
   }
 
 
@@ -390,7 +497,15 @@ namespace greville
   void
   WaterPoints<dim>::set_free_motion(const VectorField<dim> &u)
   {
-    run<Pass::free_motion>(*this, &u, nullptr, nullptr, nullptr);
+    sum_terms(*make_cell_terms<dim>(begin_pass(&u, nullptr, false, false),
+                                    terms.is_axisymmetric),
+              points,
+              [&](PointTerm &term, const Values<dim> &at) {
+                term.of_surface = term.volume * trace(at.slope * term.to_basis);
+                if (terms.is_axisymmetric)
+                  term.of_surface += term.volume * at.u_r / term.radius;
+                return Sources();
+              });
   }
 
 

@@ -65,16 +65,17 @@ namespace greville
 
 
   template <int dim>
-  template <int n, int m, bool with_hoop, bool of_pressure>
+  template <int n, bool with_hoop>
   void
-  WaterTangents<dim>::multiply(const Fields &fields) const
+  WaterTangents<dim>::multiply(const Fields &fields,
+                               const bool    of_pressure) const
   {
     using ShapeU = GroupGradients<dim, n, dim, with_hoop>;
-    using ShapeP = GroupGradients<dim, m, 1, true>;
+    using ShapeP = GroupGradients<dim, n, 1, true>;
     for (const CellPoints &points : cells)
       {
         const CellGeometry<dim, n> of_u(fields.displacements, points.cell);
-        const CellGeometry<dim, m> of_p(fields.pressures,
+        const CellGeometry<dim, n> of_p(fields.pressures,
                                         fields.parents[points.cell]);
         double                     u[ShapeU::n_numbers], p[ShapeP::n_numbers];
         Simd                       f[ShapeU::n_padded], r[ShapeP::n_padded];
@@ -104,7 +105,7 @@ namespace greville
             Simd slope_p[dim + 1], T[ShapeU::n_pairs];
             shape_p.gradient(p, slope_p);
             const Simd V = number(volume), change_of_p = slope_p[dim];
-            if constexpr (of_pressure)
+            if (of_pressure)
               {
                 for (int i = 0; i < dim; ++i)
                   for (int J = 0; J < dim; ++J)
@@ -178,7 +179,7 @@ namespace greville
           for (int i = 0; i < dim; ++i)
             fields.forces[std::size_t(of_u.functions[a]) * dim + i] +=
               sums[a * dim + i];
-        if constexpr (!of_pressure)
+        if (!of_pressure)
           {
             double of_rows[ShapeP::n_padded];
             for (int k = 0; k < ShapeP::n_padded; k += 4)
@@ -192,23 +193,19 @@ namespace greville
 
 
   template <int dim>
-  template <bool of_pressure>
   void
-  WaterTangents<dim>::add(const Fields &fields) const
+  WaterTangents<dim>::add(const Fields &fields, const bool of_pressure) const
   {
-    with_orders(fields.displacements.space->degree(),
-                fields.pressures.space->degree(),
-                [&](const auto size_u, const auto size_p) {
-                  constexpr int n = decltype(size_u)::value;
-                  constexpr int m = decltype(size_p)::value;
-                  if constexpr (dim == 2)
-                    if (is_axisymmetric)
-                      {
-                        multiply<n, m, true, of_pressure>(fields);
-                        return;
-                      }
-                  multiply<n, m, false, of_pressure>(fields);
-                });
+    with_order(fields.displacements.space->degree(), [&](const auto size) {
+      constexpr int n = decltype(size)::value;
+      if constexpr (dim == 2)
+        if (is_axisymmetric)
+          {
+            multiply<n, true>(fields, of_pressure);
+            return;
+          }
+      multiply<n, false>(fields, of_pressure);
+    });
   }
 
 
@@ -217,7 +214,7 @@ namespace greville
   void
   WaterTangents<dim>::add_product(const Fields &fields) const
   {
-    add<false>(fields);
+    add(fields, false);
   }
 
 
@@ -226,7 +223,7 @@ namespace greville
   void
   WaterTangents<dim>::add_spread(const Fields &fields) const
   {
-    add<true>(fields);
+    add(fields, true);
   }
 
 

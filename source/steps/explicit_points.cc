@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-// What CentralDifferences does with points after a solve.
+// What CentralDifferences does with points after a solve, and tells the
+// balances of energy and momentum.
 namespace greville
 {
   using namespace dealii;
@@ -116,6 +117,175 @@ namespace greville
           }
     Utilities::MPI::max(rates, discretization.communicator(), rates);
     return {rates[0], rates[1], rates[2]};
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_work(State<dim> &state)
+  {
+    // The potential of gravity belongs to positions: its mean over the step.
+    const Tensor<1, dim> g     = 0.5 * (loads.gravity(state.time) +
+                                    loads.gravity(state.time + trial.step));
+    double               power = 0.;
+    for (const GridField<dim> &field : discretization.fields())
+      for (unsigned int d = 0; d < dim; ++d)
+        if (g[d] != 0.)
+          for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size();
+               ++i)
+            power += g[d] * field.lumped_mass.local_element(i) *
+                     field.new_velocity[d].local_element(i);
+    state.energy.add_work(EnergyBalance::gravity, trial.step * power);
+
+    // What their force gives to the kinetic energy.
+    add_work_of_point_loads(state, false);
+    for (const GridField<dim> &field : discretization.fields())
+      for (unsigned int k = 0; k < field.surfaces.size(); ++k)
+        {
+          const VectorField<dim> &force = field.surface_forces[k];
+          const unsigned int      source =
+            EnergyBalance::surfaces + field.surfaces[k];
+          double before = 0., after = 0.;
+          for (unsigned int d = 0; d < dim; ++d)
+            for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
+              {
+                const double impulse =
+                  trial.velocity_step * force[d].local_element(i);
+                before += impulse * field.velocity[d].local_element(i);
+                after += impulse * field.new_velocity[d].local_element(i);
+              }
+          state.energy.add_work(source, 0.5 * (before + after));
+          if (row)
+            row->energy.add_work(source, row->part_of_work(before, after));
+        }
+
+    // Walls and contacts that constrain give what a = (v' - v) / dt' needs
+    // beyond the force.
+    if ((walls.have_moving() || have_constraints) && trial.velocity_step > 0.)
+      {
+        double power_of_walls = 0.;
+        for (const GridField<dim> &field : discretization.fields())
+          {
+            field.mass->held_residual(work_field,
+                                      field.force,
+                                      field.acceleration);
+            for (unsigned int d = 0; d < dim; ++d)
+              for (unsigned int i = 0;
+                   i < field.lumped_mass.locally_owned_size();
+                   ++i)
+                power_of_walls -= field.lumped_mass.local_element(i) *
+                                  work_field[d].local_element(i) *
+                                  field.new_velocity[d].local_element(i);
+          }
+        state.energy.add_work(EnergyBalance::walls,
+                              trial.step * power_of_walls);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_work_of_point_loads(State<dim> &state,
+                                                   const bool  is_kicked)
+  {
+    if (!loads.act_on_points())
+      return;
+    double power = 0.;
+    for (const Body<dim> &body : state.bodies)
+      {
+        const unsigned int load = body.points.layout().first("load");
+        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+          for (unsigned int d = 0; d < dim; ++d)
+            power += p.mass() * p[load + d] * p.velocity(d);
+        });
+      }
+    const double work = trial.velocity_step * power;
+    state.energy.add_work(EnergyBalance::loads, 0.5 * work);
+    if (row)
+      row->energy.add_work(EnergyBalance::loads,
+                           is_kicked ? row->part_of_work(0., work)
+                                     : row->part_of_work(work, 0.));
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_work_of_damping(State<dim> &state)
+  {
+    // It is for the guard, and costs a product with the mass matrix.
+    if (damping.factor() == 0. || !parameters.scheme.looks_at_energy())
+      return;
+    const PartTimer timer(log, "energy");
+
+    // P' of the points. That of APIC is of the grid.
+    const double      dt   = trial.velocity_step;
+    const double      flip = kept_share(state);
+    VectorField<dim> &sum = surface_velocity, &momenta = work_field;
+    if (!apic)
+      discretization.sum(state);
+    for (const GridField<dim> &field : discretization.fields())
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            sum[d].equ(1. - flip, field.new_velocity[d]);
+            sum[d].add(flip * dt, field.acceleration[d]);
+            if (apic)
+              {
+                momenta[d] = sum[d];
+                momenta[d].scale(field.lumped_mass);
+              }
+          }
+        if (!apic)
+          discretization.transfer().multiply_mass(field.points, sum, momenta);
+        for (unsigned int d = 0; d < dim; ++d)
+          momenta[d].add(flip, field.momentum[d]);
+        // Damping takes as much from the momenta before and after the kick.
+        const double before = 2. * dt * damping.power(field, field.momentum),
+                     after  = 2. * dt * damping.power(field, momenta);
+        state.energy.add_damping(0.5 * (before + after));
+        if (row)
+          row->energy.add_damping(row->part_of_work(before, after));
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::add_momentum_of_walls(GridField<dim>         &field,
+                                                 const VectorField<dim> &x,
+                                                 const VectorField<dim> &b,
+                                                 const unsigned int      k,
+                                                 const double            factor)
+  {
+    if (factor == 0.)
+      return;
+    field.mass->rows_of_held(work_field, x, b, k);
+    walls.add_held(field.momentum_of_walls,
+                   [&](const unsigned int c, const unsigned int i) {
+                     return factor * work_field[c].local_element(i);
+                   });
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::tell_guard()
+  {
+    guard.set(trial.motion);
+    // Constraints and damping take some that nobody adds up, and
+    // reconstructions are not the points.
+    if (have_constraints || damping.factor() != 0. ||
+        !parameters.scheme.sums_over_points())
+      return;
+    for (const GridField<dim> &field : discretization.fields())
+      for (const Tensor<1, dim> &given : field.momentum_of_walls)
+        trial.momentum.add(given);
+    guard.set(trial.momentum);
   }
 
 

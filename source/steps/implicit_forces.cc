@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/step_errors.h>
+#include <greville/parameters/unit_of_sums.h>
+#include <greville/steps/contact.h>
 #include <greville/steps/implicit_steps.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <limits>
+#include <sstream>
 
-// The forces in a step of ImplicitSteps.
+// The forces in a step of ImplicitSteps, what it refuses and says, and tells
+// the balance of energy.
 namespace greville
 {
   using namespace dealii;
@@ -146,6 +152,329 @@ namespace greville
     return units *
            (system.stiffness_scale() * (1. + u / discretization.cell_size()) +
             of_surfaces + force_scale + inertia_at_begin);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::check_parameters(const std::string          &name,
+                                       const IntegratorParts<dim> &parts) const
+  {
+    const auto refuse = [&](const bool         wrong,
+                            const std::string &parameter,
+                            const std::string &why) {
+      AssertThrow(!wrong,
+                  ExcMessage("'Scheme/Stress update' = " + name +
+                             " does not go with " + parameter + ": " + why));
+    };
+    refuse(parameters.time.step.empty(),
+           "an empty 'Time/Step'",
+           "an implicit step has no critical length; give one.");
+    refuse(discretization.fields().size() > 1,
+           "several GridParameters::fields",
+           "implicit steps have one velocity field for all bodies.");
+    refuse(discretization.walls().have_friction(),
+           "'Walls' = friction",
+           "implicit steps have fixed, sliding and moving walls.");
+    // Those of the library are the ones above.
+    refuse(
+      !make_contacts(parts).empty(),
+      "a contact of add_contact()",
+      "contacts act in explicit steps; its maker has to return null here.");
+    for (const Body<dim> &body : parts.initial.bodies)
+      refuse(scheme.is_static && body.material->moduli().shear == 0.,
+             "the material '" + body.parameters->material + "' of the body '" +
+               body.name + "'",
+             "nothing but viscosity resists the shear of a fluid, so that it "
+             "has no equilibrium where something shears it; take a dynamic "
+             "scheme such as backward-euler.");
+    refuse(scheme.stress == StepStress::energy_consistent &&
+             parameters.scheme.has_projection(),
+           "'Scheme/Volumetric projection' = " +
+             parameters.scheme.volumetric_projection,
+           "the force of the projection does not conserve energy; take another "
+           "scheme.");
+    refuse(parameters.implicit_solver.always_takes_cg() &&
+             parameters.scheme.has_projection(),
+           "'Implicit solver/Method' = cg and 'Scheme/Volumetric projection' "
+           "= " +
+             parameters.scheme.volumetric_projection,
+           "the projection makes tangents that are not symmetric; take auto or "
+           "fgmres.");
+    refuse(parameters.scheme.is_apic(),
+           "'Scheme/Transfer' = APIC",
+           "take FLIP or PIC.");
+    refuse(!parameters.scheme.sums_over_points(),
+           "'Scheme/Quadrature' = " + parameters.scheme.quadrature,
+           "take points.");
+    refuse(!parameters.scheme.has_consistent_mass() &&
+             !parameters.scheme.has_lumped_mass(),
+           "'Scheme/Mass' = " + parameters.scheme.mass,
+           "take consistent or lumped.");
+    refuse(parameters.loads.cundall != 0.,
+           "'Loads/Cundall damping'",
+           "quasi-static finds states at rest, backward-euler and "
+           "generalized-alpha damp.");
+  }
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::describe_failure(const State<dim> &state) const
+  {
+    // Each function needs the strains of some points.
+    const unsigned int least = std::max(2u, system.space().degree());
+    std::string        too_few;
+    for (const Body<dim> &body : state.bodies)
+      {
+        const auto &n = body.parameters->points_per_direction;
+        if (body.parameters->points_file.empty() &&
+            *std::min_element(n.begin(), n.end()) < least)
+          too_few =
+            "'Body " + body.name + "/Points per direction' is " +
+            text_of(*std::min_element(n.begin(), n.end())) +
+            ": with fewer than " + text_of(least) + " the stiffness of order " +
+            text_of(system.space().degree()) + " is singular, or close to it. ";
+      }
+    std::string text = too_few;
+    if (forces_vanish && too_few.empty())
+      text = "round-off is all that is left of the forces, so that a tolerance "
+             "relative to them cannot be met; 'Newton/Absolute tolerance' "
+             "gives one in N. ";
+    else if (scheme.is_static && too_few.empty())
+      text = "no equilibrium has been found beyond t = " + text_of(state.time) +
+             " s. Where loads, walls or the strength of materials go on "
+             "changing, this is the limit of what the bodies bear; a dynamic "
+             "scheme goes beyond it. Bodies that are thinner than a cell "
+             "somewhere need more points ('Points per direction'). ";
+    const std::string acting = loads.surfaces().description();
+    if (!acting.empty())
+      text += "Loads on surfaces are " + acting + ". ";
+    if (scheme.is_static && too_few.empty())
+      text += "In detail, ";
+    text += "the step has been cut to " + text_of(2. * state.step_fraction) +
+            " of 'Time/Step', and still " + rejection;
+    return text;
+  }
+
+
+
+  template <int dim>
+  std::vector<SolverLevel>
+  ImplicitSteps<dim>::solver_levels() const
+  {
+    std::vector<SolverLevel>    result;
+    const TangentParameters    &solver    = parameters.implicit_solver;
+    const OrderHierarchy<dim>  &hierarchy = system.hierarchy();
+    const PMultigridParameters &cycle     = solver.multigrid;
+    for (unsigned int l = 0; l < hierarchy.n_levels(); ++l)
+      if (l + 1 == hierarchy.n_levels() || !solver.never_takes_levels())
+        result.push_back({hierarchy[l].degree(),
+                          dim * std::uint64_t(hierarchy[l].n_dofs()),
+                          l == 0 && hierarchy.n_levels() > 1
+                            ? cycle.coarse_preconditioner
+                            : cycle.smoother});
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::check_support(const State<dim> &state) const
+  {
+    if (!scheme.is_static)
+      return;
+    for (const Surface<dim> &surface : state.surfaces)
+      if (surface.stiffness > 0.)
+        return;
+    static const char *names = "xyz";
+    const auto &is_held      = system.finest().extended().unknowns().has_held();
+    std::string free;
+    // Rings resist radial motion.
+    for (unsigned int d = parameters.grid.is_axisymmetric() ? 1 : 0; d < dim;
+         ++d)
+      if (!is_held[d])
+        free += (free.empty() ? "" : ", ") + std::string(1, names[d]);
+    if (!free.empty())
+      throw StepFailed("the body can move freely in " + free +
+                         ": no wall of 'Walls' and no 'Surface load' of "
+                         "springs holds it there, so that a quasi-static step "
+                         "has no solution",
+                       false);
+  }
+
+
+
+  template <int dim>
+  std::string
+  ImplicitSteps<dim>::describe_residual() const
+  {
+    // The largest entry of all processes, and where its function is.
+    const SplineSpace<dim> &space   = system.space();
+    double                  largest = 0.;
+    unsigned int            place   = 0;
+    for (unsigned int i = 0; i < last_residual.locally_owned_size(); ++i)
+      if (std::abs(last_residual.local_element(i)) > largest)
+        {
+          largest = std::abs(last_residual.local_element(i));
+          place   = i / dim;
+        }
+    const MPI_Comm comm = discretization.communicator();
+    const double   all  = Utilities::MPI::max(largest, comm);
+    std::string    text;
+    if (all > 0. && largest == all)
+      {
+        const auto i =
+          multi_index<dim>(space.owned_functions()[place], space.n_functions());
+        std::ostringstream message;
+        message << "; the largest residual, " << all << ' '
+                << unit_of_sums("N", dim, parameters.grid) << ", is at (";
+        for (unsigned int d = 0; d < dim; ++d)
+          message << (d == 0 ? "" : ", ")
+                  << space.knots(d).greville_abscissa(i[d]);
+        message << ") m";
+        text = message.str();
+      }
+    return first_of_all(text, comm);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::print(const State<dim>   &state,
+                            const double        dt,
+                            const NewtonResult &result,
+                            const bool          of_all_parts) const
+  {
+    if (!parameters.newton.log ||
+        Utilities::MPI::this_mpi_process(discretization.communicator()) != 0)
+      return;
+    std::ostringstream text;
+    for (unsigned int k = 0; k < result.iterations.size(); ++k)
+      {
+        const NewtonIteration &row = result.iterations[k];
+        text << "  step " << state.n_steps + 1 << (of_all_parts ? "" : log.of)
+             << ", dt = " << dt << " s, iteration " << k << ": residual "
+             << row.residual << " (" << row.relative << ")";
+        if (k > 0)
+          text << ", step " << row.step << ", " << row.linear_iterations
+               << " linear iterations";
+        text << '\n';
+      }
+    std::cout << text.str() << std::flush;
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::add_work(State<dim>             &state,
+                               const VectorField<dim> &reaction,
+                               const double            dt)
+  {
+    // Forces are those in the middle of the step, or means of both ends. At
+    // the begin, old_loads has those on surfaces, too, and walls give what M a
+    // needs beyond them and the stresses, where a is known. The reaction is
+    // that of the balance.
+    const bool        is_mean        = scheme.load_time == 1.;
+    const double      share          = is_mean ? 0.5 : 1.;
+    const bool        knows_a        = scheme.needs_acceleration();
+    const double      share_of_walls = is_mean && (scheme.is_static || knows_a)
+                                         ? 0.5 / (1. - scheme.alpha_f)
+                                         : 1.;
+    VectorField<dim> &old_rows       = work;
+    if (!scheme.is_static)
+      {
+        // One that has been kept belongs to another time.
+        VectorField<dim> a = acceleration;
+        const double     late =
+          scheme.keeps_acceleration ? scheme.alpha_f - scheme.alpha_m : 0.;
+        if (late != 0.)
+          {
+            find_new_acceleration(old_rows, dt);
+            for (unsigned int d = 0; d < dim; ++d)
+              a[d].sadd(1. - late, late, old_rows[d]);
+          }
+        system.finest().extended().multiply_at_held(old_rows, a);
+      }
+    const Tensor<1, dim> new_g =
+      loads.gravity(state.time + scheme.load_time * dt);
+    const Tensor<1, dim> old_g     = loads.gravity(state.time);
+    const VectorType    &mass      = field().lumped_mass;
+    const auto          &held      = system.finest().held_components();
+    double               on_points = 0., by_gravity = 0., by_walls = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
+        {
+          const double u    = displacement[d].local_element(i);
+          const double m_u  = mass.local_element(i) * u;
+          const double last = old_loads[d].local_element(i);
+          const double last_on_points =
+            last -
+            (surfaces.empty() ? 0. : old_surface_loads[d].local_element(i));
+          by_gravity += (share * new_g[d] + (1. - share) * old_g[d]) * m_u;
+          on_points += (share * new_loads[d].local_element(i) +
+                        (1. - share) * last_on_points) *
+                         u -
+                       (share * new_g[d] + (1. - share) * old_g[d]) * m_u;
+          if ((held[i] >> d) & 1)
+            {
+              const double old_reaction =
+                (scheme.is_static ? 0. : old_rows[d].local_element(i)) -
+                old_force[d].local_element(i) - last;
+              by_walls += (share_of_walls * reaction[d].local_element(i) +
+                           (1. - share_of_walls) * old_reaction) *
+                          u;
+            }
+        }
+    state.energy.add_work(EnergyBalance::gravity, by_gravity);
+    if (loads.act_on_points())
+      state.energy.add_work(EnergyBalance::loads, on_points);
+    state.energy.add_work(EnergyBalance::walls, by_walls);
+
+    // Those on surfaces one by one, and then those that follow the points of
+    // bodies, which are among the loads on points at the start. Contacts count
+    // their own.
+    const unsigned int n_surfaces = loads.surfaces().n_loads();
+    const auto         add_power  = [&](const unsigned int      k,
+                               const VectorField<dim> &load,
+                               const double            factor) {
+      double sum = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
+          sum += load[d].local_element(i) * displacement[d].local_element(i);
+      state.energy.add_work(k < n_surfaces ? EnergyBalance::surfaces + k
+                                           : unsigned(EnergyBalance::loads),
+                            factor * sum);
+    };
+    if (surfaces.size() == 1)
+      {
+        add_power(0, new_surface_loads, share);
+        if (n_surfaces == 1)
+          add_power(0, old_surface_loads, 1. - share);
+        return;
+      }
+    SurfaceMotion<dim> begin;
+    begin.v           = surface_motion.v ? &velocity : nullptr;
+    const auto before = loads.surfaces().loaded(state.surfaces, state.time);
+    VectorField<dim> at_rest = displacement;
+    for (VectorType &component : at_rest)
+      component = 0.;
+    for (unsigned int k = 0; k < surfaces.size(); ++k)
+      {
+        VectorField<dim> &load = new_surface_loads;
+        system.surfaces().add(
+          {surfaces[k]}, displacement, surface_motion, false, load);
+        add_power(k, load, share);
+        if (k >= n_surfaces)
+          continue;
+        system.surfaces().add({before[k]}, at_rest, begin, false, load);
+        add_power(k, load, 1. - share);
+      }
   }
 
 

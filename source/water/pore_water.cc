@@ -30,17 +30,6 @@ namespace greville
     {
       return contact.friction != "0" && contact.friction != "rough";
     }
-
-
-
-    template <int dim>
-    unsigned int
-    degree_of_pressure(const SplineSpace<dim>     &displacements,
-                       const SimulationParameters &parameters)
-    {
-      return parameters.water.degree > 0 ? parameters.water.degree
-                                         : displacements.degree();
-    }
   } // namespace
 
 
@@ -51,14 +40,9 @@ namespace greville
                             const SimulationParameters    &parameters)
     : displacements(displacements)
     , parameters(parameters)
-    , drained(displacements,
-              parameters,
-              penalties[degree_of_pressure(displacements, parameters)])
+    , drained(displacements, parameters, penalties[displacements.degree()])
   {
-    orders.reinit(triangulation,
-                  degree_of_pressure(displacements, parameters),
-                  "direct",
-                  true);
+    orders.reinit(triangulation, displacements.degree(), "direct", true);
 
     const auto &lattice = space().lattice();
     const auto &cells   = space().owned_cells();

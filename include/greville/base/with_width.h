@@ -51,26 +51,6 @@ namespace greville
     AssertThrow(is_known, dealii::ExcInternalError());
     (void)is_known;
   }
-
-  /**
-   * The same with those of an order p and of an order that is p or p - 1.
-   */
-  template <typename Action>
-  void
-  with_orders(const unsigned int degree,
-              const unsigned int other,
-              const Action      &action)
-  {
-    with_order(degree, [&](const auto size) {
-      constexpr int n = decltype(size)::value;
-      AssertThrow(other == degree || (other > 0 && other + 1 == degree),
-                  dealii::ExcInternalError());
-      if (other == degree)
-        action(size, size);
-      else
-        action(size, std::integral_constant < int, n == 2 ? 2 : n - 1 > ());
-    });
-  }
 } // namespace greville
 
 #endif

@@ -57,13 +57,12 @@ namespace greville
       return unit_weight() * capillary_height;
     }
 
-    double       density      = 1000.;
-    double       bulk_modulus = 2.2e9; // 0: infinite
-    unsigned int degree       = 0;     // 0: that of the grid
-    std::string  table;
-    double       capillary_height = 0.; // 0: infinite
-    std::string  free_surface_pressure;
-    std::string  integration = "backward-euler";
+    double      density      = 1000.;
+    double      bulk_modulus = 2.2e9; // 0: infinite
+    std::string table;
+    double      capillary_height = 0.; // 0: infinite
+    std::string free_surface_pressure;
+    std::string integration = "backward-euler";
   };
 
 

@@ -102,7 +102,7 @@ namespace greville
       return dim + (symmetric ? n * (n + 1) / 2 : n * n);
     }
 
-    template <int n, bool is_symmetric, bool with_hoop>
+    template <int n, bool with_hoop>
     void
     multiply(double                   *y,
              const double             *x,

@@ -55,9 +55,9 @@ namespace greville
   {
   public:
     /**
-     * The spaces are kept by reference. Cells of the @p pressures are the
-     * @p parents of those of the @p displacements, which have as many: owned
-     * cell c lies in owned cell parents[c].
+     * The spaces have the same order and are kept by reference. Cells of the
+     * @p pressures are the @p parents of those of the @p displacements, which
+     * have as many: owned cell c lies in owned cell parents[c].
      */
     void
     reinit(const SplineSpace<dim>          &displacements,
@@ -220,30 +220,21 @@ namespace greville
     using Sources     = typename WaterTerms<dim>::Sources;
     using Change      = typename WaterTerms<dim>::Change;
 
-    /// Which sums a pass is about.
-    enum class Pass
-    {
-      evaluate,
-      multiply,
-      spread,
-      begin,      // begin_force()
-      free_motion // set_free_motion()
-    };
+    /**
+     * Fields, if they are not null, and zeros for sums, function by function.
+     * The latter are null if they are left out.
+     */
+    typename WaterTangents<dim>::Fields
+    begin_pass(const VectorField<dim> *u,
+               const VectorType       *p,
+               const bool              with_force,
+               const bool              with_rows) const;
 
     /**
-     * Collective. A pass over all terms. What it does not need is null.
+     * Collective. The sums of all processes.
      */
-    template <Pass pass, typename Self>
-    static void
-    run(Self                   &self,
-        const VectorField<dim> *u,
-        const VectorType       *p,
-        VectorField<dim>       *force,
-        VectorType             *rows);
-
-    template <int n, int m, Pass pass, typename Self, typename Terms>
-    static void
-    sum_terms(Self &self, Terms &terms);
+    void
+    end_pass(VectorField<dim> &force, VectorType *rows) const;
 
     /// Add to volumes() and work().
     void

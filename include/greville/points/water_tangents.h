@@ -41,8 +41,9 @@ namespace greville
         const std::vector<typename WaterTerms<dim>::Point> &points);
 
     /**
-     * Fields and sums of the owned and ghost functions of the spaces; cell c of
-     * the displacement lies in cell parents[c] of the pressure.
+     * Fields and sums of the owned and ghost functions of the spaces, which
+     * have the same order; cell c of the displacement lies in cell parents[c]
+     * of the pressure.
      */
     struct Fields
     {
@@ -89,13 +90,13 @@ namespace greville
       n_numbers
     };
 
-    template <bool of_pressure>
+    /// The derivative by the pressure alone, if @p of_pressure.
     void
-    add(const Fields &fields) const;
+    add(const Fields &fields, const bool of_pressure) const;
 
-    template <int n, int m, bool with_hoop, bool of_pressure>
+    template <int n, bool with_hoop>
     void
-    multiply(const Fields &fields) const;
+    multiply(const Fields &fields, const bool of_pressure) const;
 
     bool                    is_axisymmetric = false;
     dealii::Tensor<1, dim>  weight_of_water;

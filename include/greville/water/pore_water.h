@@ -20,8 +20,8 @@ namespace greville
    * equations. Stresses of points are effective ones; the total stress is that
    * less the pressure.
    *
-   * The pressure is a spline of degree p or p - 1 on the once coarser mesh,
-   * whose cells are the parents of those of the displacement of degree p, and
+   * The pressure is a spline of the degree p of the displacement on the once
+   * coarser mesh, whose cells are the parents of those of the displacement, and
    * is extended by the filling of these cells. This pair has a constant of
    * inf-sup that does not depend on the cell size or on where the body's
    * surface cuts cells; on one mesh the pair p, p - 1 has none (uncut, for
