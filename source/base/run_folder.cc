@@ -132,7 +132,7 @@ namespace greville
     for (bool is_there = false; !is_there;)
       {
         lock_descriptor =
-          open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+          ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         AssertThrow(lock_descriptor >= 0, ExcMessage(write_error(file)));
         if (flock(lock_descriptor, LOCK_EX | LOCK_NB) != 0 &&
             errno == EWOULDBLOCK)
