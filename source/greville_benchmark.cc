@@ -1,43 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/templates.h>
-#include <greville/benchmark/benchmark.h>
+#include <greville/benchmark/benchmark_program.h>
 
 int
 main(int argc, char **argv)
 {
-  using namespace greville;
-  Program program;
-  program.name = PROGRAM_NAME;
-  program.purpose =
-    "solves with mass, Laplace and elasticity matrices on B-splines: runs the "
-    "sweeps of a parameter file and prints iterations and times";
-  program.run = [](const std::string &file, const GivenOptions &given) {
-    const auto settings = given.find("set");
-    Benchmark(PROGRAM_NAME)
-      .run(file,
-           settings == given.end() ? std::vector<std::string>()
-                                   : settings->second);
-  };
-  program.all_parameters = [](const std::string              &file,
-                              const std::vector<std::string> &settings) {
-    return file.empty() ? Benchmark().defaults()
-                        : Benchmark().read(file, settings);
-  };
-  program.reference = [](const UseParameters &use) {
-    Benchmark                benchmark;
-    dealii::ParameterHandler prm;
-    benchmark.declare(prm);
-    use(prm);
-  };
-  program.examples = benchmark_examples();
-  program.lists    = {{"operators", "", operator_names},
-                      {"mass-solvers", "", MassSolver<2>::names},
-                      {"other-solvers", "", solvers_beside_mass},
-                      {"smoothers", "p-multigrid/Smoother", {}},
-                      {"cycles", "p-multigrid/Cycle", {}},
-                      {"coarsenings", "p-multigrid/Coarsening", {}},
-                      {"prolongations", "p-multigrid/Prolongation", {}},
-                      {"restrictions", "p-multigrid/Restriction", {}}};
-  return run_program(program, argc, argv);
+  return greville::run_program(greville::benchmark_program(), argc, argv);
 }

@@ -187,4 +187,43 @@ shipped_files(const std::string &source,
   return result;
 }
 
+
+
+/**
+ * The parameter files of greville as they are, those of the reference among
+ * them, with the settings that name what users compile: it is in the tree
+ * @p build.
+ */
+inline std::vector<std::pair<std::filesystem::path, std::vector<std::string>>>
+whole_shipped_files(const std::string &source, const std::string &build)
+{
+  const std::filesystem::path root =
+    std::filesystem::path(source).parent_path().parent_path();
+  std::vector<std::filesystem::path> folders = {root / "prm/simulation",
+                                                root /
+                                                  "prm/simulation/sections",
+                                                root / "prm/templates",
+                                                root / "doc/user/examples"};
+  for (const auto &entry :
+       std::filesystem::directory_iterator(root / "examples"))
+    if (entry.is_directory())
+      folders.push_back(entry.path());
+  std::vector<std::pair<std::filesystem::path, std::vector<std::string>>> files;
+  for (const auto &folder : folders)
+    for (const auto &entry : std::filesystem::directory_iterator(folder))
+      if (entry.path().extension() == ".prm")
+        {
+          std::vector<std::string> settings;
+          if (entry.path().filename() == "umat.prm")
+            settings = {"Material sand/Library=" + build +
+                        "/libraries/mohr_coulomb_cc.so"};
+          if (entry.path().filename() == "plugin.prm")
+            settings = {"Simulation/Additional shared libraries=" + build +
+                        "/libraries/sponge.so"};
+          files.emplace_back(entry.path(), settings);
+        }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 #endif

@@ -164,19 +164,17 @@ namespace greville
 
 
     /**
-     * Whether all processes come here within some seconds.
+     * Whether the others come to a barrier within some seconds.
      */
     bool
-    all_arrive(const MPI_Comm comm)
+    all_arrive(MPI_Request &barrier)
     {
-      MPI_Request request;
-      MPI_Ibarrier(comm, &request);
       const auto end =
         std::chrono::steady_clock::now() + std::chrono::seconds(2);
       int have_arrived = 0;
       while (!have_arrived && std::chrono::steady_clock::now() < end)
         {
-          MPI_Test(&request, &have_arrived, MPI_STATUS_IGNORE);
+          MPI_Test(&barrier, &have_arrived, MPI_STATUS_IGNORE);
           if (!have_arrived)
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
@@ -189,6 +187,67 @@ namespace greville
     report(const Program &program, const std::string &message)
     {
       std::cerr << program.name << ": " << message << std::endl;
+    }
+
+
+
+    /**
+     * Collective. Report the messages of all processes, each once, and return
+     * whether there is one. If a process has a message and others do not come
+     * here within two seconds, they wait for it for ever: all are aborted.
+     */
+    bool
+    report_messages(const Program     &program,
+                    const std::string &message,
+                    const MPI_Comm     comm)
+    {
+      const unsigned int process = Utilities::MPI::this_mpi_process(comm);
+      MPI_Request        barrier;
+      MPI_Ibarrier(comm, &barrier);
+      if (message.empty())
+        MPI_Wait(&barrier, MPI_STATUS_IGNORE);
+      else if (!all_arrive(barrier))
+        {
+          // The first process that does not wait reports.
+          std::this_thread::sleep_for(
+            std::chrono::milliseconds(500 * std::min(process, 4u)));
+          report(program, message);
+          MPI_Abort(MPI_COMM_WORLD, 1);
+        }
+      std::set<std::string> messages;
+      for (const std::string &other : Utilities::MPI::all_gather(comm, message))
+        if (!other.empty() && messages.insert(other).second && process == 0)
+          report(program, other);
+      return !messages.empty();
+    }
+
+
+
+    /**
+     * The message of what @p action throws, or an empty one.
+     */
+    std::string
+    message_of_action(const Program               &program,
+                      const std::function<void()> &action)
+    {
+      try
+        {
+          action();
+        }
+      catch (const CommandLineError &error)
+        {
+          return std::string(error.what()) + " See " + program.name +
+                 " --help.";
+        }
+      catch (const std::bad_alloc &)
+        {
+          return "The memory is not enough: fewer cells or points need less.";
+        }
+      catch (const std::exception &error)
+        {
+          return message_of(error);
+        }
+      return "";
     }
 
 
@@ -344,8 +403,13 @@ namespace greville
     {
       const std::string text = program.all_parameters(file, settings);
       if (format == "xml")
-        program.reference(
-          [&](const ParameterHandler &prm) { write_as_xml(out, text, prm); });
+        {
+          // It would fail on a stream that goes nowhere.
+          std::ostringstream xml;
+          program.reference(
+            [&](const ParameterHandler &prm) { write_as_xml(xml, text, prm); });
+          out << xml.str();
+        }
       else if (format == "json")
         write_as_json(out, text);
       else
@@ -453,13 +517,69 @@ namespace greville
 
 
     /**
-     * Do what the command line says. Throws where it is wrong.
+     * Throw if the options are not for several files.
      */
     void
+    check_several_files(const Program &program, const CommandLine &line)
+    {
+      const std::string n = std::to_string(line.files.size());
+      std::string       hint;
+      bool              takes_several = false;
+      for (const ProgramOption &option : program.options)
+        if (option.takes_several_files)
+          {
+            hint += "; --" + option.name + " takes several";
+            takes_several = takes_several || line.given.count(option.name) > 0;
+          }
+      if (!takes_several || !line.act.empty())
+        throw CommandLineError("takes one parameter file, not " + n + hint +
+                               ".");
+      for (const ProgramOption &option : program.options)
+        if (line.given.count(option.name) > 0 && !option.takes_several_files)
+          throw CommandLineError("--" + option.name +
+                                 " takes one parameter file, not " + n + ".");
+    }
+
+
+
+    /**
+     * Collective. Run each file, whether or not those before it have failed,
+     * and report their messages. Returns whether all have run.
+     */
+    bool
+    run_files(const Program     &program,
+              const CommandLine &line,
+              std::ostream      &out,
+              const MPI_Comm     comm)
+    {
+      unsigned int n_refused = 0;
+      for (const std::string &file : line.files)
+        {
+          std::string message = message_of_action(program, [&]() {
+            program.run(file, line.given);
+          });
+          if (!message.empty())
+            message = file + ": " + message;
+          out << std::endl;
+          if (report_messages(program, message, comm))
+            ++n_refused;
+        }
+      out << line.files.size() << " files, " << n_refused << " refused\n";
+      return n_refused == 0;
+    }
+
+
+
+    /**
+     * Do what the command line says, and return whether it has worked. Throws
+     * where it is wrong.
+     */
+    bool
     act(const Program                  &program,
         const std::vector<std::string> &arguments,
-        const bool                      is_first)
+        const MPI_Comm                  comm)
     {
+      const bool         is_first = Utilities::MPI::this_mpi_process(comm) == 0;
       std::ostream       nowhere(nullptr);
       std::ostream      &out = is_first ? std::cout : nowhere;
       const CommandLine  line(program, arguments);
@@ -469,8 +589,7 @@ namespace greville
       const bool         takes_file =
         action.empty() || action == "print-parameters" || action == "new";
       if (files.size() > 1 && action != "help")
-        throw CommandLineError("takes one parameter file, not " +
-                               std::to_string(files.size()) + ".");
+        check_several_files(program, line);
       if (!takes_file && !files.empty() && action != "help")
         throw CommandLineError("--" + action + " takes no file; what is <" +
                                files[0] + ">?");
@@ -483,6 +602,7 @@ namespace greville
                                  (action == "print-parameters"
                                     ? "printed or run."
                                     : "run, and --" + action + " runs none."));
+      bool has_worked = true;
       if (action == "help")
         out << usage_of(program);
       else if (action == "version")
@@ -513,9 +633,12 @@ namespace greville
                            : settings->second);
       else if (files.empty())
         throw CommandLineError("there is no parameter file to run.");
+      else if (files.size() > 1)
+        has_worked = run_files(program, line, out, comm);
       else
         program.run(files[0], line.given);
       out.flush();
+      return has_worked;
     }
   } // namespace
 
@@ -539,6 +662,25 @@ namespace greville
 
 
   int
+  run_command_line(const Program                  &program,
+                   const std::vector<std::string> &arguments)
+  {
+    // Of its own: no message of the run can be taken for one of these.
+    MPI_Comm comm;
+    MPI_Comm_dup(MPI_COMM_WORLD, &comm);
+    bool              has_worked = true;
+    const std::string message    = message_of_action(program, [&]() {
+      has_worked = act(program, arguments, comm);
+    });
+    if (report_messages(program, message, comm))
+      has_worked = false;
+    MPI_Comm_free(&comm);
+    return has_worked ? 0 : 1;
+  }
+
+
+
+  int
   run_program(const Program &program, int argc, char **argv)
   {
     const std::vector<std::string> arguments(argv + std::min(argc, 1),
@@ -547,47 +689,6 @@ namespace greville
     // of them on standard output. PETSC_OPTIONS in the environment has its own.
     int                              n_for_petsc = std::min(argc, 1);
     Utilities::MPI::MPI_InitFinalize mpi(n_for_petsc, argv, 1);
-    // Of its own: no message of the run can be taken for one of these.
-    MPI_Comm comm;
-    MPI_Comm_dup(MPI_COMM_WORLD, &comm);
-    const unsigned int process = Utilities::MPI::this_mpi_process(comm);
-    std::string        message;
-    try
-      {
-        act(program, arguments, process == 0);
-      }
-    catch (const CommandLineError &error)
-      {
-        message =
-          std::string(error.what()) + " See " + program.name + " --help.";
-      }
-    catch (const std::bad_alloc &)
-      {
-        message = "The memory is not enough: fewer cells or points need less.";
-      }
-    catch (const std::exception &error)
-      {
-        message = message_of(error);
-      }
-
-    if (!message.empty())
-      {
-        if (!all_arrive(comm))
-          {
-            // Some process waits for others for ever. The first of those that
-            // do not reports and ends the rest.
-            std::this_thread::sleep_for(
-              std::chrono::milliseconds(500 * std::min(process, 4u)));
-            report(program, message);
-            MPI_Abort(MPI_COMM_WORLD, 1);
-          }
-        const auto            all = Utilities::MPI::all_gather(comm, message);
-        std::set<std::string> reported;
-        for (const std::string &other : all)
-          if (process == 0 && !other.empty() && reported.insert(other).second)
-            report(program, other);
-      }
-    MPI_Comm_free(&comm);
-    return message.empty() ? 0 : 1;
+    return run_command_line(program, arguments);
   }
 } // namespace greville

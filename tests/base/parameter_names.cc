@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Lines and settings of the command line, and what is known of a parameter.
+// Lines and settings of the command line, and what is known of a parameter;
+// what is refused is in tests/run/refusals.txt.
 #include <greville/base/parameters.h>
 
 #include <fstream>
@@ -56,23 +57,6 @@ namespace
 
 
   void
-  refused(const std::string              &text,
-          const std::vector<std::string> &settings = {})
-  {
-    try
-      {
-        const All all(text, settings);
-        print() << "accepted" << std::endl;
-      }
-    catch (const std::exception &error)
-      {
-        print() << message_of(error) << std::endl;
-      }
-  }
-
-
-
-  void
   described(const std::string &what)
   {
     const All all(slashes, {});
@@ -122,17 +106,6 @@ test_main()
     check("words", words == std::vector<std::string>({"one", "two"}));
     check("no words", words_of_parameter(all.prm, "Grid/Order").empty());
   }
-
-  refused(grid("Orders = 4"));
-  refused(grid("Order = 9"));
-  refused("", {"Grid/Order=9"});
-  refused("", {"Gird/Order=3"});
-  refused("", {"Grid/Oder=3"});
-  refused("", {"Grid/Order"});
-  refused("", {"Order=3"});
-  refused("", {"/Order=3"});
-  refused("", {"Grid/=3"});
-  refused("", {"Grid/Order=3 # three"});
 
   described("Grid");
   described("Grid/Order");

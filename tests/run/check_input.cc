@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// Debug: no
+// All: 1
 
 // Wrong input is answered by one message that names what is wrong: every line
 // of the shipped files in turn is removed, misspelled, and given wrong values.

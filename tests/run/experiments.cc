@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// Debug: no
+// All: 1
 
 // Coarse runs of the experiments: the granular collapse of Bui et al. and the
 // dam break of Martin and Moyce, against the measured data; the flow in a

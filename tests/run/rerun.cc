@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// Debug: no
+// All: 1
 
-// output/NAME/parameters.prm of each shipped file runs again, from another
-// folder and with results that agree bit for bit. Two sets of parameters live
-// side by side.
+// Each shipped file runs on a coarse grid, and its output/NAME/parameters.prm
+// runs again, from another folder and with results that agree bit for bit. Each
+// file as it is has its points and goes a step, if it is not too large. Two
+// sets of parameters live side by side.
 #include <greville/benchmark/benchmark.h>
 #include <greville/run/run.h>
+#include <greville/steps/ensemble.h>
 
 #include "../shipped_files.h"
 #include "simulation.h"
@@ -64,6 +65,17 @@ namespace
       }
     return result;
   }
+
+
+
+  template <int dim>
+  void
+  step(const SimulationParameters &parameters)
+  {
+    Ensemble<dim> simulation(parameters);
+    if (simulation.bodies()[0].n_points < 20000)
+      simulation.step();
+  }
 } // namespace
 
 
@@ -89,6 +101,24 @@ test_main()
       check(file.name + " runs again to the same results",
             first == results_of("rerun_results"));
     }
+
+  for (const auto &[file, settings] :
+       whole_shipped_files(SOURCE_DIR, BUILD_DIR))
+    try
+      {
+        SimulationParameters parameters(file.string(), settings);
+        parameters.newton.log = false;
+        for (StageParameters &stage : parameters.stages)
+          stage.newton.log = false;
+        if (parameters.general.dimension == 2)
+          step<2>(parameters);
+        else
+          step<3>(parameters);
+      }
+    catch (const std::exception &error)
+      {
+        check(file.string() + ": " + message_of(error), false);
+      }
 
   // What is printed as used is used.
   const auto one = block_2d("box(0.25, 0.25, 0.75, 0.75)").parse();

@@ -1,9 +1,8 @@
 #!/bin/sh
-# check_docs.sh PROJECT: the documents are in order (scripts/check_docs), and
-# each kind of fault in a copy of them is found.
+# check_docs.sh PROJECT: scripts/check_docs finds each kind of fault in a copy of
+# the documents, and none in the copy as it is.
 cd "$1" || exit 1
 [ -x /usr/bin/python3 ] || exit 0
-scripts/check_docs || exit 1
 
 status=0
 copy=$(mktemp -d)

@@ -1,6 +1,8 @@
 #!/bin/sh
-# command_line.sh PROJECT: what the scripts answer to help and to wrong command
-# lines. Nothing is installed, built or run.
+# command_line.sh PROJECT [all]: what the scripts answer to help and to wrong
+# command lines. Nothing is installed, built or run. Only with "all", scripts in
+# Python, which begin slowly, meet a wrong option and -h, and each table is asked
+# for help.
 cd "$1" || exit 1
 status=0
 out=$(mktemp)
@@ -23,18 +25,34 @@ answers() {
   fi
 }
 
-scripts="run test package fresh_machine sanitize fuzz check_input"
-[ ! -x /usr/bin/python3 ] || scripts="$scripts picture gear kill_and_resume lint faults gallery benchmark check_docs \
-   performance paraview points_to_csv report tables"
-for script in $scripts; do
-  for option in -h --help; do
-    answers 0 40 "sage: scripts/$script" "scripts/$script" $option
+# asks OPTION SCRIPT...
+asks() {
+  option=$1
+  shift
+  for script in "$@"; do
+    case $option in
+      *help | -h) answers 0 40 "sage: scripts/$script" "scripts/$script" "$option" ;;
+      *) answers 2 5 "scripts/$script" "scripts/$script" "$option" ;;
+    esac
   done
-  answers 2 5 "scripts/$script" "scripts/$script" --no-such-option
+}
+for option in -h --help --no-such-option; do
+  asks $option run test package fresh_machine sanitize fuzz check_input
 done
-[ ! -x /usr/bin/python3 ] || for name in $(scripts/tables --list | sed 's/ .*//'); do
-  answers 0 40 "usage: scripts/tables $name" scripts/tables "$name" --help
-done
+python="picture gear kill_and_resume lint faults gallery benchmark check_docs performance paraview points_to_csv report tables"
+if [ -x /usr/bin/python3 ]; then
+  # shellcheck disable=SC2086
+  asks --help $python
+  if [ "$2" = all ]; then
+    # shellcheck disable=SC2086
+    asks -h $python
+    # shellcheck disable=SC2086
+    asks --no-such-option $python
+    for name in $(scripts/tables --list | sed 's/ .*//'); do
+      answers 0 40 "usage: scripts/tables $name" scripts/tables "$name" --help
+    done
+  fi
+fi
 answers 2 20 "Usage: scripts/run" scripts/run
 answers 2 1 "-np takes a number of processes." scripts/run -np
 answers 2 1 "not <a.prm>" scripts/run -np a.prm

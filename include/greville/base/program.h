@@ -27,6 +27,8 @@ namespace greville
     /// What the value may be; empty: what it likes. One that is not needed is
     /// what follows the option only where it is one of these.
     std::vector<std::string> words = {};
+    /// Whether runs with this option take several files, one after the other.
+    bool takes_several_files = false;
   };
 
 
@@ -95,14 +97,20 @@ namespace greville
   };
 
   /**
-   * The main() of a program: initialize MPI, read the command line, and act.
-   * doc/command_line.md has the options; --set is one of those that runs are
-   * given.
+   * Collective. Read a command line and act. doc/user/command_line.md has the
+   * options; --set is one of those that runs are given.
    *
    * Returns the exit status: 0, or 1 after an error, whose message goes to
-   * stderr once. Where all processes have found an error they end together;
+   * stderr once. Where all processes have found an error they return together;
    * where some of them still wait for others, all are aborted after two
    * seconds.
+   */
+  int
+  run_command_line(const Program                  &program,
+                   const std::vector<std::string> &arguments);
+
+  /**
+   * The main() of a program: initialize MPI, and run_command_line().
    */
   int
   run_program(const Program &program, int argc, char **argv);

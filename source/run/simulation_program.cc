@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/utilities.h>
+
+#include <greville/base/templates.h>
+#include <greville/geometry/shape.h>
+#include <greville/materials/element_test.h>
+#include <greville/materials/material.h>
+#include <greville/parameters/names.h>
+#include <greville/run/element_run.h>
+#include <greville/run/run.h>
+#include <greville/run/simulation_program.h>
+#include <greville/steps/grid_mass.h>
+
+#include <boost/algorithm/string/join.hpp>
+#include <map>
+
+namespace greville
+{
+  namespace
+  {
+    void
+    run_or_check(const std::string &file, const GivenOptions &given)
+    {
+      const auto value = [&](const std::string &name) {
+        return given.count(name) > 0 ? given.at(name)[0] : "";
+      };
+      RunOptions options;
+      options.resumes = given.count("resume") > 0;
+      options.from    = value("from");
+      if (given.count("set") > 0)
+        options.settings = given.at("set");
+      AssertThrow(!options.resumes || options.from.empty(),
+                  dealii::ExcMessage(
+                    "--resume and --from exclude each other: a "
+                    "run goes on, or begins with another one."));
+      AssertThrow(given.count("check") > 0 || given.count("draw") == 0,
+                  dealii::ExcMessage("--draw is for the initial state that "
+                                     "--check makes: give both."));
+      const bool is_test = given.count("element-test") > 0;
+      AssertThrow(!is_test || (given.count("check") == 0 && !options.resumes &&
+                               options.from.empty()),
+                  dealii::ExcMessage(
+                    "--element-test runs no simulation: it goes "
+                    "without --check, --resume and --from."));
+      AssertThrow(is_test || given.count("material") == 0,
+                  dealii::ExcMessage("--material is for --element-test TEST: "
+                                     "give both."));
+      if (is_test)
+        run_element_test_of_file(file,
+                                 value("element-test"),
+                                 value("material"),
+                                 MPI_COMM_WORLD,
+                                 options);
+      else if (given.count("check") > 0)
+        check_simulations(file, MPI_COMM_WORLD, options, value("draw"));
+      else
+        run_simulations(file, MPI_COMM_WORLD, options);
+    }
+
+
+
+    /**
+     * History variables, each with the laws that have it.
+     */
+    std::string
+    history_names()
+    {
+      std::map<std::string, std::string> laws;
+      for (const std::string &law :
+           dealii::Utilities::split_string_list(material_names(), '|'))
+        for (const std::string &name : make_material(law, "")->state_names())
+          laws[name] += (laws[name].empty() ? "" : ", ") + law;
+      std::string result;
+      for (const auto &[name, of] : laws)
+        result += (result.empty() ? "" : "|") + name + " (" + of + ")";
+      return result;
+    }
+  } // namespace
+
+
+
+  Program
+  simulation_program()
+  {
+    Program program;
+    program.name = "greville";
+    program.purpose =
+      "the material point method on B-splines: runs the simulation, or the "
+      "sweep of simulations, of a parameter file";
+    program.options = {
+      {"check",
+       "",
+       "run nothing and write no results: show sizes, step, time and memory; "
+       "takes several files",
+       true,
+       false,
+       {},
+       true},
+      {"draw",
+       "FOLDER",
+       "with --check: write the initial points to a new folder"},
+      {"resume", "", "go on from the last checkpoint of its folder"},
+      {"from", "FOLDER", "begin with the last checkpoint of another run"},
+      {"element-test",
+       "TEST",
+       "run no simulation, but a laboratory test of a material"},
+      {"material", "NAME", "with --element-test: which of several"}};
+    program.run            = run_or_check;
+    program.all_parameters = [](const std::string              &file,
+                                const std::vector<std::string> &settings) {
+      return file.empty() ? SimulationParameters::defaults()
+                          : SimulationParameters(file, settings).used();
+    };
+    program.reference = SimulationParameters::use_reference;
+    program.examples  = simulation_examples();
+    program.lists     = {{"materials", "Material NAME/Model", {}},
+                         {"shapes", "", shape_names},
+                         {"placements", "Body NAME/Placement", {}},
+                         {"integrators", "Scheme/Stress update", {}},
+                         {"formulations", "Scheme/Formulation", {}},
+                         {"masses", "", mass_names},
+                         {"solvers", "Solver/Method", {}},
+                         {"implicit-solvers", "Implicit solver/Method", {}},
+                         {"smoothers", "", smoother_names},
+                         {"transfers", "Scheme/Transfer", {}},
+                         {"quadratures", "Scheme/Quadrature", {}},
+                         {"walls", "Walls/Left", {}},
+                         {"surface-loads", "Surface load NAME/Kind", {}},
+                         {"fields", "Output/Fields", {}},
+                         {"element-tests", "", element_test_names},
+                         {"history", "", history_names},
+                         {"columns", "", []() {
+                        return boost::algorithm::join(Statistics<2>::names(),
+                                                      "|");
+                      }}};
+    program.templates = simulation_templates();
+    return program;
+  }
+} // namespace greville
