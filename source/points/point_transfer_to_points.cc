@@ -277,7 +277,7 @@ namespace greville
 
 
     template <int dim>
-    void
+    inline __attribute__((always_inline)) void
     GroupUpdate<dim>::kick(double            *group,
                            const unsigned int count,
                            const Simd (&x)[dim],
@@ -331,7 +331,7 @@ namespace greville
      * By the grid's velocity @p of_grid.
      */
     template <int dim>
-    void
+    inline __attribute__((always_inline)) void
     GroupUpdate<dim>::move(double *group, const Simd *of_grid)
     {
       Simd x[dim], v[dim];
@@ -355,7 +355,7 @@ namespace greville
 
 
     template <int dim>
-    void
+    inline __attribute__((always_inline)) void
     GroupUpdate<dim>::deform(const unsigned int g,
                              const unsigned int count,
                              GridValues<dim>   &values)
@@ -453,7 +453,7 @@ namespace greville
 
 
     template <int dim>
-    __attribute__((noinline)) void
+    inline __attribute__((always_inline)) void
     GroupUpdate<dim>::add(const unsigned int g,
                           const unsigned int count,
                           const Simd (&x)[dim],
@@ -582,14 +582,18 @@ namespace greville
                   const SpacePolynomials<dim> &tables,
                   const CellWindows<dim>      *windows,
                   const unsigned int           n_read,
+                  const PointUpdate<dim>      &update,
+                  const double                *projected,
                   const double                *buffer,
-                  GroupUpdate<dim>            &groups)
+                  PointReport                 &report)
     {
       constexpr int n_fields    = Kind::n_vectors * dim;
       constexpr int n_functions = power(n, dim);
       using OfWindow =
         Sums<n_field_vectors<dim>(Kind::n_vectors), Kind::gradient ? 0 : -1>;
       SeenFunctions<dim, n> functions(points, tables, windows);
+      // Inlined, as its sums stay in registers then.
+      GroupUpdate<dim> groups(points, update, projected, report);
 
       const std::vector<unsigned int> &cells = points.cells();
       for (std::size_t c = 0; c < cells.size(); ++c)
@@ -640,6 +644,7 @@ namespace greville
             }
           groups.end_cell();
         }
+      groups.finish();
     }
   } // namespace
 
@@ -699,13 +704,18 @@ namespace greville
           points.layout().size > Layout::n_fixed
         ? points.layout().size
         : (deform ? Layout::reference : Layout::volume0);
-    PointReport      report;
-    GroupUpdate<dim> groups(points, update, projected, report);
+    PointReport report;
     with_order(tables.space->degree(), [&](const auto size) {
       constexpr int n   = decltype(size)::value;
       const auto    run = [&](const auto kind) {
-        update_points<dim, n, std::decay_t<decltype(kind)>>(
-          points, tables, windows, n_read, numbers.data(), groups);
+        update_points<dim, n, std::decay_t<decltype(kind)>>(points,
+                                                            tables,
+                                                            windows,
+                                                            n_read,
+                                                            update,
+                                                            projected,
+                                                            numbers.data(),
+                                                            report);
       };
       if (update.apic && kick)
         deform ? run(Taken<1, true, true>()) : run(Taken<1, false, true>());
@@ -715,7 +725,6 @@ namespace greville
         // Surfaces alone move without a deformation: their gradients are free.
         run(Taken<1, true, false>());
     });
-    groups.finish();
     return report;
   }
 
