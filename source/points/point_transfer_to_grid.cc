@@ -44,52 +44,6 @@ namespace greville
 
 
     /**
-     * What a group of points gives to forces: -V sigma, or -V0 P with
-     * P = J sigma F^-T, by the gradients of functions, and the force of loads
-     * by their values.
-     */
-    template <int dim>
-    __attribute__((noinline)) void
-    load_forces(const PointLayout<dim> &layout,
-                const PointField       *field_of_load,
-                const double           *group,
-                Simd (&stress)[dim][dim],
-                Simd (&load_force)[dim])
-    {
-      using Layout      = PointLayout<dim>;
-      const Simd volume = load(group + Layout::volume0 * simd_width) *
-                          load(group + Layout::J * simd_width);
-      for (int i = 0; i < dim; ++i)
-        for (int j = 0; j < dim; ++j)
-          stress[i][j] =
-            -volume *
-            load(group +
-                 (Layout::stress + Layout::stress_index(i, j)) * simd_width);
-      if (layout.is_total_lagrangian())
-        {
-          Simd sigma[dim][dim], inverse[dim][dim];
-          std::copy_n(stress[0], dim * dim, sigma[0]);
-          load_inverse_F<dim>(group, layout.initial_F, inverse);
-          multiply_transposed<dim>(sigma, inverse, stress);
-        }
-      const Simd m = load(group + Layout::mass * simd_width);
-      for (int i = 0; i < dim; ++i)
-        load_force[i] =
-          field_of_load
-            ? m * load(group + (field_of_load->first + i) * simd_width)
-            : Simd(0.);
-      // - V sigma_zz N / r, whatever the configuration of N is.
-      if (layout.is_axisymmetric())
-        load_force[0] -=
-          volume *
-          load(group +
-               (Layout::stress + Layout::stress_index(2, 2)) * simd_width) /
-          load(group + Layout::position * simd_width);
-    }
-
-
-
-    /**
      * The fields of a function are mass and momentum (if with_momentum) and
      * force (if with_force). Where there are windows, the force begins a vector
      * of its own.
@@ -105,18 +59,20 @@ namespace greville
       const PointField  *field_of_load = points.layout().find("load");
       const unsigned int first_affine =
         affine ? points.layout().first("affine") : 0;
-      constexpr int first_force = with_momentum ? 1 + dim : 0;
-      constexpr int n_fields    = first_force + (with_force ? dim : 0);
-      constexpr int n_z         = dim == 3 ? n : 1;
-      using OfWindow            = Sums<int(with_momentum) + int(with_force),
+      constexpr int      first_force = with_momentum ? 1 + dim : 0;
+      constexpr int      n_fields    = first_force + (with_force ? dim : 0);
+      constexpr int      n_z         = dim == 3 ? n : 1;
+      const bool         total       = points.layout().is_total_lagrangian();
+      const bool         is_axisymmetric = points.layout().is_axisymmetric();
+      const unsigned int initial_F       = points.layout().initial_F;
+      using OfWindow = Sums<int(with_momentum) + int(with_force),
                             with_force ? int(with_momentum) : -1>;
       SeenFunctions<dim, n> functions(points, tables, windows);
 
       // Numbers that lie in front of those that no pass needs.
       const unsigned int n_read =
-        points.layout().is_total_lagrangian()
-          ? points.layout().size
-          : (with_force ? Layout::stress + Layout::n_stress : Layout::J);
+        total ? points.layout().size
+              : (with_force ? Layout::stress + Layout::n_stress : Layout::J);
 
       const std::vector<unsigned int> &cells = points.cells();
       for (std::size_t c = 0; c < cells.size(); ++c)
@@ -144,10 +100,42 @@ namespace greville
               if constexpr (with_momentum)
                 load_numbers<dim>(group, Layout::velocity, v);
 
+              // - V sigma or - V0 P with P = J sigma F^-T, and the force of
+              // loads
               Simd stress[dim][dim], load_force[dim];
               if constexpr (with_force)
-                load_forces<dim>(
-                  points.layout(), field_of_load, group, stress, load_force);
+                {
+                  const Simd volume =
+                    load(group + Layout::volume0 * simd_width) *
+                    load(group + Layout::J * simd_width);
+                  for (int i = 0; i < dim; ++i)
+                    for (int j = 0; j < dim; ++j)
+                      stress[i][j] =
+                        -volume * load(group + (Layout::stress +
+                                                Layout::stress_index(i, j)) *
+                                                 simd_width);
+                  if (total)
+                    {
+                      Simd sigma[dim][dim], inverse[dim][dim];
+                      std::copy_n(stress[0], dim * dim, sigma[0]);
+                      load_inverse_F<dim>(group, initial_F, inverse);
+                      multiply_transposed<dim>(sigma, inverse, stress);
+                    }
+                  for (int i = 0; i < dim; ++i)
+                    load_force[i] =
+                      field_of_load
+                        ? m * load(group +
+                                   (field_of_load->first + i) * simd_width)
+                        : Simd(0.);
+                  // - V sigma_zz N / r, whatever the configuration of N is.
+                  if (is_axisymmetric)
+                    load_force[0] -=
+                      volume *
+                      load(group +
+                           (Layout::stress + Layout::stress_index(2, 2)) *
+                             simd_width) /
+                      load(group + Layout::position * simd_width);
+                }
 
               if (windows)
                 {

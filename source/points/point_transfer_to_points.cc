@@ -16,30 +16,20 @@ namespace greville
   namespace
   {
     /**
-     * What points take from the grid: the values of some fields, the gradient
-     * of the first one, and what APIC makes of it.
+     * What grid_to_points() does in one pass: Kick changes velocities, Move
+     * positions and Deform F, J, stress and state. SameVelocity: w is v.
      */
-    template <int n_vectors_, bool gradient_, bool affine_>
-    struct Taken
+    template <bool kick_, bool move_, bool deform_, bool same_, bool apic_>
+    struct Pass
     {
-      static constexpr int  n_vectors = n_vectors_;
-      static constexpr bool gradient  = gradient_;
-      static constexpr bool affine    = affine_;
-    };
-
-
-
-    /**
-     * It at the points of a group.
-     */
-    template <int dim>
-    struct GridValues
-    {
-      Simd fields[2 * dim];
-      Simd gradient[dim][dim];
-      // Of APIC: sums of N u_i (xi_j - c_j) with the centre c of the cell, and
-      // D of the documentation.
-      Simd moments[dim][dim], D[dim];
+      static constexpr bool kick   = kick_;
+      static constexpr bool move   = move_;
+      static constexpr bool deform = deform_;
+      static constexpr bool apic   = apic_;
+      // Fields that a function of the grid has: v, w and a.
+      static constexpr bool has_v = kick || move || same_;
+      static constexpr bool has_w = deform && !same_;
+      static constexpr bool has_a = kick && !apic;
     };
 
 
@@ -170,425 +160,46 @@ namespace greville
 
 
 
-    /**
-     * Kick, move and deform groups of points by the values of the grid there,
-     * cell by cell, and note in a report what has become of them.
-     */
-    template <int dim>
-    class GroupUpdate
-    {
-    public:
-      GroupUpdate(MaterialPoints<dim>    &points,
-                  const PointUpdate<dim> &update,
-                  const double           *projected,
-                  PointReport            &report)
-        : points(points)
-        , layout(points.layout())
-        , update(update)
-        , report(report)
-        , first_affine(update.apic ? layout.first("affine") : 0)
-        , first_velocity(update.deformation && update.move &&
-                             update.deformation != update.velocity
-                           ? dim
-                           : 0)
-        , projected(projected)
-        , smallest_J(report.sums.smallest_J)
-      {
-        std::fill_n(momentum, dim, Simd(0.));
-      }
-
-      template <int n>
-      void
-      begin_cell(const unsigned int          number,
-                 const CellGeometry<dim, n> &geometry)
-      {
-        cell = number;
-        left = false;
-        std::copy_n(geometry.center, dim, center);
-        std::copy_n(geometry.inverse_h, dim, inverse_h);
-      }
-
-      /**
-       * The group number @p g of the cell, with @p count points whose basis
-       * functions are taken at @p x.
-       */
-      void
-      add(const unsigned int g,
-          const unsigned int count,
-          const Simd (&x)[dim],
-          GridValues<dim> &values);
-
-      void
-      end_cell()
-      {
-        if (left)
-          report.left_cells.push_back(cell);
-      }
-
-      void
-      finish()
-      {
-        report.fastest_signal = hmax(fastest);
-        report.fastest_wave   = hmax(fastest_wave);
-        report.sums.mass      = reduce(mass);
-        for (int i = 0; i < dim; ++i)
-          report.sums.momentum[i] = reduce(momentum[i]);
-        report.sums.crossed    = hmax(crossed);
-        report.sums.smallest_J = hmin(smallest_J);
-        report.sums.largest_J  = hmax(largest_J);
-      }
-
-    private:
-      using Layout = PointLayout<dim>;
-
-      void
-      kick(double            *group,
-           const unsigned int count,
-           const Simd (&x)[dim],
-           GridValues<dim> &values);
-
-      void
-      move(double *group, const Simd *v);
-
-      void
-      deform(const unsigned int g,
-             const unsigned int count,
-             GridValues<dim>   &values);
-
-      MaterialPoints<dim>    &points;
-      const PointLayout<dim> &layout;
-      const PointUpdate<dim> &update;
-      PointReport            &report;
-      const unsigned int      first_affine, first_velocity;
-
-      // Of the cell.
-      unsigned int cell = 0;
-      bool         left = false; // by a point
-      double       center[dim], inverse_h[dim];
-
-      const double *projected; // of the next point
-      Simd          lane_is_used;
-      Simd          fastest = 0., fastest_wave = 0.;
-      Simd          mass = 0., crossed = 0.;
-      Simd          momentum[dim];
-      Simd          smallest_J, largest_J = 0.;
-    };
-
-
-
-    template <int dim>
-    void
-    GroupUpdate<dim>::kick(double            *group,
-                           const unsigned int count,
-                           const Simd (&x)[dim],
-                           GridValues<dim> &values)
-    {
-      if (update.row)
-        update.row->add_group(points, group, count);
-      Simd *const fields = values.fields;
-      Simd        v[dim];
-      if (update.apic)
-        {
-          for (int i = 0; i < dim; ++i)
-            v[i] = fields[i];
-          for (int j = 0; j < dim; ++j)
-            {
-              // xi - x is the offset minus the distance of x from the centre.
-              const Simd   t         = x[j] - center[j];
-              Simd        &D         = values.D[j];
-              const double smallest  = 1e-12 / (inverse_h[j] * inverse_h[j]);
-              where(D < smallest, D) = smallest;
-              for (int i = 0; i < dim; ++i)
-                values.moments[i][j] =
-                  lane_is_used * (values.moments[i][j] - t * fields[i]) / D;
-            }
-        }
-      else
-        {
-          load_numbers<dim>(group, Layout::velocity, v);
-          for (int i = 0; i < dim; ++i)
-            v[i] =
-              update.flip * (v[i] + update.velocity_step * fields[dim + i]) +
-              (1. - update.flip) * fields[i];
-        }
-      for (int i = 0; i < dim; ++i)
-        v[i] *= lane_is_used;
-      if (update.row && update.apic)
-        add_motion<dim, true>(
-          update, group, count, v, first_affine, values.moments, values.D);
-      else if (update.row)
-        add_motion<dim, false>(
-          update, group, count, v, first_affine, values.moments, values.D);
-      store_numbers<dim>(v, Layout::velocity, group);
-      if (update.apic)
-        for (int i = 0; i < dim; ++i)
-          store_numbers<dim>(values.moments[i], first_affine + i * dim, group);
-    }
-
-
-
-    /**
-     * By the grid's velocity @p of_grid.
-     */
-    template <int dim>
-    void
-    GroupUpdate<dim>::move(double *group, const Simd *of_grid)
-    {
-      Simd x[dim], v[dim];
-      load_numbers<dim>(group, Layout::position, x);
-      load_numbers<dim>(group, Layout::velocity, v);
-      const Simd m = lane_is_used * load(group + Layout::mass * simd_width);
-      mass += m;
-      const bool total = layout.is_total_lagrangian();
-      for (int i = 0; i < dim; ++i)
-        {
-          const Simd way = update.step * lane_is_used * of_grid[i];
-          momentum[i] += m * v[i];
-          crossed = max(crossed, abs(way) * inverse_h[i]);
-          x[i] += way;
-          const Simd t = (x[i] - center[i]) * inverse_h[i];
-          left         = left || (!total && !all_of(abs(t) < 0.5));
-        }
-      store_numbers<dim>(x, Layout::position, group);
-    }
-
-
-
-    template <int dim>
-    void
-    GroupUpdate<dim>::deform(const unsigned int g,
-                             const unsigned int count,
-                             GridValues<dim>   &values)
-    {
-      double    *group           = points.group(g);
-      const bool total           = layout.is_total_lagrangian();
-      const bool is_axisymmetric = layout.is_axisymmetric();
-      auto      &gradient        = values.gradient;
-      Simd       increment[dim][dim], F[dim][dim], new_F[dim][dim];
-      Simd       inverse[dim][dim]; // of F
-      // Of F_zz: 1 in plane strain, else that to r / radius0.
-      Simd hoop_increment = 1.;
-      if (is_axisymmetric)
-        hoop_increment = stretch_hoop<dim>(layout, group);
-      if (total)
-        {
-          Simd reference[dim][dim];
-          std::copy_n(gradient[0], dim * dim, reference[0]);
-          load_inverse_F<dim>(group, layout.initial_F, inverse);
-          multiply<dim>(reference, inverse, gradient);
-        }
-      for (int i = 0; i < dim; ++i)
-        {
-          load_numbers<dim>(group, Layout::F + i * dim, F[i]);
-          for (int j = 0; j < dim; ++j)
-            increment[i][j] =
-              update.step * lane_is_used * gradient[i][j] + (i == j ? 1. : 0.);
-        }
-      multiply<dim>(increment, F, new_F);
-      for (int i = 0; i < dim; ++i)
-        store_numbers<dim>(new_F[i], Layout::F + i * dim, group);
-      Simd det =
-        increment[0][0] * increment[1][1] - increment[0][1] * increment[1][0];
-      if constexpr (dim == 3)
-        det = det * increment[2][2] +
-              increment[0][1] * increment[1][2] * increment[2][0] +
-              increment[0][2] * increment[1][0] * increment[2][1] -
-              increment[0][2] * increment[1][1] * increment[2][0] -
-              increment[0][0] * increment[1][2] * increment[2][1];
-      if (is_axisymmetric)
-        det *= hoop_increment;
-      const Simd J = det * load(group + Layout::J * simd_width);
-      store(J, group + Layout::J * simd_width);
-      Simd used_J                      = J;
-      where(lane_is_used < 1., used_J) = 1.;
-      smallest_J                       = min(smallest_J, used_J);
-      largest_J                        = max(largest_J, used_J);
-
-      if (layout.projected_J != 0)
-        {
-          double    *address = group + layout.projected_J * simd_width;
-          const Simd before  = load(address);
-          Simd       after = J, factor = 1.;
-          for (unsigned int lane = 0; lane < count; ++lane)
-            {
-              if (projected)
-                after[lane] = *projected++;
-              const double ratio = after[lane] / before[lane] / det[lane];
-              factor[lane] = dim == 2 && !is_axisymmetric ? std::sqrt(ratio)
-                                                          : std::cbrt(ratio);
-            }
-          if (is_axisymmetric)
-            hoop_increment *= factor;
-          store(after, address);
-          for (int i = 0; i < dim; ++i)
-            for (int j = 0; j < dim; ++j)
-              increment[i][j] *= factor;
-        }
-
-      if ((update.material &&
-           !update_material(
-             points, g, count, increment, hoop_increment, update)) ||
-          !all_of(used_J > 0.))
-        report_bad_point(points, cell, g, count, report);
-
-      // c^2 = modulus / density
-      Simd v2 = 0.;
-      if (!total)
-        {
-          Simd v[dim];
-          load_numbers<dim>(group, Layout::velocity, v);
-          for (int i = 0; i < dim; ++i)
-            v2 += v[i] * v[i];
-        }
-      Simd m            = load(group + Layout::mass * simd_width);
-      where(m <= 0., m) = 1.;
-      Simd c2           = load(group + Layout::wave_modulus * simd_width) * J *
-                load(group + Layout::volume0 * simd_width) / m;
-      if (total)
-        c2 *= square_of_stretch<dim>(inverse);
-      fastest_wave = max(fastest_wave, sqrt(c2));
-      fastest      = max(fastest, sqrt(c2) + sqrt(v2));
-    }
-
-
-
-    template <int dim>
-    __attribute__((noinline)) void
-    GroupUpdate<dim>::add(const unsigned int g,
-                          const unsigned int count,
-                          const Simd (&x)[dim],
-                          GridValues<dim> &values)
-    {
-      double *group = points.group(g);
-      // Lanes without a point stay where they are.
-      for (unsigned int lane = 0; lane < simd_width; ++lane)
-        lane_is_used[lane] = lane < count ? 1. : 0.;
-      if (update.acceleration)
-        kick(group, count, x, values);
-      if (update.move)
-        move(group, values.fields + first_velocity);
-      if (update.deformation)
-        deform(g, count, values);
-    }
-
-
-
-    /**
-     * Sum up, row by row along x, the fields with @p coefficients
-     * [function][field].
-     */
-    template <int dim, int n, typename Kind>
-    inline __attribute__((always_inline)) void
-    take_values(const CellGeometry<dim, n> &geometry,
-                const double               *coefficients,
-                const Simd (&x)[dim],
-                GridValues<dim> &values)
-    {
-      constexpr int       n_fields = Kind::n_vectors * dim;
-      constexpr int       n_z      = dim == 3 ? n : 1;
-      ShapeValues<dim, n> shape;
-      shape.template evaluate<Kind::gradient>(geometry, x);
-      Simd fields[n_fields], gradient[dim][dim], B[dim][dim];
-      for (int k = 0; k < n_fields; ++k)
-        fields[k] = 0.;
-      for (int i = 0; i < dim; ++i)
-        for (int j = 0; j < dim; ++j)
-          {
-            gradient[i][j] = 0.;
-            B[i][j]        = 0.;
-          }
-
-      const double *c = coefficients;
-      for (int a_z = 0; a_z < n_z; ++a_z)
-        for (int a_y = 0; a_y < n; ++a_y)
-          {
-            Simd rows[n_fields], slopes[dim], first_moments[dim];
-            for (int k = 0; k < n_fields; ++k)
-              rows[k] = 0.;
-            for (int i = 0; i < dim; ++i)
-              {
-                slopes[i]        = 0.;
-                first_moments[i] = 0.;
-              }
-            for (int a = 0; a < n; ++a, c += n_fields)
-              {
-                for (int k = 0; k < n_fields; ++k)
-                  rows[k] += shape.N[0][a] * c[k];
-                if constexpr (Kind::gradient)
-                  for (int i = 0; i < dim; ++i)
-                    slopes[i] += shape.dN[0][a] * c[i];
-                if constexpr (Kind::affine)
-                  for (int i = 0; i < dim; ++i)
-                    first_moments[i] +=
-                      shape.N[0][a] * c[i] * geometry.offsets[0][a];
-              }
-            Simd N_yz = shape.N[1][a_y];
-            if constexpr (dim == 3)
-              N_yz *= shape.N[dim - 1][a_z];
-            for (int k = 0; k < n_fields; ++k)
-              fields[k] += N_yz * rows[k];
-            if constexpr (Kind::gradient)
-              {
-                Simd dy = shape.dN[1][a_y], dz = 0.;
-                if constexpr (dim == 3)
-                  {
-                    dy *= shape.N[dim - 1][a_z];
-                    dz = shape.N[1][a_y] * shape.dN[dim - 1][a_z];
-                  }
-                for (int i = 0; i < dim; ++i)
-                  {
-                    gradient[i][0] += N_yz * slopes[i];
-                    gradient[i][1] += dy * rows[i];
-                    if constexpr (dim == 3)
-                      gradient[i][dim - 1] += dz * rows[i];
-                  }
-              }
-            if constexpr (Kind::affine)
-              for (int i = 0; i < dim; ++i)
-                {
-                  B[i][0] += N_yz * first_moments[i];
-                  B[i][1] += N_yz * rows[i] * geometry.offsets[1][a_y];
-                  if constexpr (dim == 3)
-                    B[i][dim - 1] +=
-                      N_yz * rows[i] * geometry.offsets[dim - 1][a_z];
-                }
-          }
-
-      std::copy_n(fields, n_fields, values.fields);
-      if constexpr (Kind::gradient)
-        std::copy_n(gradient[0], dim * dim, values.gradient[0]);
-      if constexpr (Kind::affine)
-        {
-          std::copy_n(B[0], dim * dim, values.moments[0]);
-          for (int j = 0; j < dim; ++j)
-            {
-              const Simd t = x[j] - geometry.center[j];
-              Simd       D = 0.;
-              for (int a = 0; a < n; ++a)
-                {
-                  const Simd distance = geometry.offsets[j][a] - t;
-                  D += shape.N[j][a] * distance * distance;
-                }
-              values.D[j] = D;
-            }
-        }
-    }
-
-
-
     template <int dim, int n, typename Kind>
     void
     update_points(MaterialPoints<dim>         &points,
                   const SpacePolynomials<dim> &tables,
                   const CellWindows<dim>      *windows,
-                  const unsigned int           n_read,
+                  const PointUpdate<dim>      &update,
+                  const double                *projected,
                   const double                *buffer,
-                  GroupUpdate<dim>            &groups)
+                  PointReport                 &report)
     {
-      constexpr int n_fields    = Kind::n_vectors * dim;
-      constexpr int n_functions = power(n, dim);
+      using Layout = PointLayout<dim>;
+      const unsigned int first_affine =
+        Kind::apic ? points.layout().first("affine") : 0;
+      constexpr int  first_w        = Kind::has_v ? dim : 0;
+      constexpr int  first_a        = first_w + (Kind::has_w ? dim : 0);
+      constexpr int  n_fields       = first_a + (Kind::has_a ? dim : 0);
+      constexpr int  first_gradient = Kind::has_w ? first_w : 0;
+      constexpr int  n_functions    = power(n, dim);
+      constexpr int  n_z            = dim == 3 ? n : 1;
+      constexpr bool derivatives    = Kind::deform;
+      Simd           fastest = 0., fastest_wave = 0.;
+      Simd           mass = 0., crossed = 0.;
+      Simd           momentum[dim];
+      Simd           smallest_J = report.sums.smallest_J, largest_J = 0.;
+      std::fill_n(momentum, dim, Simd(0.));
+      const bool         total = points.layout().is_total_lagrangian();
+      const bool         is_axisymmetric = points.layout().is_axisymmetric();
+      const unsigned int initial_F       = points.layout().initial_F;
+      const unsigned int projected_J     = points.layout().projected_J;
+      // Nothing behind the mass is read where nothing deforms, and nothing
+      // behind F without fields.
+      const unsigned int n_read =
+        total || points.layout().size > Layout::n_fixed
+          ? points.layout().size
+          : (Kind::deform ? Layout::reference : Layout::volume0);
+      // Where the fields of windows lie.
+      constexpr int stride = field_stride<dim>;
       using OfWindow =
-        Sums<n_field_vectors<dim>(Kind::n_vectors), Kind::gradient ? 0 : -1>;
+        Sums<n_field_vectors<dim>(n_fields / dim),
+             derivatives ? first_gradient / dim * stride / 4 : -1>;
       SeenFunctions<dim, n> functions(points, tables, windows);
 
       const std::vector<unsigned int> &cells = points.cells();
@@ -609,37 +220,283 @@ namespace greville
               coefficients[a * n_fields + k] =
                 buffer[std::size_t(geometry.functions[a]) * n_fields + k];
 
-          groups.begin_cell(cell, geometry);
+          bool         left  = false;
           unsigned int count = points.n_in_first_group(cell);
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points.next_group(g), count = simd_width)
             {
               prefetch_next(points, c, g, n_read);
-              const double   *group = points.group(g);
-              GridValues<dim> values;
-              Simd            x[dim];
+              double *group = points.group(g);
+              if constexpr (Kind::kick)
+                if (update.row)
+                  update.row->add_group(points, group, count);
+              Simd x[dim];
               load_basis_positions(points, group, x);
+              ShapeValues<dim, n> shape;
+              if (!windows)
+                shape.template evaluate<derivatives>(geometry, x);
+
+              Simd fields[n_fields], gradient[dim][dim], B[dim][dim];
+              Simd inverse[dim][dim]; // of F
+              for (int k = 0; k < n_fields; ++k)
+                fields[k] = 0.;
+              for (int i = 0; i < dim; ++i)
+                for (int j = 0; j < dim; ++j)
+                  {
+                    gradient[i][j] = 0.;
+                    B[i][j]        = 0.;
+                  }
+
+              const double *c = coefficients;
+              for (int a_z = 0; a_z < (windows ? 0 : n_z); ++a_z)
+                for (int a_y = 0; a_y < n; ++a_y)
+                  {
+                    Simd rows[n_fields], slopes[dim], first_moments[dim];
+                    for (int k = 0; k < n_fields; ++k)
+                      rows[k] = 0.;
+                    for (int i = 0; i < dim; ++i)
+                      {
+                        slopes[i]        = 0.;
+                        first_moments[i] = 0.;
+                      }
+                    for (int a = 0; a < n; ++a, c += n_fields)
+                      {
+                        for (int k = 0; k < n_fields; ++k)
+                          rows[k] += shape.N[0][a] * c[k];
+                        if constexpr (derivatives)
+                          for (int i = 0; i < dim; ++i)
+                            slopes[i] += shape.dN[0][a] * c[first_gradient + i];
+                        if constexpr (Kind::apic)
+                          for (int i = 0; i < dim; ++i)
+                            first_moments[i] +=
+                              shape.N[0][a] * c[i] * geometry.offsets[0][a];
+                      }
+                    Simd N_yz = shape.N[1][a_y];
+                    if constexpr (dim == 3)
+                      N_yz *= shape.N[dim - 1][a_z];
+                    for (int k = 0; k < n_fields; ++k)
+                      fields[k] += N_yz * rows[k];
+                    if constexpr (derivatives)
+                      {
+                        Simd dy = shape.dN[1][a_y], dz = 0.;
+                        if constexpr (dim == 3)
+                          {
+                            dy *= shape.N[dim - 1][a_z];
+                            dz = shape.N[1][a_y] * shape.dN[dim - 1][a_z];
+                          }
+                        for (int i = 0; i < dim; ++i)
+                          {
+                            gradient[i][0] += N_yz * slopes[i];
+                            gradient[i][1] += dy * rows[first_gradient + i];
+                            if constexpr (dim == 3)
+                              gradient[i][dim - 1] +=
+                                dz * rows[first_gradient + i];
+                          }
+                      }
+                    if constexpr (Kind::apic)
+                      for (int i = 0; i < dim; ++i)
+                        {
+                          B[i][0] += N_yz * first_moments[i];
+                          B[i][1] += N_yz * rows[i] * geometry.offsets[1][a_y];
+                          if constexpr (dim == 3)
+                            B[i][dim - 1] +=
+                              N_yz * rows[i] * geometry.offsets[dim - 1][a_z];
+                        }
+                  }
+
               if (windows)
                 {
-                  constexpr int stride = field_stride<dim>;
-                  Simd          sums[OfWindow::n_all(dim) * simd_width];
+                  Simd sums[OfWindow::n_all(dim) * simd_width];
                   functions.template gather<OfWindow>(
                     group, count, x, buffer, sums);
                   for (int k = 0; k < n_fields; ++k)
-                    values.fields[k] = sums[k / dim * stride + k % dim];
-                  if constexpr (Kind::gradient)
+                    fields[k] = sums[k / dim * stride + k % dim];
+                  if constexpr (derivatives)
                     for (int i = 0; i < dim; ++i)
                       for (int j = 0; j < dim; ++j)
-                        values.gradient[i][j] =
-                          sums[OfWindow::n_numbers + j * simd_width + i];
+                        gradient[i][j] =
+                          sums[OfWindow::n_numbers + j * 4 +
+                               first_gradient / dim * stride % 4 + i];
                 }
-              else
-                take_values<dim, n, Kind>(geometry, coefficients, x, values);
-              groups.add(g, count, x, values);
+
+              // Lanes without a point stay where they are.
+              Simd lane_is_used;
+              for (unsigned int lane = 0; lane < simd_width; ++lane)
+                lane_is_used[lane] = lane < count ? 1. : 0.;
+              Simd v[dim];
+
+              if constexpr (Kind::kick)
+                {
+                  Simd D[dim] = {};
+                  if constexpr (Kind::apic)
+                    {
+                      for (int i = 0; i < dim; ++i)
+                        v[i] = fields[i];
+                      for (int j = 0; j < dim; ++j)
+                        {
+                          // xi - x is the offset minus the distance of x from
+                          // the centre; D as in the documentation.
+                          const Simd t = x[j] - geometry.center[j];
+                          D[j]         = 0.;
+                          for (int a = 0; a < n; ++a)
+                            {
+                              const Simd distance = geometry.offsets[j][a] - t;
+                              D[j] += shape.N[j][a] * distance * distance;
+                            }
+                          const double smallest =
+                            1e-12 /
+                            (geometry.inverse_h[j] * geometry.inverse_h[j]);
+                          where(D[j] < smallest, D[j]) = smallest;
+                          for (int i = 0; i < dim; ++i)
+                            B[i][j] =
+                              lane_is_used * (B[i][j] - t * fields[i]) / D[j];
+                        }
+                    }
+                  else
+                    {
+                      load_numbers<dim>(group, Layout::velocity, v);
+                      for (int i = 0; i < dim; ++i)
+                        v[i] = update.flip * (v[i] + update.velocity_step *
+                                                       fields[first_a + i]) +
+                               (1. - update.flip) * fields[i];
+                    }
+                  for (int i = 0; i < dim; ++i)
+                    v[i] *= lane_is_used;
+                  if (update.row)
+                    add_motion<dim, Kind::apic>(
+                      update, group, count, v, first_affine, B, D);
+                  store_numbers<dim>(v, Layout::velocity, group);
+                  if constexpr (Kind::apic)
+                    for (int i = 0; i < dim; ++i)
+                      store_numbers<dim>(B[i], first_affine + i * dim, group);
+                }
+
+              if constexpr (Kind::move)
+                {
+                  if (total)
+                    load_numbers<dim>(group, Layout::position, x);
+                  if constexpr (!Kind::kick)
+                    load_numbers<dim>(group, Layout::velocity, v);
+                  const Simd m =
+                    lane_is_used * load(group + Layout::mass * simd_width);
+                  mass += m;
+                  for (int i = 0; i < dim; ++i)
+                    {
+                      const Simd way = update.step * lane_is_used * fields[i];
+                      momentum[i] += m * v[i];
+                      crossed = max(crossed, abs(way) * geometry.inverse_h[i]);
+                      x[i] += way;
+                      const Simd t =
+                        (x[i] - geometry.center[i]) * geometry.inverse_h[i];
+                      left = left || (!total && !all_of(abs(t) < 0.5));
+                    }
+                  store_numbers<dim>(x, Layout::position, group);
+                }
+
+              if constexpr (Kind::deform)
+                {
+                  Simd increment[dim][dim], F[dim][dim], new_F[dim][dim];
+                  // Of F_zz: 1 in plane strain, else that to r / radius0.
+                  Simd hoop_increment = 1.;
+                  if (is_axisymmetric)
+                    hoop_increment = stretch_hoop<dim>(points.layout(), group);
+                  if (total)
+                    {
+                      Simd reference[dim][dim];
+                      std::copy_n(gradient[0], dim * dim, reference[0]);
+                      load_inverse_F<dim>(group, initial_F, inverse);
+                      multiply<dim>(reference, inverse, gradient);
+                    }
+                  for (int i = 0; i < dim; ++i)
+                    {
+                      load_numbers<dim>(group, Layout::F + i * dim, F[i]);
+                      for (int j = 0; j < dim; ++j)
+                        increment[i][j] =
+                          update.step * lane_is_used * gradient[i][j] +
+                          (i == j ? 1. : 0.);
+                    }
+                  multiply<dim>(increment, F, new_F);
+                  for (int i = 0; i < dim; ++i)
+                    store_numbers<dim>(new_F[i], Layout::F + i * dim, group);
+                  Simd det = increment[0][0] * increment[1][1] -
+                             increment[0][1] * increment[1][0];
+                  if constexpr (dim == 3)
+                    det = det * increment[2][2] +
+                          increment[0][1] * increment[1][2] * increment[2][0] +
+                          increment[0][2] * increment[1][0] * increment[2][1] -
+                          increment[0][2] * increment[1][1] * increment[2][0] -
+                          increment[0][0] * increment[1][2] * increment[2][1];
+                  if (is_axisymmetric)
+                    det *= hoop_increment;
+                  const Simd J = det * load(group + Layout::J * simd_width);
+                  store(J, group + Layout::J * simd_width);
+                  Simd used_J                      = J;
+                  where(lane_is_used < 1., used_J) = 1.;
+                  smallest_J                       = min(smallest_J, used_J);
+                  largest_J                        = max(largest_J, used_J);
+
+                  if (projected_J != 0)
+                    {
+                      double    *address = group + projected_J * simd_width;
+                      const Simd before  = load(address);
+                      Simd       after = J, factor = 1.;
+                      for (unsigned int lane = 0; lane < count; ++lane)
+                        {
+                          if (projected)
+                            after[lane] = *projected++;
+                          const double ratio =
+                            after[lane] / before[lane] / det[lane];
+                          factor[lane] = dim == 2 && !is_axisymmetric
+                                           ? std::sqrt(ratio)
+                                           : std::cbrt(ratio);
+                        }
+                      if (is_axisymmetric)
+                        hoop_increment *= factor;
+                      store(after, address);
+                      for (int i = 0; i < dim; ++i)
+                        for (int j = 0; j < dim; ++j)
+                          increment[i][j] *= factor;
+                    }
+
+                  if ((update.material && !update_material(points,
+                                                           g,
+                                                           count,
+                                                           increment,
+                                                           hoop_increment,
+                                                           update)) ||
+                      !all_of(used_J > 0.))
+                    report_bad_point(points, cell, g, count, report);
+
+                  // c^2 = modulus / density
+                  Simd v2 = 0.;
+                  if (!total)
+                    {
+                      load_numbers<dim>(group, Layout::velocity, v);
+                      for (int i = 0; i < dim; ++i)
+                        v2 += v[i] * v[i];
+                    }
+                  Simd m            = load(group + Layout::mass * simd_width);
+                  where(m <= 0., m) = 1.;
+                  Simd c2 = load(group + Layout::wave_modulus * simd_width) *
+                            J * load(group + Layout::volume0 * simd_width) / m;
+                  if (total)
+                    c2 *= square_of_stretch<dim>(inverse);
+                  fastest_wave = max(fastest_wave, sqrt(c2));
+                  fastest      = max(fastest, sqrt(c2) + sqrt(v2));
+                }
             }
-          groups.end_cell();
+          if (left)
+            report.left_cells.push_back(cell);
         }
+      report.fastest_signal = hmax(fastest);
+      report.fastest_wave   = hmax(fastest_wave);
+      report.sums.mass      = reduce(mass);
+      for (int i = 0; i < dim; ++i)
+        report.sums.momentum[i] = reduce(momentum[i]);
+      report.sums.crossed    = hmax(crossed);
+      report.sums.smallest_J = hmin(smallest_J);
+      report.sums.largest_J  = hmax(largest_J);
     }
   } // namespace
 
@@ -662,16 +519,13 @@ namespace greville
                 ExcInternalError());
     AssertThrow(!update.apic || !windows,
                 ExcMessage("APIC does not go with domains."));
-    AssertThrow((kick || update.move || deform) && (!kick || !deform || same),
-                ExcNotImplemented());
 
-    // That with a gradient first.
     std::vector<const VectorField<dim> *> fields;
-    if (deform && !same)
-      fields.push_back(update.deformation);
     // A kick of FLIP does not look at it, but at its place in the buffer.
     if (kick || update.move || (deform && same))
       fields.push_back(update.velocity ? update.velocity : update.acceleration);
+    if (deform && !same)
+      fields.push_back(update.deformation);
     if (kick && !update.apic)
       fields.push_back(update.acceleration);
 
@@ -693,31 +547,34 @@ namespace greville
                                               update.move)
                                     .data()
                                 : nullptr;
-    // Nothing behind the mass is read where nothing deforms, and nothing behind
-    // F without fields.
-    using Layout = PointLayout<dim>;
-    const unsigned int n_read =
-      points.layout().is_total_lagrangian() ||
-          points.layout().size > Layout::n_fixed
-        ? points.layout().size
-        : (deform ? Layout::reference : Layout::volume0);
-    PointReport      report;
-    GroupUpdate<dim> groups(points, update, projected, report);
+    PointReport   report;
     with_order(tables.space->degree(), [&](const auto size) {
       constexpr int n   = decltype(size)::value;
       const auto    run = [&](const auto kind) {
         update_points<dim, n, std::decay_t<decltype(kind)>>(
-          points, tables, windows, n_read, numbers.data(), groups);
+          points, tables, windows, update, projected, numbers.data(), report);
       };
-      if (update.apic && kick)
-        deform ? run(Taken<1, true, true>()) : run(Taken<1, false, true>());
-      else if (fields.size() == 2)
-        deform ? run(Taken<2, true, false>()) : run(Taken<2, false, false>());
+      if (kick && update.move && deform && same)
+        update.apic ? run(Pass<true, true, true, true, true>())
+                    : run(Pass<true, true, true, true, false>());
+      else if (kick && update.move && !deform)
+        update.apic ? run(Pass<true, true, false, false, true>())
+                    : run(Pass<true, true, false, false, false>());
+      else if (kick && !update.move && !deform)
+        update.apic ? run(Pass<true, false, false, false, true>())
+                    : run(Pass<true, false, false, false, false>());
+      else if (!kick && update.move && deform && !same)
+        run(Pass<false, true, true, false, false>());
+      else if (!kick && update.move && deform && same)
+        run(Pass<false, true, true, true, false>());
+      else if (!kick && !update.move && deform)
+        // The velocity is not needed: w takes its place.
+        run(Pass<false, false, true, false, false>());
+      else if (!kick && update.move && !deform)
+        run(Pass<false, true, false, false, false>());
       else
-        // Surfaces alone move without a deformation: their gradients are free.
-        run(Taken<1, true, false>());
+        AssertThrow(false, ExcNotImplemented());
     });
-    groups.finish();
     return report;
   }
 
