@@ -344,6 +344,11 @@ namespace
            {"'Material soil' is soft"});
     accept(with("Material soil/Cohesion=8"), {"'Material soil' is weak"});
 
+    write("ring.prm",
+          "include slope.prm\nsubsection Grid\n  set Geometry = axisymmetric\n"
+          "  set Cells = 45, 12\nend\n");
+    accept({"greville", "ring.prm", "--check"}, {"mass, kg/rad"});
+
     // Several files: those that are refused do not keep others from being
     // checked.
     write("small.prm",

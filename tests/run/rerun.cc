@@ -107,6 +107,9 @@ test_main()
     try
       {
         SimulationParameters parameters(file.string(), settings);
+        std::ofstream("used.prm") << parameters.used();
+        check(file.string() + " is the same as its parameters.prm",
+              SimulationParameters("used.prm").used() == parameters.used());
         parameters.newton.log = false;
         for (StageParameters &stage : parameters.stages)
           stage.newton.log = false;
