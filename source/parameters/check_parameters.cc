@@ -210,10 +210,9 @@ namespace greville
     for (const auto &[name, contact] : contacts)
       for (const auto &group : groups)
         {
-          const auto has = [&](const unsigned int side) {
-            return std::count(group.begin(),
-                              group.end(),
-                              contact.sides()[side][0]) > 0;
+          const auto sides = contact.sides();
+          const auto has   = [&](const unsigned int side) {
+            return std::count(group.begin(), group.end(), sides[side][0]) > 0;
           };
           AssertThrow(!has(0) || !has(1),
                       ExcMessage("'Contact " + name + "/Bodies' is <" +

@@ -177,11 +177,13 @@ namespace greville
         refuse_without_water(!water.free_surface_pressure.empty(),
                              "Water/Free surface pressure");
         for (const auto &[name, load] : surface_loads)
-          for (const auto &[is_given, parameter] :
-               {std::make_pair(!load.pore_pressure.empty(), "/Pore pressure"),
-                std::make_pair(load.seepage_face, "/Seepage face"),
-                std::make_pair(!load.flux.empty(), "/Flux")})
-            refuse_without_water(is_given, "Surface load " + name + parameter);
+          {
+            const std::string section = "Surface load " + name;
+            refuse_without_water(!load.pore_pressure.empty(),
+                                 section + "/Pore pressure");
+            refuse_without_water(load.seepage_face, section + "/Seepage face");
+            refuse_without_water(!load.flux.empty(), section + "/Flux");
+          }
         return;
       }
     for (const auto &[name, load] : surface_loads)

@@ -209,17 +209,18 @@ namespace greville
     void
     check_geometry(const BodyParameters &parameters, const std::string &section)
     {
+      const std::pair<const char *, const std::string *> ways[] = {
+        {"Shape", &parameters.shape},
+        {"Shape file", &parameters.shape_file},
+        {"Points file", &parameters.points_file}};
       std::string last;
-      for (const auto &given :
-           {std::make_pair("Shape", &parameters.shape),
-            std::make_pair("Shape file", &parameters.shape_file),
-            std::make_pair("Points file", &parameters.points_file)})
-        if (!given.second->empty())
+      for (const auto &[name, given] : ways)
+        if (!given->empty())
           {
             AssertThrow(last.empty(),
                         ExcMessage("'" + section + "' has both '" + last +
-                                   "' and '" + given.first + "'."));
-            last = given.first;
+                                   "' and '" + name + "'."));
+            last = name;
           }
       AssertThrow(!last.empty(),
                   ExcMessage(

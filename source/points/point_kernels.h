@@ -246,7 +246,7 @@ namespace greville
               sums = __builtin_shufflevector(first, second, 0, 1, 4, 5) +
                      __builtin_shufflevector(first, second, 2, 3, 6, 7);
       Simd result;
-      std::memcpy(&result, &sums, sizeof(result));
+      std::memcpy(static_cast<void *>(&result), &sums, sizeof(result));
       return result;
     }
 

@@ -33,9 +33,9 @@ namespace greville
       out << title << "\n              ";
       for (unsigned int c = 0; c < n_columns; ++c)
         out << "  " << table.names[c];
-      for (const auto &[name, row] : {std::make_pair("start", std::size_t(0)),
-                                      std::make_pair("largest q", peak),
-                                      std::make_pair("end", q.size() - 1)})
+      const std::pair<const char *, std::size_t> rows[] = {
+        {"start", 0}, {"largest q", peak}, {"end", q.size() - 1}};
+      for (const auto &[name, row] : rows)
         {
           out << "\n  " << std::left << std::setw(12) << name << std::right;
           for (unsigned int c = 0; c < n_columns; ++c)

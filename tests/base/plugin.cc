@@ -9,7 +9,6 @@
 #include <greville/materials/material.h>
 
 #include "../tests.h"
-#include <algorithm>
 #include <fstream>
 #include <iterator>
 
@@ -70,10 +69,9 @@ test_main()
   has(without, "-DCMAKE_BUILD_TYPE=");
 
   const auto has_sponge = [] {
-    const auto names = material_names();
-    return std::count(names.begin(), names.end(), "sponge");
+    return material_names().find("sponge") != std::string::npos;
   };
-  check("a plugin that is refused adds nothing", has_sponge() == 0);
+  check("a plugin that is refused adds nothing", !has_sponge());
   check("this build is loaded", message_with(build, build).empty());
-  check("the plugin adds its law", has_sponge() == 1);
+  check("the plugin adds its law", has_sponge());
 }

@@ -5,12 +5,55 @@
 
 #include <deal.II/base/symmetric_tensor.h>
 
-/**
- * dealii::eigenvectors(), whose symbol clang names otherwise than g++: a library
- * of deal.II that g++ has built lacks it, so that clang compiles it again.
+#include <algorithm>
+
+/*
+ * dealii::eigenvectors(). Its symbol has another name with clang than with g++,
+ * by which distributions build deal.II: clang takes what is below, which calls
+ * the same functions of deal.II.
  */
 #ifdef __clang__
-#  include <deal.II/base/symmetric_tensor.templates.h>
+namespace greville
+{
+  namespace internal
+  {
+    template <int dim>
+    std::array<std::pair<double, dealii::Tensor<1, dim>>, dim>
+    sorted_eigenvectors(const dealii::SymmetricTensor<2, dim>         &tensor,
+                        const dealii::SymmetricTensorEigenvectorMethod method)
+    {
+      using Method      = dealii::SymmetricTensorEigenvectorMethod;
+      namespace methods = dealii::internal::SymmetricTensorImplementation;
+      Assert(method != Method::hybrid, dealii::ExcNotImplemented());
+      auto result = method == Method::jacobi
+                      ? methods::jacobi(tensor)
+                      : methods::ql_implicit_shifts(tensor);
+      std::sort(result.begin(),
+                result.end(),
+                methods::SortEigenValuesVectors<dim, double>());
+      return result;
+    }
+  } // namespace internal
+} // namespace greville
+
+namespace dealii
+{
+  template <>
+  inline std::array<std::pair<double, Tensor<1, 2>>, 2>
+  eigenvectors(const SymmetricTensor<2, 2>           &tensor,
+               const SymmetricTensorEigenvectorMethod method)
+  {
+    return greville::internal::sorted_eigenvectors(tensor, method);
+  }
+
+  template <>
+  inline std::array<std::pair<double, Tensor<1, 3>>, 3>
+  eigenvectors(const SymmetricTensor<2, 3>           &tensor,
+               const SymmetricTensorEigenvectorMethod method)
+  {
+    return greville::internal::sorted_eigenvectors(tensor, method);
+  }
+} // namespace dealii
 #endif
 
 #endif
