@@ -64,9 +64,12 @@ install_missing() {
     as_root="sudo"
   fi
   say "missing packages:$missing"
-  if ! command -v apt-get >/dev/null ||
-    { [ -n "$as_root" ] && ! command -v sudo >/dev/null; }; then
-    say "install them, or what corresponds to them, as root: $install"
+  if ! command -v apt-get >/dev/null; then
+    say "there is no apt-get here; what it would do on Debian: $install"
+    return 0
+  fi
+  if [ -n "$as_root" ] && ! command -v sudo >/dev/null; then
+    say "install them as root: $install"
     return 1
   fi
   if [ -n "$as_root" ] && ! $assume_yes; then

@@ -10,9 +10,9 @@ ends() {
   message=$2
   shift 2
   status=0
-  "$@" >"$out" 2>&1 || status=1
+  "$@" >"$out" 2>&1 || status=$?
   if [ $status -ne "$wanted" ] || [ "$(grep -c -e "$message" "$out")" -ne 1 ] ||
-    grep -q -e MPI_ABORT -e ORTE_ERROR "$out"; then
+    grep -Eq 'MPI_ABORT|[OP]RTE[_ ]ERROR' "$out"; then
     echo "$*: exit status $status, or not one <$message>, or aborted:"
     cat "$out"
     exit 1

@@ -22,7 +22,7 @@ if command -v ld.lld >/dev/null; then
 fi
 # build_in FOLDER SOURCE
 build_in() {
-  "$cmake" -S "$2" -B "$1" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+  "$cmake" -S "$2" -B "$1" -G Ninja \
     -DCMAKE_PREFIX_PATH="$folder/prefix" -DCMAKE_EXE_LINKER_FLAGS=$linker
   "$cmake" --build "$1"
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // All: 1
+// Debug: no
 
 // Wrong input is answered by one message that names what is wrong: every line
 // of the shipped files in turn is removed, misspelled, and given wrong values.

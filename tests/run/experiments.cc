@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // All: 1
+// Debug: no
 
 // Coarse runs of the experiments: the granular collapse of Bui et al. and the
 // dam break of Martin and Moyce, against the measured data; the flow in a

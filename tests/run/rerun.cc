@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // All: 1
+// Debug: no
 
 // Each shipped file runs on a coarse grid, and its output/NAME/parameters.prm
 // runs again, from another folder and with results that agree bit for bit. Each

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
+// Debug: no
 
 // Every shipped parameter file, those of examples, of the user guide and of the
 // reference are accepted, and their data are there; rerun.cc runs them.

@@ -40,7 +40,7 @@
   " " GREVILLE_BUILD_TYPE " with " GREVILLE_INDICES ", " GREVILLE_COMPILER \
   ", vectors of " GREVILLE_QUOTE(__BIGGEST_ALIGNMENT__) " bytes"
 
-/// What stands before GREVILLE_BUILD in the file of a plugin.
+/// The text before GREVILLE_BUILD in the file of a plugin.
 #define GREVILLE_PLUGIN_MARK "greville plugin: "
 
 /**
@@ -51,7 +51,7 @@
  *     add_material<MyLaw>();
  *   }
  * @endcode
- * It also writes into the plugin for which build it is.
+ * It records the build for which the plugin was compiled.
  */
 #define GREVILLE_PLUGIN                                  \
   extern "C"                                             \
