@@ -442,6 +442,12 @@ namespace
 void
 test_main()
 {
+  // Beside the output of this test.
+  const std::filesystem::path folder = "folder";
+  if (is_first())
+    std::filesystem::create_directory(folder);
+  MPI_Barrier(MPI_COMM_WORLD);
+  std::filesystem::current_path(folder);
   for (const std::string program : {"greville", "greville_benchmark"})
     check_options(program);
   check_lists();

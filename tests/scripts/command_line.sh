@@ -100,13 +100,16 @@ answers 2 10 "Usage: .ci/build" .ci/build g++ Fast
   asked --yes >"$place/out" || exit 1
   grep -q "called: sudo env .* apt-get install -y .* soil water" "$place/out" ||
     exit 1
-  rm "$place/sudo" "$place/apt-get"
+  rm "$place/sudo"
   mkdir "$place/bin"
   for program in sh grep sed nproc dirname basename; do
     ln -s "$(command -v $program)" "$place/bin"
   done
   PATH=$place:$place/bin asked --yes >"$place/out" && exit 1
-  grep -q "as root: apt-get install" "$place/out"
+  grep -q "as root: apt-get install" "$place/out" || exit 1
+  rm "$place/apt-get"
+  PATH=$place:$place/bin asked >"$place/out" || exit 1
+  grep -q "no apt-get here; .*: apt-get install" "$place/out"
 ) >"$out" 2>&1 || {
   echo "FAILED: the installation of packages:"
   cat "$out"
