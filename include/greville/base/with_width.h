@@ -37,7 +37,6 @@ namespace greville
   {
     const bool is_known = with_one_of<1, 2, 3, 4, 8>(width, action);
     AssertThrow(is_known, dealii::ExcInternalError());
-    (void)is_known;
   }
 
   /**
@@ -49,7 +48,6 @@ namespace greville
   {
     const bool is_known = with_one_of<2, 3, 4, 5, 6>(degree + 1, action);
     AssertThrow(is_known, dealii::ExcInternalError());
-    (void)is_known;
   }
 } // namespace greville
 
