@@ -1,5 +1,5 @@
 #!/bin/sh
-# Usage: compare NUMDIFF EXPECTED FOLDER COMMAND...
+# Usage: compare.sh NUMDIFF EXPECTED FOLDER COMMAND...
 #
 # Run COMMAND in the new folder FOLDER, and compare what it prints with the file
 # EXPECTED. Numbers may differ by 1e-6, or by a fraction of 1e-8.
