@@ -2,7 +2,8 @@
 
 // A library to be loaded before Open MPI. A process that waits for a message
 // calls sched_yield() again and again, which keeps a core busy that another test
-// needs. After some calls in a row this one sleeps for a moment instead.
+// needs. After a thousand calls in a row, about a millisecond, this one sleeps for
+// a moment instead.
 
 #include <sys/syscall.h>
 #include <time.h>
@@ -21,7 +22,7 @@ sched_yield() noexcept
     now.tv_sec == last.tv_sec && now.tv_nsec - last.tv_nsec < row;
   n_row = is_in_row ? n_row + 1 : 0;
   last  = now;
-  if (n_row < 20)
+  if (n_row < 1000)
     return syscall(SYS_sched_yield);
   const timespec moment = {0, pause};
   nanosleep(&moment, nullptr);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1 2
-// All: 4
+// All: 1 2 4
 
 // Periodic walls: a body that flies through them goes on as in an open grid,
 // and a body does not know where a period begins.

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1 2
 
 // Loads on the surfaces of bodies: their forces, what they do to bodies in
 // explicit and implicit steps, and what is refused.

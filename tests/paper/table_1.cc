@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2
+// All: 1 2
 // Debug: no
 
 // Table 1 of Tielen, Moeller and Vuik (2019): on one process not more

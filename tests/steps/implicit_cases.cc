@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1 2
 
 // Implicit steps in cases with references: Cook's membrane, free flight, disks
 // that collide, walls that turn, limit loads, and forces of walls.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// All: 1 2
 
 // A thick ring under inner pressure, with curved surfaces that cut the cells:
 // the order of the displacement and of the stress at the inner wall, at small
