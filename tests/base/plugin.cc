@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// A plugin of this build is loaded. A plugin of another or of an unknown build is
-// refused before it is loaded.
+// A plugin of this build is loaded. A plugin of another or of an unknown build
+// is refused before it is loaded.
 
 #include <greville/base/plugin.h>
 #include <greville/base/shared_library.h>
