@@ -164,7 +164,7 @@ namespace greville
 
 
     /**
-     * Whether the others come to a barrier within some seconds.
+     * Return true if the others come to a barrier within some seconds.
      */
     bool
     all_arrive(MPI_Request &barrier)

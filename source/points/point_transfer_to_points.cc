@@ -573,7 +573,9 @@ namespace greville
       else if (!kick && update.move && !deform)
         run(Pass<false, true, false, false, false>());
       else
-        AssertThrow(false, ExcNotImplemented());
+        AssertThrow(false,
+                    ExcMessage("No pass over points has this combination of "
+                               "updates."));
     });
     return report;
   }

@@ -189,7 +189,7 @@ namespace greville
       virtual Values<dim>
       evaluate(const Point<dim> &x) = 0;
 
-      /// What the term of the last evaluate() gives.
+      /// Add the contribution of the last evaluate().
       virtual void
       add(const typename WaterTerms<dim>::Sources &sources) = 0;
 

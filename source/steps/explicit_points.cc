@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-// What CentralDifferences does with points after a solve, and tells the
-// balances of energy and momentum.
+// CentralDifferences moves points after a solve, and adds to the balances of
+// energy and momentum.
 namespace greville
 {
   using namespace dealii;
@@ -138,7 +138,7 @@ namespace greville
                      field.new_velocity[d].local_element(i);
     state.energy.add_work(EnergyBalance::gravity, trial.step * power);
 
-    // What their force gives to the kinetic energy.
+    // The work of their force on the kinetic energy.
     add_work_of_point_loads(state, false);
     for (const GridField<dim> &field : discretization.fields())
       for (unsigned int k = 0; k < field.surfaces.size(); ++k)

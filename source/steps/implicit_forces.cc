@@ -177,7 +177,7 @@ namespace greville
     refuse(discretization.walls().have_friction(),
            "'Walls' = friction",
            "implicit steps have fixed, sliding and moving walls.");
-    // Those of the library are the ones above.
+    // The contacts of the library are checked above.
     refuse(
       !make_contacts(parts).empty(),
       "a contact of add_contact()",
@@ -436,7 +436,7 @@ namespace greville
       state.energy.add_work(EnergyBalance::loads, on_points);
     state.energy.add_work(EnergyBalance::walls, by_walls);
 
-    // Those on surfaces one by one, and then those that follow the points of
+    // Loads on surfaces one by one, and then loads that follow the points of
     // bodies, which are among the loads on points at the start. Contacts count
     // their own.
     const unsigned int n_surfaces = loads.surfaces().n_loads();

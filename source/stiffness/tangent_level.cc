@@ -284,7 +284,7 @@ namespace greville
       Utilities::MPI::sum<std::uint64_t>(layout.n_owned() * dim, comm),
       "rows of a matrix");
 
-    // What is held of unknowns of other processes, too.
+    // The constrained unknowns of other processes are needed, too.
     VectorType column;
     extended_mass.unknowns().initialize_vector(column, 1);
     for (unsigned int u = 0; u < functions.size(); ++u)

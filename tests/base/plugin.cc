@@ -21,8 +21,8 @@ content_of(const std::string &file)
 
 
 
-// What load_plugin() says of the plugin sponge with another text in place of
-// one of the same length; nothing if it loads it.
+// Return the message of load_plugin() for the plugin sponge with another text
+// in place of one of the same length, or an empty one if it is loaded.
 std::string
 message_with(const std::string &text, const std::string &other)
 {

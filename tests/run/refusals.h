@@ -202,7 +202,7 @@ namespace refusals
 
 
   /**
-   * Whether a message is the wanted one, in which "..." stands for any text.
+   * Return true if a message is the wanted one, in which "..." is any text.
    */
   inline bool
   fits(const std::string &message, const std::string &wanted)

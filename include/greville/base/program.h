@@ -27,7 +27,7 @@ namespace greville
     /// What the value may be; empty: what it likes. One that is not needed is
     /// what follows the option only where it is one of these.
     std::vector<std::string> words = {};
-    /// Whether runs with this option take several files, one after the other.
+    /// True if runs with this option take several files, one after the other.
     bool takes_several_files = false;
   };
 
