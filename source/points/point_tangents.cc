@@ -279,7 +279,10 @@ namespace greville
               for (int k = i; k < dim; ++k)
                 {
                   for (int q = 0; q < n_together; ++q)
-                    contract(C + q, symmetric, i, k, q);
+                    if (symmetric)
+                      contract<true>(C + q, i, k, q);
+                    else
+                      contract<false>(C + q, i, k, q);
                   add(block);
                   block += n_functions * stride;
                 }
@@ -315,12 +318,9 @@ namespace greville
       /**
        * C_iJkL d_J N_a.
        */
+      template <bool symmetric>
       void
-      contract(const double *C,
-               const bool    symmetric,
-               const int     i,
-               const int     k,
-               const int     q)
+      contract(const double *C, const int i, const int k, const int q)
       {
         // Only the component r has the pair of f_zz.
         const auto pair_of = [](const int component, const int direction) {
@@ -331,7 +331,7 @@ namespace greville
         const auto entry = [&](const int r, const int s) {
           if (r < 0 || s < 0)
             return 0.;
-          if (symmetric)
+          if constexpr (symmetric)
             return C[entry_of<n_pairs, true>(std::min(r, s), std::max(r, s)) *
                      n_together];
           else

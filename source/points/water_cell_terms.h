@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_water_cell_terms_h
+#define greville_water_cell_terms_h
+
+#include <greville/points/water_tangents.h>
+
+#include "gradients.h"
+#include <array>
+#include <memory>
+
+namespace greville
+{
+  namespace internal
+  {
+    using namespace dealii;
+
+    /**
+     * det(1 + h) - 1, exact to round-off where h is small.
+     */
+    template <int dim>
+    double
+    change_of_volume(const Tensor<2, dim> &h)
+    {
+      double result = trace(h) + determinant(h);
+      if constexpr (dim == 3)
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = i + 1; j < 3; ++j)
+            result += h[i][i] * h[j][j] - h[i][j] * h[j][i];
+      return result;
+    }
+
+
+
+    /**
+     * The fields of the grid at a term, with gradients with respect to its x.
+     */
+    template <int dim>
+    struct WaterValues
+    {
+      Tensor<2, dim> slope;    // of the displacement
+      double         u_r = 0.; // in axisymmetry
+      double         p   = 0.;
+      Tensor<1, dim> p_slope;
+    };
+
+
+
+    /**
+     * The terms of a cell: fields at them, and the sums over them. Fields and
+     * sums that are null are left out, and with the rows the pressure.
+     */
+    template <int dim>
+    class CellTerms
+    {
+    public:
+      virtual ~CellTerms() = default;
+
+      virtual void
+      begin(const unsigned int cell) = 0;
+
+      virtual WaterValues<dim>
+      evaluate(const Point<dim> &x) = 0;
+
+      /// Add the contribution of the last evaluate().
+      virtual void
+      add(const typename WaterTerms<dim>::Sources &sources) = 0;
+
+      virtual void
+      end() = 0;
+
+      /// Of the forces, and of the rows, of the cells.
+      std::array<double, 2> squares{};
+    };
+
+
+
+    template <int dim, int n>
+    class CellTermsOfOrder : public CellTerms<dim>
+    {
+    public:
+      CellTermsOfOrder(const typename WaterTangents<dim>::Fields &fields,
+                       const bool                                 with_hoop)
+        : fields(fields)
+        , with_hoop(with_hoop)
+      {}
+
+      void
+      begin(const unsigned int cell) override
+      {
+        of_u = CellGeometry<dim, n>(fields.displacements, cell);
+        of_p = CellGeometry<dim, n>(fields.pressures, fields.parents[cell]);
+        for (int i = 0; i < dim; ++i)
+          for (int a = 0; a < n_functions; ++a)
+            {
+              f[i][a] = 0.;
+              if (fields.u)
+                u[i][a] = fields.u[std::size_t(of_u.functions[a]) * dim + i];
+            }
+        for (int b = 0; b < n_functions; ++b)
+          {
+            r[b] = 0.;
+            if (fields.rows)
+              p[b] = fields.p[of_p.functions[b]];
+          }
+      }
+
+      WaterValues<dim>
+      evaluate(const Point<dim> &x) override
+      {
+        WaterValues<dim> at;
+        const auto       shape = evaluated(of_u, x);
+        G                      = Gradients<dim, n>(shape);
+        if (with_hoop)
+          shape.multiply(N);
+        if (fields.u)
+          {
+            for (int i = 0; i < dim; ++i)
+              for (int j = 0; j < dim; ++j)
+                for (int a = 0; a < n_functions; ++a)
+                  at.slope[i][j] += u[i][a] * G.values[j][a];
+            for (int a = 0; a < n_functions && with_hoop; ++a)
+              at.u_r += u[0][a] * N[a];
+          }
+        if (fields.rows)
+          {
+            q = ValuesAndGradients<dim, n>(of_p, x);
+            for (int b = 0; b < n_functions; ++b)
+              {
+                at.p += p[b] * q.values[b];
+                for (int j = 0; j < dim; ++j)
+                  at.p_slope[j] += p[b] * q.gradients.values[j][b];
+              }
+          }
+        return at;
+      }
+
+      void
+      add(const typename WaterTerms<dim>::Sources &sources) override
+      {
+        if (fields.forces)
+          {
+            for (int i = 0; i < dim; ++i)
+              for (int j = 0; j < dim; ++j)
+                for (int a = 0; a < n_functions; ++a)
+                  f[i][a] += sources.force[i][j] * G.values[j][a];
+            for (int a = 0; a < n_functions && with_hoop; ++a)
+              f[0][a] += sources.radial * N[a];
+          }
+        if (fields.rows)
+          for (int b = 0; b < n_functions; ++b)
+            {
+              r[b] += sources.value * q.values[b];
+              for (int j = 0; j < dim; ++j)
+                r[b] += sources.gradient[j] * q.gradients.values[j][b];
+            }
+      }
+
+      void
+      end() override
+      {
+        for (int a = 0; a < n_functions && fields.forces; ++a)
+          for (int i = 0; i < dim; ++i)
+            {
+              fields.forces[std::size_t(of_u.functions[a]) * dim + i] +=
+                f[i][a];
+              this->squares[0] += f[i][a] * f[i][a];
+            }
+        for (int b = 0; b < n_functions && fields.rows; ++b)
+          {
+            fields.rows[of_p.functions[b]] += r[b];
+            this->squares[1] += r[b] * r[b];
+          }
+      }
+
+    private:
+      static constexpr int n_functions = power(n, dim);
+
+      const typename WaterTangents<dim>::Fields fields;
+      const bool                                with_hoop;
+      CellGeometry<dim, n>                      of_u, of_p;
+      double                                    u[dim][n_functions];
+      double                                    f[dim][n_functions];
+      double                                    p[n_functions], r[n_functions];
+      // Of the last evaluate().
+      Gradients<dim, n>          G;
+      ValuesAndGradients<dim, n> q;
+      double                     N[n_functions];
+    };
+
+
+
+    template <int dim>
+    std::unique_ptr<CellTerms<dim>>
+    make_cell_terms(const typename WaterTangents<dim>::Fields &fields,
+                    const bool                                 with_hoop)
+    {
+      std::unique_ptr<CellTerms<dim>> result;
+      with_order(fields.displacements.space->degree(), [&](const auto size) {
+        result = std::make_unique<CellTermsOfOrder<dim, decltype(size)::value>>(
+          fields, with_hoop);
+      });
+      return result;
+    }
+
+
+
+    /**
+     * Let action(term, its WaterValues) say what each term gives.
+     */
+    template <int dim, typename Terms, typename Action>
+    void
+    sum_terms(CellTerms<dim> &of_cell, Terms &terms, const Action &action)
+    {
+      for (std::size_t k = 0; k < terms.size();)
+        {
+          const unsigned int cell = terms[k].cell;
+          of_cell.begin(cell);
+          for (; k < terms.size() && terms[k].cell == cell; ++k)
+            of_cell.add(action(terms[k], of_cell.evaluate(terms[k].x)));
+          of_cell.end();
+        }
+    }
+  } // namespace internal
+} // namespace greville
+
+#endif
