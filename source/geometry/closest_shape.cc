@@ -196,7 +196,7 @@ namespace greville
                 {
                   Candidate<dim> common;
                   for (const unsigned int l : {i, j, k})
-                    if (common.n < 2 || k < j) // else a pair
+                    if (common.n < 2 || (dim == 3 && k < j)) // else a pair
                       common.level_sets[common.n++] = singles[l].level_sets[0];
                   for (const unsigned int l : {i, j, k})
                     {
