@@ -70,7 +70,7 @@ namespace greville
     std::pair<PetscInt, PetscInt> range;
     check_petsc(MatGetOwnershipRange(matrix, &range.first, &range.second));
     check_petsc(MatGetSize(matrix, &n_all, nullptr));
-    AssertThrow(n_owned == range.second - range.first,
+    AssertThrow(PetscInt(n_owned) == range.second - range.first,
                 ExcDimensionMismatch(n_owned, range.second - range.first));
 
     // The numbers in the domain, ascending.
