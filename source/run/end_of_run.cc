@@ -212,9 +212,7 @@ namespace greville
       {
         // What is gone back to has single precision.
         ensemble.set_state(before);
-        double fraction = before[0].step_fraction;
-        while (0.5 * fraction >= smallest)
-          fraction *= 0.5;
+        const double fraction = std::min(before[0].step_fraction, smallest);
         ramp.failed_at = std::min(ramp.failed_at, time + fraction * step);
         ramp.message   = message_of(error);
         end_ramp(time);

@@ -254,7 +254,7 @@ namespace greville
       text += "Loads on surfaces are " + acting + ". ";
     if (scheme.is_static && too_few.empty())
       text += "In detail, ";
-    text += "the step has been cut to " + text_of(2. * state.step_fraction) +
+    text += "the step has been cut to " + text_of(state.step_fraction) +
             " of 'Time/Step', and still " + rejection;
     return text;
   }

@@ -75,9 +75,13 @@ namespace greville
   ImplicitSteps<dim>::propose_step(State<dim> &state)
   {
     if (state.n_rejections > 0)
-      state.step_fraction *= 0.5;
-    if (state.step_fraction < parameters.implicit.smallest_step)
-      throw StepFailed(describe_failure(state), false);
+      {
+        // The last trial has the smallest step.
+        const double smallest = parameters.implicit.smallest_step;
+        if (state.step_fraction <= smallest)
+          throw StepFailed(describe_failure(state), false);
+        state.step_fraction = std::max(0.5 * state.step_fraction, smallest);
+      }
     const double step = evaluate_step(*step_formula,
                                       parameters.time,
                                       discretization.cell_size(),
