@@ -27,8 +27,8 @@ class RunFailed(Error):
 
 def program():
     """The program: $GREVILLE, that of the source tree or installation with this package, or that of the PATH."""
-    candidates = [os.environ.get("GREVILLE"), PACKAGE.parents[1] / "build/greville", PACKAGE.parents[3] / "bin/greville",
-                  shutil.which("greville")]
+    installed = [folder / "bin/greville" for folder in list(PACKAGE.parents)[3:4]]
+    candidates = [os.environ.get("GREVILLE"), PACKAGE.parents[1] / "build/greville", *installed, shutil.which("greville")]
     for candidate in candidates:
         if candidate and os.access(candidate, os.X_OK) and Path(candidate).is_file():
             return Path(candidate)

@@ -69,7 +69,7 @@ namespace greville
       if (n_basis_vectors == 0)
         SolverCG<VectorType>(control).solve(matrix, x, b, inverse);
       else
-        Fgmres(control, Fgmres::AdditionalData(n_basis_vectors))
+        Fgmres(control, fgmres_data<Fgmres>(n_basis_vectors))
           .solve(matrix, x, b, inverse);
     });
   }

@@ -109,7 +109,9 @@ namespace greville
           SolverCG<VectorType>(control, memory)
             .solve(A, x, b, PreconditionIdentity());
         else if (method == LevelMethod::fgmres)
-          SolverFGMRES<VectorType>(control, memory)
+          SolverFGMRES<VectorType>(control,
+                                   memory,
+                                   fgmres_data<SolverFGMRES<VectorType>>(30))
             .solve(A, x, b, *preconditioner);
         else if (method == LevelMethod::flexible_cg)
           SolverFlexibleCG<VectorType>(control, memory)

@@ -13,6 +13,9 @@
 
 #include <deal.II/distributed/tria.h>
 #include <deal.II/lac/la_parallel_vector.h>
+#if DEAL_II_VERSION_GTE(9, 6, 0)
+#  include <deal.II/lac/orthogonalization.h>
+#endif
 
 /**
  * The base of all parts of the project. This file holds what deal.II renamed
@@ -40,6 +43,25 @@ namespace greville
   using Observable = dealii::Subscriptor;
 #endif
 
+  /**
+   * The AdditionalData of SolverFGMRES for modified Gram-Schmidt, the only kind
+   * of deal.II 9.4. The default of 9.6 corrects a basis vector after the
+   * preconditioner has used it, so that the residual which it estimates may be
+   * far from the residual of the solution.
+   */
+  template <typename Fgmres>
+  typename Fgmres::AdditionalData
+  fgmres_data(const unsigned int n_basis_vectors)
+  {
+#if DEAL_II_VERSION_GTE(9, 6, 0)
+    return typename Fgmres::AdditionalData(
+      n_basis_vectors,
+      dealii::LinearAlgebra::OrthogonalizationStrategy::modified_gram_schmidt);
+#else
+    return typename Fgmres::AdditionalData(n_basis_vectors);
+#endif
+  }
+
   template <int dim>
   MPI_Comm
   get_communicator(const DistributedTriangulation<dim> &triangulation)
@@ -61,6 +83,8 @@ namespace greville
  *   (2023/04/12) for vectors and matrices, which have had no other name; in 9.7
  *   Triangulation::get_communicator() is marked "Access the MPI communicator
  *   with get_mpi_communicator() instead".
+ * - OrthogonalizationStrategy: 9.6 added it to SolverFGMRES, with
+ *   delayed_classical_gram_schmidt as the default.
  *
  * Names that all supported versions have, used in place of ones that are gone:
  * - ParameterHandler::PRM, ShortPRM: 9.7 removed Text and ShortText
