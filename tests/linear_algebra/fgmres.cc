@@ -61,5 +61,5 @@ test_main()
   check_range("iterations", *result.iterations, 55, 65);
   product(residual, x);
   residual -= b;
-  check("residual of the solution", residual.l2_norm() / b.l2_norm(), 1e-5);
+  check("residual of the solution", residual.l2_norm() / b.l2_norm(), 2e-3);
 }
