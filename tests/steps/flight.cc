@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Processes: 1
-// All: 2
+// All: 1 2
 // Debug: no
 
 // Stress-free blocks in free flight across many cells with the exact mass: the

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// All: 1 2
 
 // Bars that swing along their axis with strains of 20 %, held at both ends or
 // at one, in total Lagrangian steps: the order p + 1 of the splines against a
