@@ -84,7 +84,7 @@ namespace greville
  *   Triangulation::get_communicator() is marked "Access the MPI communicator
  *   with get_mpi_communicator() instead".
  * - OrthogonalizationStrategy: 9.6 added it to SolverFGMRES, with
- *   delayed_classical_gram_schmidt as the default.
+ *   delayed_classical_gram_schmidt as the default (pull requests 16749, 16833).
  *
  * Names that all supported versions have, used in place of ones that are gone:
  * - ParameterHandler::PRM, ShortPRM: 9.7 removed Text and ShortText
