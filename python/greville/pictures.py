@@ -126,7 +126,7 @@ def draw_failure_lines(axes, simulation, k):
         triangles.set_mask(edges > 4. * np.median(diameter))   # Those across the air and along walls.
         contour = axes.tricontour(triangles, moved, colors="white", linewidths=style["linewidth"],
                                   levels=[float(simulation.parameters["Reference/Failure displacement"])])
-        for lines in contour.collections:
+        for lines in getattr(contour, "collections", [contour]):   # One collection since matplotlib 3.8.
             lines.set_path_effects(style["path_effects"])
         axes.plot([], [], label="that of the run", **style)
 
