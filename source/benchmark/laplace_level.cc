@@ -102,6 +102,11 @@ namespace greville
                                   const std::vector<unsigned char> &held)
     : spline_space(space)
   {
+    AssertThrow(held.size() == space.owned_functions().size() +
+                                 space.ghost_functions().size(),
+                ExcDimensionMismatch(held.size(),
+                                     space.owned_functions().size() +
+                                       space.ghost_functions().size()));
     // All functions are unknowns.
     CellFilling<dim> filling(space);
     filling.update(std::vector<double>(space.owned_cells().size(), 1.), 0.);

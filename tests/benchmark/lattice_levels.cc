@@ -29,11 +29,12 @@ iterations(const unsigned int           n_cells,
   Point<dim>             center;
   for (unsigned int d = 0; d < dim; ++d)
     center[d] = 0.47 + 0.2 * d;
-  std::vector<unsigned char> constrained(space.owned_functions().size(), 0);
+  std::vector<unsigned char> constrained(space.owned_functions().size() +
+                                         space.ghost_functions().size());
   for (unsigned int i = 0; i < constrained.size(); ++i)
     {
       const MultiIndex<dim> k =
-        multi_index<dim>(space.owned_functions()[i], space.n_functions());
+        multi_index<dim>(space.function_position(i), space.n_functions());
       Point<dim> x;
       for (unsigned int d = 0; d < dim; ++d)
         x[d] = space.knots(d).greville_abscissa(k[d]);
