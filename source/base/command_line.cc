@@ -15,7 +15,7 @@ namespace greville
 
   namespace
   {
-    // What a command line asks for instead of a run.
+    // Options that do something else than a run.
     const std::vector<ProgramOption> actions = {
       {"new",
        "TEMPLATE",
