@@ -3,8 +3,8 @@
 
 // solve_krylov() by FGMRES with a preconditioner that changes and is bad for
 // some rows: the residual that the method estimates is the residual of the
-// solution. Classical Gram-Schmidt with delayed corrections ends with 0.037
-// here.
+// solution. Classical Gram-Schmidt with delayed corrections (deal.II 9.6.2)
+// ends with a residual of 0.019.
 
 #include <deal.II/lac/full_matrix.h>
 
