@@ -28,7 +28,8 @@ namespace greville
 
     constexpr unsigned int n_projections = 3;
 
-    // Numbers of a point in a message: number, side, position, normal, area.
+    // Numbers of a point in a message: number, side, position, normal, and the
+    // area, in axisymmetry the length in the plane.
     template <int dim>
     constexpr unsigned int row_size = 3 + 2 * dim;
 
@@ -149,7 +150,7 @@ namespace greville
     for (ContactPoint<dim> &point : points)
       point.is_facing = false;
     // The boxes around both sides, as the largest -x and x, and the largest
-    // area of a point.
+    // area or length of a point.
     constexpr double    none = std::numeric_limits<double>::lowest();
     std::vector<double> extremes(4 * dim + 1, none);
     for (const ContactPoint<dim> &point : points)
@@ -160,7 +161,8 @@ namespace greville
             of_side[d]            = std::max(of_side[d], -point.x[d]);
             of_side[dim + d]      = std::max(of_side[dim + d], point.x[d]);
           }
-        extremes[4 * dim] = std::max(extremes[4 * dim], point.area);
+        extremes[4 * dim] =
+          std::max(extremes[4 * dim], point.area / point.thickness);
       }
     Utilities::MPI::max(extremes, comm, extremes);
     for (unsigned int side = 0; side < 2; ++side)
@@ -224,7 +226,7 @@ namespace greville
               rows.push_back(point.x[d]);
             for (unsigned int d = 0; d < dim; ++d)
               rows.push_back(point.normal[d]);
-            rows.push_back(point.area);
+            rows.push_back(point.area / point.thickness);
           }
       }
     const unsigned int me = Utilities::MPI::this_mpi_process(comm);
@@ -262,17 +264,28 @@ namespace greville
           continue;
         surface.samples.clear();
         const Tensor<1, dim> normal = position(row, 2 + dim);
-        const auto &others = meeting.boxes[1 - unsigned(rows[row + 1])];
+        const auto &others     = meeting.boxes[1 - unsigned(rows[row + 1])];
+        const auto  add_sample = [&](const Point<dim>     &y,
+                                    const Tensor<1, dim> &m,
+                                    const unsigned int    other) {
+          if (m * normal < 0.5 && y.distance_square(x) < std::pow(size, 2))
+            surface.samples.push_back({y, m, rows[other + 2 + 2 * dim]});
+        };
         for_neighbors(box, [&](const Box &near) {
           const auto found = others.find(near);
           if (found == others.end())
             return;
           for (const unsigned int other : found->second)
             {
-              const Point<dim>     y = position(other, 2);
-              const Tensor<1, dim> m = position(other, 2 + dim);
-              if (m * normal < 0.5 && y.distance_square(x) < std::pow(size, 2))
-                surface.samples.push_back({y, m, rows[other + 2 + 2 * dim]});
+              Point<dim>     y = position(other, 2);
+              Tensor<1, dim> m = position(other, 2 + dim);
+              add_sample(y, m, other);
+              if (is_axisymmetric)
+                {
+                  y[0] = -y[0];
+                  m[0] = -m[0];
+                  add_sample(y, m, other);
+                }
             }
         });
         if (surface.samples.empty())

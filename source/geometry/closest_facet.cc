@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace greville
 {
@@ -119,6 +120,16 @@ namespace greville
 
       std::optional<ClosestPoint<dim>>
       closest(const Point<dim> &x, const double within) const override;
+
+      bool
+      contains(const Point<dim> &x) const override
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          if (x[d] < extent.lower_bound(d) || x[d] > extent.upper_bound(d))
+            return false;
+        return closest(x, std::numeric_limits<double>::infinity())->distance <
+               0.;
+      }
 
       BoundingBox<dim>
       box() const override

@@ -219,6 +219,14 @@ namespace greville
         return result;
       }
 
+      bool
+      contains(const Point<dim> &x) const override
+      {
+        for (unsigned int k = 0; k < sides.size(); ++k)
+          sides[k] = Side(tree.level_sets()[k].value(x) <= 0. ? -1 : 1);
+        return tree.evaluate(sides, active) == ShapeTree<dim>::inside;
+      }
+
       /// Around the cells of a lattice that are not outside; infinite where the
       /// first lattice has some at its sides, and for formulas.
       BoundingBox<dim>
@@ -304,14 +312,6 @@ namespace greville
           *this,
           within,
           n_cells_of_contours<dim>);
-      }
-
-      bool
-      contains(const Point<dim> &x) const
-      {
-        for (unsigned int k = 0; k < sides.size(); ++k)
-          sides[k] = Side(tree.level_sets()[k].value(x) <= 0. ? -1 : 1);
-        return tree.evaluate(sides, active) == ShapeTree<dim>::inside;
       }
 
       /// Whether both sides of the surface are in the sectors between the level

@@ -29,8 +29,10 @@ namespace greville
   template <int dim>
   void
   Extension<dim>::reinit(const SplineSpace<dim> &space,
-                         const CellFilling<dim> &filling)
+                         const CellFilling<dim> &filling,
+                         const bool              constant)
   {
+    is_constant = constant;
     if (spline_space != &space)
       space.initialize_vector(seen);
     spline_space = &space;
@@ -213,6 +215,15 @@ namespace greville
         double     factors[dim][SplineSpace<dim>::max_degree + 1];
         for (unsigned int d = 0; d < dim; ++d)
           {
+            if (is_constant)
+              {
+                const int nearest =
+                  int(i[d]) - int(host[d]) +
+                  int(lattice.n_cells()[d]) * periods(host[d], d);
+                for (int k = 0; k <= int(p); ++k)
+                  factors[d][k] = k == std::clamp(nearest, 0, int(p));
+                continue;
+              }
             const double move =
               (lattice.upper(d) - lattice.lower(d)) * periods(host[d], d);
             double inner_knots[SplineSpace<dim>::max_degree];

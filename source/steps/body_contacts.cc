@@ -15,11 +15,10 @@ namespace greville
 
   namespace
   {
-    // Of the larger cell size: how far away the other side is looked for, how
-    // far a point may move in a step, and how deep bodies may overlap
-    // initially.
-    constexpr double reach_in_cells = farthest_gap_in_cells,
-                     longest_motion = 0.25, deepest_overlap = 0.05;
+    // Of the larger cell size: how far away the other side is looked for, and
+    // how deep surfaces may overlap initially.
+    constexpr double reach_in_cells  = farthest_gap_in_cells,
+                     deepest_overlap = 0.05;
 
     // Of the larger cell size, too: bodies that touch have gaps of round-off.
     // It has to be small beside the overlaps of stiff bodies: a gap that counts
@@ -68,7 +67,7 @@ namespace greville
                                   const MPI_Comm                        comm)
     : parts(parts)
     , comm(comm)
-    , search(comm)
+    , search(parameters.grid.is_axisymmetric(), comm)
     , are_implicit(steps_are_implicit())
   {
     std::string others;
@@ -249,7 +248,8 @@ namespace greville
                                const SurfaceState<dim> &at,
                                const PointField        *radius)
   {
-    point.x = at.x;
+    point.x         = at.x;
+    point.thickness = at.is_axisymmetric ? at.x[0] : 1.;
     if (radius)
       {
         point.radius = p[radius->first];
@@ -313,19 +313,32 @@ namespace greville
     const bool   is_new  = parts.front()->current.n_steps == 0;
     std::string  problem;
     double       depth = 0.;
+    const auto   add   = [&](const std::string &what, const double way) {
+      if (way > longest && problem.empty())
+        {
+          std::ostringstream message;
+          message << what << " in 'Contact " << contact.name
+                  << "' has moved by " << way
+                  << " m in a step, more than a quarter of a cell: surfaces "
+                         "may pass through one another. Take a shorter 'Time/"
+                         "Step', or a smaller 'Time/CFL number'";
+          problem = message.str();
+        }
+    };
+    if (contact.rigid >= 0)
+      {
+        const RigidBodyState<dim> &body =
+          parts.front()->current.rigid_bodies[contact.rigid];
+        add("'Rigid body " + rigid_bodies[contact.rigid].name() + "'",
+            rigid_way(contact, body.before, body.now));
+      }
     for (const ContactPoint<dim> &point : points)
       {
-        if (point.motion.norm() > longest && problem.empty())
-          {
-            std::ostringstream message;
-            message << "a point of the surface at (" << point.x << ") m in "
-                    << "'Contact " << contact.name << "' has moved by "
-                    << point.motion.norm()
-                    << " m in a step, more than a quarter of a cell: surfaces "
-                       "may pass through one another. Take a shorter 'Time/"
-                       "Step', or a smaller 'Time/CFL number'";
-            problem = message.str();
-          }
+        const Tensor<1, dim> motion =
+          point.is_facing ? point.motion - point.target_motion : point.motion;
+        if (motion.norm() > longest && problem.empty())
+          add("a point of the surface at (" + text_of(point.x) + ") m",
+              motion.norm());
         if (is_new && point.is_facing)
           depth = std::max(depth, -point.gap);
       }
@@ -359,7 +372,10 @@ namespace greville
       now.rigid_bodies.push_back(body.now);
     for (Contact &contact : contacts)
       {
-        if (contact.given.is_by_material_points())
+        check_overlaps(contact);
+        // Implicit steps do it at their start, see TrialContacts.
+        if (contact.given.is_by_material_points() &&
+            (!are_implicit || state.n_steps == 0))
           renew_contactors(contact);
         std::vector<ContactPoint<dim>> points = collect(contact);
         Point<dim>                     about;
@@ -369,6 +385,7 @@ namespace greville
               state.rigid_bodies[contact.rigid].now;
             about = current_position(body, body.reference);
           }
+        add_way(contact, points);
         find_gaps(contact, points, reach_in_cells * contact.cell_size);
         check(contact, points);
         now.contacts.push_back(contact.average->act(points, state.step, about));
@@ -541,6 +558,11 @@ namespace greville
   void
   BodyContacts<dim>::end_step()
   {
+    for (Contact &contact : contacts)
+      {
+        contact.way = std::numeric_limits<double>::max();
+        check_overlaps(contact);
+      }
     for (unsigned int k = 0; k < parts.size(); ++k)
       stamps[k] = parts[k]->current.points_stamp;
   }

@@ -129,6 +129,9 @@ namespace greville
     for (bool is_rejected = true; is_rejected;)
       {
         dt = *std::min_element(proposed.begin(), proposed.end());
+        if (contacts && !simulations.front()->is_implicit() &&
+            simulations.front()->parameters.time.step.empty())
+          dt = contacts->bounded_step(dt);
         try
           {
             at_hand = 0;

@@ -31,6 +31,26 @@ namespace greville
 
 
 
+    // A point that was not in the layer is in it, in implicit steps, up to this
+    // part of its spacing: rows that are compressed are not to join it.
+    constexpr double joining = 0.75;
+
+
+
+    /**
+     * Return the gap up to which points of this @p spacing are the outermost
+     * layer, which is one spacing thick, if @p lowest is the smallest gap
+     * nearby. Where nothing is closer than half a spacing, the layer ends in
+     * the middle between two rows.
+     */
+    double
+    end_of_layer(const double lowest, const double spacing)
+    {
+      return std::max(std::min(lowest, 0.) + spacing, lowest + 0.5 * spacing);
+    }
+
+
+
     /**
      * A material point that may be one of the outermost layer.
      */
@@ -148,30 +168,42 @@ namespace greville
 
 
     /**
-     * Collective. For each point that faces the other side, the smallest gap in
-     * its box of the size @p h, where that is negative, or 0: among points of
-     * all processes.
+     * Collective. Return, for each point that faces the other side, the
+     * smallest gap in its box of the size @p h among points of all processes:
+     * where
+     * @p looks_ahead, in that box and its neighbors; otherwise in that box
+     * alone, and no more than 0.
      */
     template <int dim>
     std::vector<double>
     lowest_in_boxes(const std::vector<ContactPoint<dim>> &points,
                     const double                          h,
+                    const bool                            looks_ahead,
                     const MPI_Comm                        comm)
     {
-      const auto box_of = [&](const Point<dim> &x) {
+      constexpr unsigned int n_near = dim == 2 ? 9 : 27;
+      const auto box_of = [&](const Point<dim> &x, const unsigned int near) {
         std::uint64_t bits = 0;
-        for (unsigned int d = 0; d < dim; ++d)
-          bits = mixed_bits(bits ^
-                            std::uint64_t(std::int64_t(std::floor(x[d] / h))));
+        unsigned int  rest = near;
+        for (unsigned int d = 0; d < dim; ++d, rest /= 3)
+          bits =
+            mixed_bits(bits ^ std::uint64_t(std::int64_t(std::floor(x[d] / h)) +
+                                            std::int64_t(rest % 3) - 1));
         return bits;
       };
+      constexpr unsigned int own  = n_near / 2;
+      constexpr double       none = std::numeric_limits<double>::max();
       std::unordered_map<std::uint64_t, double> lowest;
       for (const ContactPoint<dim> &point : points)
-        if (point.is_facing && point.gap < 0.)
-          {
-            double &gap = lowest[box_of(point.x)];
-            gap         = std::min(gap, point.gap);
-          }
+        if (point.is_facing && (looks_ahead || point.gap < 0.))
+          for (unsigned int near = looks_ahead ? 0 : own;
+               near < (looks_ahead ? n_near : own + 1);
+               ++near)
+            {
+              const auto entry = lowest.emplace(box_of(point.x, near), none);
+              double    &gap   = entry.first->second;
+              gap              = std::min(gap, point.gap);
+            }
       const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
       if (n_processes > 1)
         {
@@ -183,7 +215,10 @@ namespace greville
           std::unordered_map<std::uint64_t, double> owned;
           for (const auto &[process, rows] : received)
             for (const auto &[box, gap] : rows)
-              owned[box] = std::min(owned[box], gap);
+              {
+                double &least = owned.emplace(box, none).first->second;
+                least         = std::min(least, gap);
+              }
           for (const auto &[process, rows] : received)
             for (const auto &row : rows)
               answers[process].emplace_back(row.first, owned[row.first]);
@@ -196,7 +231,7 @@ namespace greville
       for (const ContactPoint<dim> &point : points)
         {
           const auto found =
-            point.is_facing ? lowest.find(box_of(point.x)) : lowest.end();
+            point.is_facing ? lowest.find(box_of(point.x, own)) : lowest.end();
           result.push_back(found == lowest.end() ? 0. : found->second);
         }
       return result;
@@ -221,10 +256,13 @@ namespace greville
           largest = std::max(largest, p.extent(body_of(place).points.layout()));
         });
     largest = Utilities::MPI::max(largest, comm);
+    // Implicit steps may bring points from farther away.
+    const double reach =
+      largest + (are_implicit ? longest_trial_motion * contact.cell_size : 0.);
     for (Place &place : contact.sides[0])
       {
-        MaterialPoints<dim>        &all  = body_of(place).points;
-        const std::vector<NearCell> near = near_cells(contact, place, largest);
+        MaterialPoints<dim>        &all    = body_of(place).points;
+        const std::vector<NearCell> near   = near_cells(contact, place, reach);
         std::size_t                 n_near = points.size();
         for (const NearCell &cell : near)
           n_near += all.n_points(cell.cell);
@@ -235,15 +273,15 @@ namespace greville
             // Distances change by no more than what separates two places.
             const double distance =
               cell.distance - p.position().distance(cell.center);
-            if (distance > largest)
+            if (distance > reach)
               return;
             const double spacing = p.extent(all.layout());
-            if (distance > spacing)
+            if (!are_implicit && distance > spacing)
               return;
             ContactPoint<dim> &point = points.emplace_back();
             point.x                  = p.position();
-            point.area =
-              std::pow(spacing, dim - 1) * all.layout().thickness(p.position());
+            point.thickness          = all.layout().thickness(p.position());
+            point.area = std::pow(spacing, dim - 1) * point.thickness;
             candidates.push_back({p, cell.cell, spacing});
           });
         ends.push_back(points.size());
@@ -252,11 +290,11 @@ namespace greville
       for (const ContactPoint<dim> &point : collect(contact))
         if (point.side == 1)
           points.push_back(point);
-    find_gaps(contact, points, largest);
+    find_gaps(contact, points, reach);
     // The layer begins at the lowest point, if that is inside already: else
     // points above would hide it in the mean.
     const std::vector<double> lowest =
-      lowest_in_boxes(points, contact.cell_size, comm);
+      lowest_in_boxes(points, contact.cell_size, are_implicit, comm);
 
     std::size_t k = 0;
     for (unsigned int s = 0; s < ends.size(); ++s)
@@ -278,14 +316,18 @@ namespace greville
           {
             const Candidate<dim> &candidate = candidates[k];
             const double          gap       = points[k].gap;
-            if (!points[k].is_facing || gap >= lowest[k] + candidate.spacing)
-              continue;
             const auto found = last.find(std::uint64_t(candidate.point.id()));
+            const bool joins = are_implicit && !is_new && found == last.end();
+            if (!points[k].is_facing ||
+                gap >= end_of_layer(lowest[k],
+                                    (joins ? joining : 1.) * candidate.spacing))
+              continue;
             std::vector<double> row =
               contactor(layout,
                         candidate,
                         points[k],
-                        is_new && gap > -deepest_initially * candidate.spacing
+                        is_new && gap < candidate.spacing &&
+                            gap > -deepest_initially * candidate.spacing
                           ? gap
                           : default_radius * candidate.spacing,
                         body_of(place).points.layout().find("pore_pressure"),

@@ -56,7 +56,7 @@ namespace greville
   {
     const SplineSpace<dim> &space  = mass.space();
     const VectorType       &lumped = mass.lumped();
-    for (auto *field : {&source, &target, &product})
+    for (auto *field : {&source, &target, &product, &extended})
       for (VectorType &component : *field)
         space.initialize_vector(component);
 
@@ -232,7 +232,11 @@ namespace greville
                                      2. * viscous * surface->damping);
           if (k == 0.)
             continue;
-          transfer.multiply_mass({&surface->points}, source, product);
+          for (unsigned int d = 0; d < dim; ++d)
+            extended[d] = source[d];
+          mass.distribute(extended);
+          transfer.multiply_mass({&surface->points}, extended, product);
+          mass.condense(product);
           for (unsigned int d = 0; d < dim; ++d)
             target[d].add(k, product[d]);
         }

@@ -398,6 +398,7 @@ namespace greville
           nullptr,
           nullptr,
           &of_surfaces[k]);
+        field.mass->condense(of_surfaces[k]);
         for (unsigned int d = 0; d < dim; ++d)
           force[d] += of_surfaces[k][d];
       }

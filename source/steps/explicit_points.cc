@@ -67,6 +67,19 @@ namespace greville
       return;
     PointTransfer<dim> &transfer = discretization.transfer();
     PointUpdate<dim>    move     = update;
+    if (field.mass->extends_surfaces())
+      {
+        const VectorField<dim> **const given[3] = {&move.velocity,
+                                                   &move.acceleration,
+                                                   &move.deformation};
+        for (unsigned int k = 0; k < 3; ++k)
+          if (*given[k])
+            {
+              seen_by_surfaces[k] = **given[k];
+              field.mass->distribute(seen_by_surfaces[k]);
+              *given[k] = &seen_by_surfaces[k];
+            }
+      }
     if (update.acceleration)
       {
         const double lag =
@@ -75,10 +88,10 @@ namespace greville
                      trial.velocity_step);
         for (unsigned int d = 0; d < dim; ++d)
           {
-            surface_velocity[d] = (*update.velocity)[d];
-            surface_velocity[d].add(lag, (*update.acceleration)[d]);
+            surface_velocity[d] = (*move.velocity)[d];
+            surface_velocity[d].add(lag, (*move.acceleration)[d]);
           }
-        PointUpdate<dim> kick = update;
+        PointUpdate<dim> kick = move;
         kick.velocity         = &surface_velocity;
         kick.deformation      = nullptr;
         kick.move             = false;

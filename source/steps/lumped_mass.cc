@@ -3,9 +3,20 @@
 #include <greville/mass/fmpm.h>
 #include <greville/steps/lumped_mass.h>
 
+#include <algorithm>
+
 namespace greville
 {
   using namespace dealii;
+
+  namespace
+  {
+    // Surfaces do not see functions all of whose cells are filled by less than
+    // this.
+    constexpr double least_filled = 0.1;
+  } // namespace
+
+
 
   template <int dim>
   LumpedMass<dim>::LumpedMass(const unsigned int         n_terms,
@@ -14,6 +25,8 @@ namespace greville
     : GridMass<dim>(orders, walls)
     , n_terms(n_terms)
   {
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      friction_walls[w] = walls.is_friction(w);
     for (VectorType &component : inverse)
       this->space().initialize_vector(component);
   }
@@ -34,11 +47,12 @@ namespace greville
   LumpedMass<dim>::update(
     const VectorType                               &lumped,
     const std::vector<const MaterialPoints<dim> *> &bodies,
-    const std::vector<const MaterialPoints<dim> *> &,
-    const PointTransfer<dim> &transfer)
+    const std::vector<const MaterialPoints<dim> *> &surfaces,
+    const PointTransfer<dim>                       &transfer)
   {
     this->lumped_mass.copy_locally_owned_data_from(lumped);
     change_held();
+    extend_to(surfaces, bodies, transfer);
     if (n_terms == 1)
       return;
     if (!product)
@@ -49,6 +63,99 @@ namespace greville
                                                            *weights);
       }
     transfer.mass_weights(bodies, *weights);
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::extend_to(
+    const std::vector<const MaterialPoints<dim> *> &surfaces,
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    const PointTransfer<dim>                       &transfer)
+  {
+    const auto is_ahead = [](const MaterialPoints<dim> *points) {
+      return points->layout().find("gap") && !points->layout().find("radius");
+    };
+    if (std::none_of(surfaces.begin(), surfaces.end(), is_ahead))
+      {
+        extended.reset();
+        return;
+      }
+    const bool is_new = !extended;
+    if (is_new)
+      {
+        extended = std::make_unique<Extended>();
+        extended->filling.reinit(this->space(), friction_walls);
+        extended->places.reinit(this->space());
+        extended->unknowns.reinit(extended->places);
+      }
+    transfer.filling(bodies, extended->filled_part);
+    // Beyond the body, for surfaces, is also what is hardly filled.
+    std::vector<double> &filled_part = extended->filled_part;
+    for (double &part : filled_part)
+      part = part < least_filled ? -part : part;
+    for (const MaterialPoints<dim> *points : surfaces)
+      for (const unsigned int cell : points->cells())
+        if (filled_part[cell] == 0.)
+          filled_part[cell] = -1.;
+    // With the threshold 0, all other cells with points are hosts.
+    const bool has_changed = extended->filling.update(filled_part, 0.);
+    if (has_changed)
+      extended->extension.reinit(this->space(), extended->filling, true);
+    extended->unknowns.update(extended->extension, is_new || has_changed);
+  }
+
+
+
+  template <int dim>
+  template <typename Action>
+  void
+  LumpedMass<dim>::for_each_held(const unsigned int component,
+                                 Action             action) const
+  {
+    for (unsigned int i = 0; i < this->lumped_mass.locally_owned_size(); ++i)
+      if ((this->wall_held[i] >> component) & 1)
+        action(i);
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::condense(VectorField<dim> &rows) const
+  {
+    for (unsigned int c = 0; c < dim && extended; ++c)
+      {
+        std::vector<double> kept;
+        for_each_held(c, [&](const unsigned int i) {
+          kept.push_back(rows[c].local_element(i));
+          rows[c].local_element(i) = 0.;
+        });
+        extended->unknowns.condense(rows[c], c);
+        for_each_held(c, [&, k = 0u](const unsigned int i) mutable {
+          rows[c].local_element(i) += kept[k++];
+        });
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::distribute(VectorField<dim> &x) const
+  {
+    for (unsigned int c = 0; c < dim && extended; ++c)
+      {
+        std::vector<double> kept;
+        for_each_held(c, [&](const unsigned int i) {
+          kept.push_back(x[c].local_element(i));
+        });
+        extended->unknowns.distribute(x[c], c);
+        for_each_held(c, [&, k = 0u](const unsigned int i) mutable {
+          x[c].local_element(i) = kept[k++];
+        });
+      }
   }
 
 

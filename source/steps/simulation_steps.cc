@@ -18,31 +18,6 @@ namespace greville
   {
     // Steps between two snapshots.
     constexpr unsigned int remember_every = 50;
-
-
-
-    /**
-     * A surface is ahead of the material points: where it enters a cell before
-     * they do, functions that begin there take its force and have hardly any
-     * mass. Consistent mass extends them.
-     */
-    template <int dim>
-    std::string
-    risk_of_surfaces(const SchemeParameters          &scheme,
-                     const std::vector<Surface<dim>> &surfaces)
-    {
-      if (scheme.mass == "consistent" || scheme.is_total_lagrangian())
-        return "";
-      for (const Surface<dim> &surface : surfaces)
-        if (!surface.contact.empty() && !surface.points.layout().find("radius"))
-          return "With 'Scheme/Mass' = " + scheme.mass + ", 'Contact " +
-                 surface.contact +
-                 "' may act on functions of the grid that have hardly any "
-                 "mass, where its surface enters a cell before material points "
-                 "do: take 'Contactors' = material points, or 'Scheme/Mass' = "
-                 "consistent. ";
-      return "";
-    }
   } // namespace
 
 
@@ -190,8 +165,7 @@ namespace greville
               << loads.what_is_large(current.time,
                                      dt,
                                      discretization.cell_size(),
-                                     comm)
-              << risk_of_surfaces(parameters.scheme, current.surfaces);
+                                     comm);
     restore();
     message << "The state of step " << current.n_steps
             << ", t = " << current.time

@@ -294,6 +294,7 @@ namespace greville
   StepGuard<dim>::check_momentum(const Tensor<1, dim> &expected,
                                  const Tensor<1, dim> &found,
                                  const double          size,
+                                 const State<dim>     &state,
                                  const bool            is_implicit) const
   {
     const bool is_exact =
@@ -307,12 +308,49 @@ namespace greville
                "is ("
             << expected << ") kg m / s: the difference is " << difference / size
             << " of the mass times the fastest signal, and may be "
-            << momentum_tolerance << ". The usual cause is "
-            << (is_exact ? "an error of the program, or of another one that "
-                           "changes points or grid in a step"
-                         : "a solver of the mass matrix that is not accurate "
-                           "('Solver/Tolerance')");
+            << momentum_tolerance << ". ";
+    const std::string surface =
+      is_implicit ? std::string() : surface_without_mass(state);
+    if (!surface.empty())
+      message
+        << "The force of " << surface
+        << " acts on functions of the grid that have no mass: the body is "
+           "too thin for its cells, or a part of it is; take smaller "
+           "cells";
+    else
+      message << "The usual cause is "
+              << (is_exact ? "an error of the program, or of another one that "
+                             "changes points or grid in a step"
+                           : "a solver of the mass matrix that is not accurate "
+                             "('Solver/Tolerance')");
     throw StepFailed(message.str(), false);
+  }
+
+
+
+  template <int dim>
+  std::string
+  StepGuard<dim>::surface_without_mass(const State<dim> &state) const
+  {
+    std::string result;
+    for (const GridField<dim> &field : discretization.fields())
+      for (unsigned int k = 0;
+           k < field.surfaces.size() && k < field.surface_forces.size();
+           ++k)
+        {
+          const VectorField<dim> &force   = field.surface_forces[k];
+          const Surface<dim>     &surface = state.surfaces[field.surfaces[k]];
+          for (unsigned int i = 0;
+               i < force[0].locally_owned_size() && result.empty();
+               ++i)
+            if (!field.mass->is_seen(i))
+              for (unsigned int d = 0; d < dim; ++d)
+                if (force[d].local_element(i) != 0.)
+                  result = surface.contact.empty()
+                             ? "'Surface load " + surface.name + "'"
+                             : "'Contact " + surface.contact + "'";
+        }
+    return first_of_all(result, discretization.communicator());
   }
 
 
@@ -355,6 +393,7 @@ namespace greville
                          state.mass * std::max(state.signals.fastest,
                                                state.first_signal) +
                            expected.norm(),
+                         state,
                          is_implicit);
       }
     has_sums = false;

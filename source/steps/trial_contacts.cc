@@ -15,8 +15,8 @@ namespace greville
   namespace
   {
     // Of the larger cell size: how far away the other side is looked for in a
-    // trial, and how far a point, or a rigid body, may move in a step.
-    constexpr double trial_reach = 1., longest_trial_motion = 0.5;
+    // trial.
+    constexpr double trial_reach = 1.;
 
     // The method of Uzawa ends where pressures change by less than this
     // fraction of the largest one, or after so many rounds.
@@ -66,6 +66,9 @@ namespace greville
     , pore_pressures(contacts.contacts.size())
   {
     contacts.set_laws();
+    for (Contact &contact : contacts.contacts)
+      if (contact.given.is_by_material_points())
+        contacts.renew_contactors(contact);
     contacts.commit();
     for (const auto &body : contacts.parts.front()->current.rigid_bodies)
       at_start.push_back(body.now);
@@ -192,7 +195,7 @@ namespace greville
         const double way = (at_end[contact.rigid].displacement -
                             at_start[contact.rigid].displacement)
                              .norm();
-        if (way <= longest_trial_motion * contact.cell_size)
+        if (way <= BodyContacts<dim>::longest_trial_motion * contact.cell_size)
           continue;
         std::ostringstream message;
         message << "'Rigid body " << contacts.rigid_bodies[contact.rigid].name()
@@ -233,8 +236,10 @@ namespace greville
             point->side = side.side;
             BodyContacts<dim>::set_place(*point, p, state, radius);
             // Areas are those at the start of the step.
-            const Tensor<1, dim> normal =
-              surface_state<dim>(p, layout).area_vector();
+            const SurfaceState<dim> start  = surface_state<dim>(p, layout);
+            const Tensor<1, dim>    normal = start.area_vector();
+            if (start.is_axisymmetric)
+              point->thickness = start.x[0];
             if (point->normal.norm_square() > 0.)
               point->area = p.mass() * normal.norm();
             point->motion     = state.x - p.position();
@@ -463,7 +468,8 @@ namespace greville
     for (unsigned int c = 0; c < points.size() && problem.empty(); ++c)
       {
         const Contact &contact = contacts.contacts[c];
-        const double   longest = longest_trial_motion * contact.cell_size;
+        const double   longest =
+          BodyContacts<dim>::longest_trial_motion * contact.cell_size;
         for (const ContactPoint<dim> &point : points[c])
           if (point.motion.norm() > share * longest && problem.empty())
             {

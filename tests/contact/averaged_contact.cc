@@ -12,6 +12,7 @@
 // - opposite faces of a plate do not see one another.
 
 #include <greville/contact/averaged_contact.h>
+#include <greville/contact/overlap.h>
 #include <greville/contact/surface_search.h>
 
 #include <cmath>
@@ -30,16 +31,18 @@ struct Points
   add(const unsigned int    side,
       const Point<dim>     &x,
       const Tensor<1, dim> &normal,
-      const double          area)
+      const double          area,
+      const double          thickness = 1.)
   {
     if (n++ % Utilities::MPI::n_mpi_processes(comm) !=
         Utilities::MPI::this_mpi_process(comm))
       return;
     ContactPoint<dim> point;
-    point.side   = side;
-    point.x      = x;
-    point.normal = normal / normal.norm();
-    point.area   = area;
+    point.side      = side;
+    point.x         = x;
+    point.normal    = normal / normal.norm();
+    point.area      = area * thickness;
+    point.thickness = thickness;
     points.push_back(point);
   }
 };
@@ -59,18 +62,32 @@ largest(const Points<dim>                                           &all,
 
 
 
-// The error of the gap between two circles, or spheres, about one center.
+// The error of the gap between two circles, or spheres, about one center, with
+// the radius of one unit, in units; of the section of spheres in axisymmetry.
 template <int dim>
 double
-error_of_gap(const unsigned int n)
+error_of_gap(const unsigned int n,
+             const double       unit            = 1.,
+             const bool         is_axisymmetric = false)
 {
   constexpr double gap = 0.01;
   Points<dim>      all;
   for (unsigned int side = 0; side < 2; ++side)
     {
-      const double r = side == 0 ? 1. : 1. + gap, sign = side == 0 ? 1. : -1.;
+      const double r       = (side == 0 ? 1. : 1. + gap) * unit,
+                   sign    = side == 0 ? 1. : -1.;
       const unsigned int m = n + 3 * side;
-      if constexpr (dim == 2)
+      if (is_axisymmetric)
+        for (unsigned int k = 0; k < m; ++k)
+          {
+            const double   angle = numbers::PI * ((k + 0.5) / m - 0.5);
+            Tensor<1, dim> e;
+            e[0] = std::cos(angle);
+            e[1] = std::sin(angle);
+            all.add(
+              side, Point<dim>(r * e), sign * e, numbers::PI * r / m, r * e[0]);
+          }
+      else if constexpr (dim == 2)
         for (unsigned int k = 0; k < m; ++k)
           {
             const double         angle = 2. * numbers::PI * k / m;
@@ -95,13 +112,72 @@ error_of_gap(const unsigned int n)
                     4. * numbers::PI * r * r / (m * m));
           }
     }
-  SurfaceSearch<dim>(comm).find_gaps(all.points, 0.05);
+  SurfaceSearch<dim>(is_axisymmetric, comm).find_gaps(all.points, 0.05 * unit);
   check("All points face the other circle.",
         largest<dim>(all, [](const auto &point) { return !point.is_facing; }) ==
           0.);
   return largest<dim>(all, [&](const auto &point) {
-    return std::abs(point.gap - gap);
+    return std::abs(point.gap / unit - gap);
   });
+}
+
+
+
+// Gaps do not depend on the unit of length.
+template <int dim>
+void
+test_units(const unsigned int n, const bool is_axisymmetric)
+{
+  const double error = error_of_gap<dim>(n, 1., is_axisymmetric);
+  for (const double unit : {1e-3, 1e3})
+    check("Errors are the same in all units.",
+          std::abs(error_of_gap<dim>(n, unit, is_axisymmetric) - error) <
+            1e-12);
+}
+
+
+
+// Two squares of points, of which one overlaps the other by a part of a cell.
+double
+excess_of_overlap(const double depth, const double unit)
+{
+  constexpr double            spacing = 0.5;
+  constexpr unsigned int      n       = 12;
+  std::vector<VolumePoint<2>> points;
+  for (unsigned int side = 0; side < 2; ++side)
+    for (unsigned int k = 0; k < n * n; ++k)
+      {
+        VolumePoint<2> point;
+        point.side   = side;
+        point.volume = std::pow(spacing * unit, 2);
+        point.x      = unit * Point<2>((k % n + 0.5) * spacing,
+                                  (k / n + 0.5) * spacing +
+                                    side * (n * spacing - depth));
+        if (k % Utilities::MPI::n_mpi_processes(comm) ==
+            Utilities::MPI::this_mpi_process(comm))
+          points.push_back(point);
+      }
+  const Overlap<2> found =
+    largest_overlap(points, Tensor<1, 2>({unit, unit}), comm);
+  check("The overlap is where both are.",
+        found.excess < 0.01 ||
+          std::abs(found.x[1] / unit - (n * spacing - 0.5 * depth)) < 1.);
+  return found.excess;
+}
+
+
+
+void
+test_overlap()
+{
+  for (const double unit : {1e-3, 1., 1e3})
+    {
+      check("Squares that touch do not overlap.",
+            excess_of_overlap(0., unit) < 1e-12);
+      const double half = excess_of_overlap(0.5, unit);
+      check("Half a cell is found.", half > 0.25 && half < 0.45);
+      check("One is all of the other.", excess_of_overlap(6., unit) > 0.99);
+    }
 }
 
 
@@ -210,7 +286,7 @@ test_pressure()
   for (const double slope : {0., 0.3, 2.2})
     {
       Points<2> all = plates<2>(slope, -depth, 64);
-      SurfaceSearch<2>(comm).find_gaps(all.points, 0.05);
+      SurfaceSearch<2>(false, comm).find_gaps(all.points, 0.05);
       const Tensor<1, 2>       n({-std::sin(slope), std::cos(slope)});
       const Tensor<1, 2>       t({std::cos(slope), std::sin(slope)});
       const AveragedContact<2> contact(law,
@@ -308,7 +384,7 @@ test_thin_plate()
                 -n,
                 0.02);
       }
-  SurfaceSearch<2>(comm).find_gaps(all.points, 0.05);
+  SurfaceSearch<2>(false, comm).find_gaps(all.points, 0.05);
   const AveragedContact<2> contact(law,
                                    Point<2>(-0.03, -0.04),
                                    Tensor<1, 2>({0.1, 0.1}),
@@ -331,6 +407,12 @@ test_main()
   for (const unsigned int n : {40, 80})
     print() << "3D, " << n << " x " << n << " points: error of the gap "
             << error_of_gap<3>(n) * 1e4 << '\n';
+  print() << "axisymmetric, 60 points: error of the gap "
+          << error_of_gap<2>(60, 1., true) * 1e4 << '\n';
+  test_units<2>(60, false);
+  test_units<2>(60, true);
+  test_units<3>(40, false);
+  test_overlap();
   test_pressure();
   test_thin_plate();
 }

@@ -33,8 +33,11 @@ namespace greville
     dealii::Tensor<1, dim> normal;
     /// How far the surface is in front of a material point, m; otherwise 0.
     double radius = 0.;
-    /// The present area, m^2 (in 2D m).
-    double area = 0.;
+    /// The present area, m^2 (in 2D m, in axisymmetry m^2 per radian), and the
+    /// area over the length in the plane: the distance from the axis in
+    /// axisymmetry, m, otherwise 1.
+    double area      = 0.;
+    double thickness = 1.;
     /// The displacement in the step, m.
     dealii::Tensor<1, dim> motion;
     /// From where hat functions are evaluated to x, m. That is half way to the

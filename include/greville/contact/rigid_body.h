@@ -76,6 +76,25 @@ namespace greville
               const RigidPosition<dim>       &before) const;
 
     /**
+     * Return whether a point @p x (m) is inside of the body in a position.
+     */
+    bool
+    contains(const dealii::Point<dim> &x, const RigidPosition<dim> &now) const
+    {
+      return surface->contains(initial_position(now, x));
+    }
+
+    /**
+     * Return the largest distance (m) between the places that a point of the
+     * body has in two positions; of its part in the @p region if its end is not
+     * known.
+     */
+    double
+    way(const RigidPosition<dim>       &before,
+        const RigidPosition<dim>       &now,
+        const dealii::BoundingBox<dim> &region) const;
+
+    /**
      * A mesh of its surface in the initial position, see
      * ClosestSurface::mesh(), for a box that is around the body @p now. It
      * holds until the next call.

@@ -29,6 +29,9 @@ namespace greville
    * faces x count, so that edges are not rounded, and only places on which
    * there are points, so that a surface ends where its points end.
    *
+   * An axisymmetric surface has its mirror image beyond the axis r = 0, so that
+   * it does not end there.
+   *
    * Material points, which have no normal, may be side 0. Points of the surface
    * near them face them, with the gap 0 and the opposite of their own normal.
    */
@@ -36,8 +39,9 @@ namespace greville
   class SurfaceSearch
   {
   public:
-    explicit SurfaceSearch(const MPI_Comm comm)
-      : comm(comm)
+    SurfaceSearch(const bool is_axisymmetric, const MPI_Comm comm)
+      : is_axisymmetric(is_axisymmetric)
+      , comm(comm)
     {}
 
     /**
@@ -51,6 +55,7 @@ namespace greville
     find_gaps(std::vector<ContactPoint<dim>> &points, const double reach) const;
 
   private:
+    const bool     is_axisymmetric;
     const MPI_Comm comm;
   };
 } // namespace greville

@@ -48,6 +48,12 @@ namespace greville
     closest(const dealii::Point<dim> &x, const double within) const = 0;
 
     /**
+     * Return whether the place is inside of the body.
+     */
+    virtual bool
+    contains(const dealii::Point<dim> &x) const = 0;
+
+    /**
      * A box around the body, which may be larger by a quarter, or infinite
      * where the end of the body is not known.
      */

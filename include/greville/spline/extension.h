@@ -58,10 +58,14 @@ namespace greville
 
     /**
      * Collective. Space and filling, which lives on the same mesh, are kept by
-     * reference until the next call.
+     * reference until the next call. If the extension is @p constant, an
+     * extended function has the coefficient of the nearest function of its
+     * host.
      */
     void
-    reinit(const SplineSpace<dim> &space, const CellFilling<dim> &filling);
+    reinit(const SplineSpace<dim> &space,
+           const CellFilling<dim> &filling,
+           const bool              constant = false);
 
     const SplineSpace<dim> &
     space() const
@@ -106,6 +110,7 @@ namespace greville
 
     const SplineSpace<dim>    *spline_space = nullptr;
     const CellFilling<dim>    *cell_filling = nullptr;
+    bool                       is_constant  = false;
     std::vector<unsigned char> classes;
     std::vector<unsigned int>  extended_numbers;
     std::vector<std::uint64_t> hosts;       // of the extended numbers,

@@ -64,6 +64,14 @@ namespace greville
     end_step();
 
     /**
+     * Collective. Return an explicit step, at most @p dt (s), in which surfaces
+     * and rigid bodies move by a quarter of a cell relative to one another at
+     * most.
+     */
+    double
+    bounded_step(double dt) const;
+
+    /**
      * Add what contacts and rigid bodies did to a row of statistics: at the
      * state as it is, to which act() belongs, or at the start of the last step.
      */
@@ -94,6 +102,8 @@ namespace greville
       Simulation<dim> *part;
       unsigned int     surface;
       CellDistances    distances = CellDistances();
+      /// Whether check_added() has seen the points of its body.
+      bool is_known = false;
     };
 
     struct Contact
@@ -108,6 +118,12 @@ namespace greville
       dealii::Point<dim>     corner;
       dealii::Tensor<1, dim> cell_sizes;
       std::unique_ptr<AveragedContact<dim>> average;
+      // How fast both sides have moved in the last step, added up, m / s; what
+      // they have moved since the last check for overlaps, m; whether there has
+      // been one, and the Overlap::excess then.
+      double speed = 0., way = 0.;
+      bool   is_checked   = false;
+      double first_excess = 0.;
     };
 
     /// Results of all contacts, and the rigid bodies then.
@@ -151,11 +167,20 @@ namespace greville
     collect(const Contact &contact) const;
 
     /// Let the surfaces of the first side consist of those material points that
-    /// are the outermost layer now, with what they know of their contact. Those
-    /// that are inside of the other side get back onto its surface: pressures,
-    /// which are averages, let single ones pass.
+    /// are the outermost layer now, with what they know of their contact:
+    /// within one spacing of the other side, in implicit steps also those that
+    /// may get there in a step. Those that are inside of the other side get
+    /// back onto its surface: pressures, which are averages, let single ones
+    /// pass.
     void
     renew_contactors(Contact &contact);
+
+    /// How far a point, or a rigid body, may move in an implicit step, in units
+    /// of the larger cell size.
+    static constexpr double longest_trial_motion = 0.5;
+
+    /// How far a point, or a rigid body, may move in an explicit step.
+    static constexpr double longest_motion = 0.25;
 
     /// A cell in which points may be near the second side.
     struct NearCell
@@ -191,6 +216,38 @@ namespace greville
     find_gaps(const Contact                  &contact,
               std::vector<ContactPoint<dim>> &points,
               const double                    reach);
+
+    /// Throw where bodies that have been added overlap, by their shapes; and
+    /// where points of a body are inside of the other side by more than half of
+    /// a cell, which is looked for whenever both have moved by a quarter.
+    void
+    check_overlaps(Contact &contact);
+
+    /// The sides and places of bodies that are there for the first time, but
+    /// not because of a restart.
+    std::vector<std::pair<unsigned int, Place *>>
+    added_places(Contact &contact) const;
+
+    void
+    check_added(Contact &contact, const unsigned int side, Place &place) const;
+
+    /// Collective. Return which point is too far inside, empty if none.
+    std::string
+    find_inside_of_rigid(Contact &contact) const;
+
+    std::string
+    find_inside_of_body(Contact &contact) const;
+
+    /// Collective. Count what both sides have moved in the last step.
+    void
+    add_way(Contact                              &contact,
+            const std::vector<ContactPoint<dim>> &points) const;
+
+    /// The longest way of the rigid body of a contact between two positions, m.
+    double
+    rigid_way(const Contact            &contact,
+              const RigidPosition<dim> &before,
+              const RigidPosition<dim> &now) const;
 
     /// Throw where points have moved too far in a step, or overlap initially.
     void

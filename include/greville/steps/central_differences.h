@@ -275,7 +275,10 @@ namespace greville
     StepSize<dim>       step_size;
     bool                have_constraints = false; // by contacts
     VectorField<dim>    work_field, surface_velocity;
-    LateRow<dim>       *row = nullptr; // that the step sums up
+    // What surfaces see of velocities and accelerations, see
+    // GridMass::extends_surfaces().
+    std::array<VectorField<dim>, 3> seen_by_surfaces;
+    LateRow<dim>                   *row = nullptr; // that the step sums up
   };
 } // namespace greville
 

@@ -121,8 +121,8 @@ namespace greville
     // By component: owned functions that are unknowns. Fields and arrays of
     // their values, component by component.
     std::array<std::vector<unsigned int>, dim> unknowns;
-    VectorField<dim>                           source, target, product;
-    std::vector<double>                        start;
+    VectorField<dim>    source, target, product, extended;
+    std::vector<double> start;
   };
 } // namespace greville
 

@@ -161,6 +161,27 @@ namespace greville
     }
 
     /**
+     * Whether surfaces in contact see extended functions in place of those that
+     * have hardly any mass, although solve() does not: then their loads are to
+     * be condensed, b = E^T b, and they move with distributed velocities,
+     * v = E v. E is the matrix of ExtendedUnknowns.
+     */
+    virtual bool
+    extends_surfaces() const
+    {
+      return false;
+    }
+
+    /// Collective.
+    virtual void
+    condense(VectorField<dim> &) const
+    {}
+
+    virtual void
+    distribute(VectorField<dim> &) const
+    {}
+
+    /**
      * Collective. Between these calls solves leave no trace: those that follow
      * have the bits that they would have without. One update() may come before
      * the first of these solves, and the next update() has to be for the same

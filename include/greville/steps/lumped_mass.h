@@ -3,7 +3,9 @@
 #ifndef greville_steps_lumped_mass_h
 #define greville_steps_lumped_mass_h
 
+#include <greville/mass/extended_unknowns.h>
 #include <greville/mass/mass_operator.h>
+#include <greville/spline/cell_filling.h>
 #include <greville/steps/grid_mass.h>
 
 #include <optional>
@@ -12,7 +14,11 @@ namespace greville
 {
   /**
    * The row sums M_L of the mass matrix M of the points, or FMPM's series of
-   * K terms, see add_fmpm_terms(), on all functions that meet mass.
+   * K terms, see add_fmpm_terms(), on all functions that meet mass. The points
+   * of a surface in contact are ahead of those of its body: where they enter a
+   * cell first, functions have no mass or hardly any. Surfaces in contact see
+   * a constant extension of the nearest functions there, so that no part of a
+   * force is lost.
    */
   template <int dim>
   class LumpedMass : public GridMass<dim>
@@ -60,7 +66,41 @@ namespace greville
                  const VectorField<dim> &b,
                  const unsigned int      k) const override;
 
+    bool
+    extends_surfaces() const override
+    {
+      return extended != nullptr;
+    }
+
+    void
+    condense(VectorField<dim> &rows) const override;
+
+    void
+    distribute(VectorField<dim> &x) const override;
+
   private:
+    /// What extends the functions that surfaces see.
+    struct Extended
+    {
+      CellFilling<dim>      filling;
+      std::vector<double>   filled_part; // of owned cells
+      Extension<dim>        extension;
+      StencilMatrix<dim>    places;
+      ExtendedUnknowns<dim> unknowns;
+    };
+
+    /// Collective. Make it where surfaces are in contact.
+    void
+    extend_to(const std::vector<const MaterialPoints<dim> *> &surfaces,
+              const std::vector<const MaterialPoints<dim> *> &bodies,
+              const PointTransfer<dim>                       &transfer);
+
+    /// Call action(i) for the owned functions that walls hold. These keep their
+    /// loads, and their velocities.
+    template <typename Action>
+    void
+    for_each_held(const unsigned int component, Action action) const;
+
     void
     change_held() override;
 
@@ -70,6 +110,8 @@ namespace greville
                      const std::array<bool, dim> &components) const override;
 
     const unsigned int                      n_terms;
+    typename CellFilling<dim>::Walls        friction_walls;
+    std::unique_ptr<Extended>               extended;
     VectorField<dim>                        inverse; // of M_L, 0 where held
     std::vector<dealii::Tensor<1, dim>>     given;   // parts along directions
     std::optional<DensityWeights<dim>>      weights;

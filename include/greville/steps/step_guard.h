@@ -157,7 +157,13 @@ namespace greville
     check_momentum(const dealii::Tensor<1, dim> &expected,
                    const dealii::Tensor<1, dim> &found,
                    const double                  size,
+                   const State<dim>             &state,
                    const bool                    is_implicit) const;
+
+    /// Collective. Return the name of a surface whose force acts on functions
+    /// that have no mass, empty if there is none.
+    std::string
+    surface_without_mass(const State<dim> &state) const;
 
     const SimulationParameters &parameters;
     const Discretization<dim>  &discretization;

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/contact/overlap.h>
+
+#include "hats.h"
+#include <algorithm>
+#include <map>
+#include <unordered_map>
+
+namespace greville
+{
+  using namespace dealii;
+  using namespace internal;
+
+  namespace
+  {
+    using Fractions =
+      std::unordered_map<std::uint64_t, std::array<double, 2>>; // of nodes
+
+
+
+    /**
+     * Collective. Add up the shares of all processes at the nodes that points
+     * of this process have.
+     */
+    void
+    add_up(Fractions &fractions, const MPI_Comm comm)
+    {
+      const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
+      if (n_processes == 1)
+        return;
+      using Rows = std::vector<std::pair<std::uint64_t, std::array<double, 2>>>;
+      std::map<unsigned int, Rows> to_owners, answers;
+      for (const auto &entry : fractions)
+        to_owners[entry.first % n_processes].push_back(entry);
+      const auto received = Utilities::MPI::some_to_some(comm, to_owners);
+      Fractions  owned;
+      for (const auto &[process, rows] : received)
+        for (const auto &[node, share] : rows)
+          for (unsigned int s = 0; s < 2; ++s)
+            owned[node][s] += share[s];
+      for (const auto &[process, rows] : received)
+        for (const auto &row : rows)
+          answers[process].emplace_back(row.first, owned[row.first]);
+      for (const auto &[process, rows] :
+           Utilities::MPI::some_to_some(comm, answers))
+        for (const auto &[node, sum] : rows)
+          fractions[node] = sum;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  Overlap<dim>
+  largest_overlap(const std::vector<VolumePoint<dim>> &points,
+                  const Tensor<1, dim>                &h,
+                  const MPI_Comm                       comm)
+  {
+    double cell = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      cell *= h[d];
+    // Keys of all points are those of one direction.
+    const Tensor<1, dim>   up = Point<dim>::unit_vector(dim - 1);
+    std::vector<Hats<dim>> hats;
+    hats.reserve(points.size());
+    Fractions fractions;
+    for (const VolumePoint<dim> &point : points)
+      {
+        const Hats<dim> &own = hats.emplace_back(point.x, up, Point<dim>(), h);
+        for (unsigned int k = 0; k < Hats<dim>::n; ++k)
+          fractions[own.keys[k]][point.side] +=
+            point.volume / cell * own.values[k];
+      }
+    add_up(fractions, comm);
+
+    Overlap<dim> result;
+    for (std::size_t p = 0; p < points.size(); ++p)
+      {
+        double sum = -1.;
+        for (unsigned int k = 0; k < Hats<dim>::n; ++k)
+          {
+            const auto &of_node = fractions.at(hats[p].keys[k]);
+            sum += hats[p].values[k] *
+                   (std::min(1., of_node[0]) + std::min(1., of_node[1]));
+          }
+        if (sum > result.excess)
+          result = {sum, points[p].x, points[p].side, points[p].body};
+      }
+    // That of the first process which has the largest one.
+    const double       largest = Utilities::MPI::max(result.excess, comm);
+    const unsigned int first =
+      Utilities::MPI::min(result.excess == largest
+                            ? Utilities::MPI::this_mpi_process(comm)
+                            : Utilities::MPI::n_mpi_processes(comm),
+                          comm);
+    std::vector<double> row{result.excess,
+                            double(result.side),
+                            double(result.body)};
+    for (unsigned int d = 0; d < dim; ++d)
+      row.push_back(result.x[d]);
+    row           = Utilities::MPI::broadcast(comm, row, first);
+    result.excess = row[0];
+    result.side   = row[1];
+    result.body   = row[2];
+    for (unsigned int d = 0; d < dim; ++d)
+      result.x[d] = row[3 + d];
+    return result;
+  }
+
+
+
+  template Overlap<2>
+  largest_overlap(const std::vector<VolumePoint<2>> &,
+                  const Tensor<1, 2> &,
+                  const MPI_Comm);
+  template Overlap<3>
+  largest_overlap(const std::vector<VolumePoint<3>> &,
+                  const Tensor<1, 3> &,
+                  const MPI_Comm);
+} // namespace greville
