@@ -160,7 +160,7 @@ excess_of_overlap(const double depth, const double unit)
   const Overlap<2> found =
     largest_overlap(points, Tensor<1, 2>({unit, unit}), comm);
   check("The overlap is where both are.",
-        found.excess < 0.01 ||
+        found.excess < 0.01 || depth > 1. ||
           std::abs(found.x[1] / unit - (n * spacing - 0.5 * depth)) < 1.);
   return found.excess;
 }
