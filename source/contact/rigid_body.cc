@@ -274,13 +274,14 @@ namespace greville
                       const RigidPosition<dim> &now,
                       const BoundingBox<dim>   &region) const
   {
-    const BoundingBox<dim> box     = surface->box();
-    const bool             is_open = !std::isfinite(box.lower_bound(0));
-    double                 longest = 0.;
+    if (!extent)
+      extent = surface->box();
+    const bool is_open = !std::isfinite(extent->lower_bound(0));
+    double     longest = 0.;
     for (unsigned int v = 0; v < GeometryInfo<dim>::vertices_per_cell; ++v)
       {
         const Point<dim> X =
-          is_open ? initial_position(now, region.vertex(v)) : box.vertex(v);
+          is_open ? initial_position(now, region.vertex(v)) : extent->vertex(v);
         longest = std::max(longest,
                            current_position(now, X).distance(
                              current_position(before, X)));

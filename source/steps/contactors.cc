@@ -394,7 +394,7 @@ namespace greville
       }
     if (way > slack || reach > known.reach)
       {
-        known = {now, reach + slack, {}};
+        known = {now, std::max(reach + slack, known.reach), {}};
         way   = 0.;
       }
     std::vector<ContactPoint<dim>> centers;

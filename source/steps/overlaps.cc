@@ -220,7 +220,7 @@ namespace greville
 
   template <int dim>
   std::string
-  BodyContacts<dim>::find_inside_of_rigid(Contact &contact) const
+  BodyContacts<dim>::find_inside_of_rigid(Contact &contact)
   {
     const double          depth = deepest_later * contact.cell_size;
     const RigidBody<dim> &rigid = rigid_bodies[contact.rigid];
@@ -232,17 +232,21 @@ namespace greville
         const Inside<dim> is_inside = mirrored<dim>(
           [&](const Point<dim> &x) { return rigid.contains(x, now); },
           body.points.layout().is_axisymmetric());
-        body.points.for_each(
-          [&](const unsigned int, const ConstPointRef<dim> p) {
-            if (problem.empty() && is_deep<dim>(is_inside, p.position(), depth))
-              {
-                std::ostringstream text;
-                text << "a point of 'Body " << body.name << "' at ("
-                     << p.position() << ") m is inside of 'Rigid body "
-                     << rigid.name() << "'";
-                problem = text.str();
-              }
-          });
+        const auto look = [&](const ConstPointRef<dim> p) {
+          if (!problem.empty() || !is_deep<dim>(is_inside, p.position(), depth))
+            return;
+          std::ostringstream text;
+          text << "a point of 'Body " << body.name << "' at (" << p.position()
+               << ") m is inside of 'Rigid body " << rigid.name() << "'";
+          problem = text.str();
+        };
+        // Cells of total Lagrangian points are not where the points are.
+        if (body.points.layout().is_total_lagrangian())
+          body.points.for_each(
+            [&](const unsigned int, const ConstPointRef<dim> p) { look(p); });
+        else
+          for (const NearCell &cell : near_cells(contact, place, -depth))
+            body.points.for_each_in_cell(cell.cell, look);
       }
     return first_of_all(problem, comm);
   }

@@ -233,7 +233,7 @@ namespace greville
 
     /// Collective. Return which point is too far inside, empty if none.
     std::string
-    find_inside_of_rigid(Contact &contact) const;
+    find_inside_of_rigid(Contact &contact);
 
     std::string
     find_inside_of_body(Contact &contact) const;
