@@ -6,7 +6,11 @@
 // the median of pairs with a fixed loop of square roots, whose time is printed
 // beside it, so that numbers of busy machines can be told from others.
 //
-//   ninja -C build law_benchmark && build/law_benchmark
+//   ninja -C build law_benchmark && build/law_benchmark [LIBRARY ...]
+//
+// With libraries it measures their UMATs instead, whose properties are Young's
+// modulus, Poisson's ratio and a yield stress, and which may have seven state
+// variables.
 
 #include <deal.II/base/mpi.h>
 
@@ -16,6 +20,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <random>
 
 using namespace dealii;
@@ -164,11 +169,21 @@ namespace
 int
 main(int argc, char **argv)
 {
+  const std::vector<std::string>   libraries(argv + 1, argv + argc);
   Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   std::printf(
     "| law | | plane strain, ns | tangent, ns | 3D, ns | tangent, ns | "
     "reference, ns |\n"
     "| --- | --- | --- | --- | --- | --- | --- |\n");
+  for (const std::string &library : libraries)
+    measure("umat",
+            {"Library = " + library,
+             "Properties = 1e6, 0.3, 1e9, 0",
+             "State variables = 7"},
+            1e-2,
+            std::filesystem::path(library).stem().string());
+  if (!libraries.empty())
+    return 0;
   const std::string stiff = "Young modulus = 1e6";
   measure("linear-elastic", {stiff}, 1e-2, "");
   measure("linear-elastic", {stiff}, 0.3, "large strains");

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <link.h>
 #include <set>
 
 namespace greville
@@ -19,16 +20,70 @@ namespace greville
 
   namespace
   {
+    std::string
+    content_of(const std::string &file)
+    {
+      std::ifstream stream(file, std::ios::binary);
+      return {std::istreambuf_iterator<char>(stream), {}};
+    }
+
+
+
     /**
-     * Throw if the plugin @p file was compiled for another build. The file is
-     * read and not loaded: a plugin for Debug would load the other library of
-     * deal.II, and the program would then abort at its end.
+     * The libraries of deal.II that this program has.
+     */
+    std::set<std::string>
+    loaded_dealii()
+    {
+      std::set<std::string> names;
+      dl_iterate_phdr(
+        [](dl_phdr_info *info, std::size_t, void *result) {
+          const std::string name =
+            std::filesystem::path(info->dlpi_name).filename().string();
+          if (name.find("libdeal") == 0)
+            static_cast<std::set<std::string> *>(result)->insert(name);
+          return 0;
+        },
+        &names);
+      return names;
+    }
+
+
+
+    /**
+     * Throw if the library with this @p content is linked with another library
+     * of deal.II than the program: both in one program destroy each other's
+     * objects at its end. The names of libraries are in the table of strings,
+     * each with a zero before and behind it.
      */
     void
-    check_build(const std::string &file, const std::string &parameter)
+    check_dealii(const std::string &content, const std::string &begin)
     {
-      std::ifstream     stream(file, std::ios::binary);
-      const std::string content{std::istreambuf_iterator<char>(stream), {}};
+      const std::set<std::string> loaded = loaded_dealii();
+      const std::string           mark("\0libdeal", 8);
+      for (auto at = content.find(mark); at != std::string::npos;
+           at      = content.find(mark, at + 1))
+        {
+               const std::string other = content.c_str() + at + 1;
+               AssertThrow(
+            other.find(".so") == std::string::npos || loaded.count(other) > 0,
+            ExcMessage(begin + "which is linked with <" + other +
+                       ">. This program has <" +
+                       boost::algorithm::join(loaded, ">, <") +
+                       ">: link the library with the deal.II and the build "
+                            "type of this program "
+                            "(-DCMAKE_BUILD_TYPE=" GREVILLE_BUILD_TYPE ")."));
+        }
+    }
+
+
+
+    /**
+     * Throw if the plugin with this @p content was compiled for another build.
+     */
+    void
+    check_build(const std::string &content, const std::string &begin)
+    {
       // Other libraries are refused where they are loaded.
       if (content.find("register_in_greville") == std::string::npos)
         return;
@@ -40,7 +95,7 @@ namespace greville
       AssertThrow(
         other == build,
         ExcMessage(
-          "The parameter '" + parameter + "' is <" + file + ">, which " +
+          begin + "which " +
           (other.empty() ? "does not say for which build it was compiled. "
                            "Begin its function "
                            "with GREVILLE_PLUGIN (greville/base/plugin.h)"
@@ -48,6 +103,14 @@ namespace greville
           ". This program is <" + build +
           ">: compile the plugin with the headers and the compiler options of "
           "this program (-DCMAKE_BUILD_TYPE=" GREVILLE_BUILD_TYPE ")."));
+    }
+
+
+
+    std::string
+    begin_of_message(const std::string &file, const std::string &parameter)
+    {
+      return "The parameter '" + parameter + "' is <" + file + ">, ";
     }
   } // namespace
 
@@ -58,10 +121,11 @@ namespace greville
                       const std::vector<std::string> &names,
                       const std::string              &parameter)
   {
-    const std::string begin =
-      "The parameter '" + parameter + "' is <" + file + ">, ";
+    const std::string begin = begin_of_message(file, parameter);
     AssertThrow(std::filesystem::is_regular_file(file),
                 ExcMessage(begin + "and there is no such file."));
+    // It is read before it is loaded, since a library stays loaded.
+    check_dealii(content_of(file), begin);
     // Without a slash it would be looked for elsewhere.
     const std::string path    = std::filesystem::absolute(file).string();
     void *const       library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -84,7 +148,7 @@ namespace greville
   {
     static std::set<std::string> loaded;
     if (std::filesystem::is_regular_file(file))
-      check_build(file, parameter);
+      check_build(content_of(file), begin_of_message(file, parameter));
     void *const function =
       function_of_library(file, {"register_in_greville"}, parameter);
     if (loaded.insert(std::filesystem::canonical(file).string()).second)

@@ -2,6 +2,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/shared_library.h>
 #include <greville/materials/hencky.h>
 #include <greville/materials/material_lanes.h>
@@ -9,7 +10,6 @@
 #include <greville/materials/spectral_decomposition.h>
 #include <greville/materials/umat.h>
 #include <greville/materials/umat_arguments.h>
-#include <greville/materials/umat_utilities.h>
 
 #include <algorithm>
 #include <cctype>
@@ -179,7 +179,7 @@ namespace greville
   Umat::declare(ParameterHandler &prm)
   {
     Material::declare(prm);
-    add_parameter(prm, "Library", library)(
+    add_parameter(prm, "Library", law.library)(
       "A shared library with an Abaqus UMAT, relative to the folder of this "
       "file; scripts/build_umat makes one from Fortran, C or C++.");
     add_parameter(prm, "Properties", properties)(
@@ -207,6 +207,9 @@ namespace greville
       "Unit: Pa.");
     add_parameter(prm, "Shear modulus", shear, Patterns::Double(0.))(
       "The elastic shear modulus. Unit: Pa.");
+    add_parameter(prm, "Time limit", law.time_limit, Patterns::Double(0.))(
+      "The program ends, with a message, if a call takes longer. 0: no limit. "
+      "Unit: s.");
   }
 
 
@@ -214,13 +217,13 @@ namespace greville
   void
   Umat::reinit(const std::string &section)
   {
-    section_name = section;
-    AssertThrow(!library.empty(),
+    law.section = section;
+    AssertThrow(!law.library.empty(),
                 ExcMessage("The parameter '" + section +
                            "/Library' is empty: the law '" + name +
                            "' needs a shared library with a UMAT."));
-    function    = find_function(library, section + "/Library");
-    padded_name = section.substr(section.find(' ') + 1);
+    function                = find_function(law.library, section + "/Library");
+    std::string padded_name = section.substr(section.find(' ') + 1);
     for (char &c : padded_name)
       c = std::toupper((unsigned char)(c));
     padded_name.resize(cmname_length, ' ');
@@ -256,6 +259,8 @@ namespace greville
                 : "");
         }
     check_different(names, section + "/State variables", "name");
+    memory.reinit(properties, padded_name, element_length, names.size());
+    UmatCall::catch_faults(law);
 
     initial_formulas.clear();
     const std::string parameter = section + "/Initial state";
@@ -378,96 +383,150 @@ namespace greville
 
 
   void
-  Umat::call(MaterialPoint &point, const Increment &increment, Matrix &C) const
+  Umat::invoke(const MaterialPoint *point, double *first) const
   {
-    const int        ndi = 3, nshr = point.dim == 2 ? 1 : 3, ntens = ndi + nshr;
+    using Function    = void (*)(GREVILLE_UMAT_ARGUMENTS);
+    double *constants = memory[UmatMemory::constants];
+    double *results   = memory[UmatMemory::results];
+    std::fill_n(results, 2, 0.);
+    results[2] = std::numeric_limits<float>::max(); // PNEWDT
+    std::copy_n(first + sse, 3, results + 3);
+    const UmatCall under_way(law, point, memory);
+    try
+      {
+        reinterpret_cast<Function>(function)(memory[UmatMemory::stress],
+                                             memory[UmatMemory::statev],
+                                             memory[UmatMemory::ddsdde],
+                                             results + 3,
+                                             results + 4,
+                                             results + 5,
+                                             results,
+                                             memory[UmatMemory::ddsddt],
+                                             memory[UmatMemory::drplde],
+                                             results + 1,
+                                             memory[UmatMemory::stran],
+                                             memory[UmatMemory::dstran],
+                                             memory[UmatMemory::time],
+                                             memory[UmatMemory::dtime],
+                                             constants + 1,
+                                             constants + 2,
+                                             memory[UmatMemory::predef],
+                                             memory[UmatMemory::dpred],
+                                             memory.name(),
+                                             memory.integer(0),
+                                             memory.integer(1),
+                                             memory.integer(2),
+                                             memory.integer(3),
+                                             memory[UmatMemory::props],
+                                             memory.integer(4),
+                                             memory[UmatMemory::coords],
+                                             memory[UmatMemory::drot],
+                                             results + 2,
+                                             constants,
+                                             memory[UmatMemory::dfgrd0],
+                                             memory[UmatMemory::dfgrd1],
+                                             memory.integer(5),
+                                             memory.integer(6),
+                                             memory.integer(7),
+                                             memory.integer(8),
+                                             memory.integer(10),
+                                             memory.integer(9),
+                                             cmname_length);
+      }
+    catch (const ExceptionBase &)
+      {
+        throw;
+      }
+    catch (const std::exception &error)
+      {
+        throw UmatFault(
+          UmatCall::message(std::string("has thrown <") + error.what() + ">"));
+      }
+    catch (...)
+      {
+        throw UmatFault(UmatCall::message("has thrown an exception"));
+      }
+    AssertThrow(memory.is_intact(),
+                UmatFault(UmatCall::message(memory.damage())));
+    const double pnewdt = results[2];
+    AssertThrow(!std::isnan(pnewdt),
+                ExcMessage(UmatCall::message("returns nan in PNEWDT")));
+    AssertThrow(pnewdt >= 1.,
+                ExcMessage(UmatCall::message(
+                  "asks for a step of " + text_of(pnewdt) +
+                  " times this length (PNEWDT), which is " +
+                  text_of(*memory[UmatMemory::dtime]) +
+                  " s; explicit steps take a smaller 'Time/Step' or "
+                  "'Time/Safety'")));
+    if (!memory.is_finite())
+      {
+        const std::string bad = memory.not_finite();
+        AssertThrow(bad.empty(),
+                    ExcMessage(UmatCall::message("returns " + bad)));
+      }
+    std::copy_n(results + 3, 3, first + sse);
+  }
+
+
+
+  void
+  Umat::call(MaterialPoint   &point,
+             const Increment &increment,
+             Matrix          &C,
+             const bool       has_increment) const
+  {
+    const unsigned int ntens = point.dim == 2 ? 4 : 6;
+    memory.prepare(ntens);
+    double *const stress = memory[UmatMemory::stress];
+    double *const stran  = memory[UmatMemory::stran];
+    double *const dstran = memory[UmatMemory::dstran];
+    double *const ddsdde = memory[UmatMemory::ddsdde];
+    double *const statev = memory[UmatMemory::statev];
+
     History<double> &state = point.state;
-    double           stress[6], before[6], stran[6], dstran[6], ddsdde[36] = {};
+    double           before[6];
     for (unsigned int k = 0; k < 6; ++k)
-      stress[k] = point.stress.access_raw_entry(k);
-    rotate(increment.rotation, stress);
+      before[k] = point.stress.access_raw_entry(k);
+    rotate(increment.rotation, before);
     rotate(increment.rotation, &state.first[strain]);
-    for (unsigned int k = 0; k < 6; ++k)
+    for (unsigned int k = 0; k < ntens; ++k)
       {
         const double factor = k < 3 ? 1. : 2.;
-        before[k]           = stress[k];
+        stress[k]           = before[k];
         stran[k]            = factor * state.first[strain + k];
         dstran[k]           = factor * increment.strain[k];
-        state.first[strain + k] += increment.strain[k];
       }
+    for (unsigned int k = 0; k < 6; ++k)
+      state.first[strain + k] += increment.strain[k];
+    std::fill_n(ddsdde, ntens * ntens, 0.);
+    std::copy(state.more.begin(), state.more.end(), statev);
     // F_n = f^-1 F_(n+1); Fortran has columns first.
     const Tensor<2, 3> F0 = invert(point.increment) * point.F;
     const double       J0 = point.J / determinant(point.increment);
-    double             drot[9], dfgrd0[9], dfgrd1[9], coords[3];
     for (unsigned int i = 0; i < 3; ++i)
       {
-        coords[i] = point.position[i];
+        memory[UmatMemory::coords][i] = point.position[i];
         for (unsigned int j = 0; j < 3; ++j)
           {
-            drot[i + 3 * j]   = increment.rotation[i][j];
-            dfgrd0[i + 3 * j] = F0[i][j];
-            dfgrd1[i + 3 * j] = point.F[i][j];
+            const unsigned int k          = i + 3 * j;
+            memory[UmatMemory::drot][k]   = increment.rotation[i][j];
+            memory[UmatMemory::dfgrd0][k] = F0[i][j];
+            memory[UmatMemory::dfgrd1][k] = point.F[i][j];
           }
       }
-    const double begin = point.time - point.dt, time[] = {begin, begin};
-    const double zero   = 0.;
-    const int    nstatv = names.size(), nprops = properties.size(), one = 1;
-    const int    kstep[] = {1, 1, 0, 0}, kinc = begin > 0. ? 2 : 1;
-    double rpl = 0., ddsddt[6] = {}, drplde[6] = {}, drpldt = 0., none = 0.;
-    double largest = std::numeric_limits<float>::max(), pnewdt = largest;
+    const double begin = point.time - point.dt;
+    std::fill_n(memory[UmatMemory::time], 2, begin);
+    *memory[UmatMemory::dtime] = point.dt;
+    memory.set_kinc(begin > 0. ? 2 : 1);
     const double heat = state.first[spd] + state.first[scd];
-    using Function    = void (*)(GREVILLE_UMAT_ARGUMENTS);
-    const UmatCall says_who(section_name);
-    reinterpret_cast<Function>(function)(stress,
-                                         nstatv > 0 ? state.more.data() : &none,
-                                         ddsdde,
-                                         &state.first[sse],
-                                         &state.first[spd],
-                                         &state.first[scd],
-                                         &rpl,
-                                         ddsddt,
-                                         drplde,
-                                         &drpldt,
-                                         stran,
-                                         dstran,
-                                         time,
-                                         &point.dt,
-                                         &zero,
-                                         &zero,
-                                         &zero,
-                                         &zero,
-                                         padded_name.data(),
-                                         &ndi,
-                                         &nshr,
-                                         &ntens,
-                                         &nstatv,
-                                         nprops > 0 ? properties.data() : &zero,
-                                         &nprops,
-                                         coords,
-                                         drot,
-                                         &pnewdt,
-                                         &element_length,
-                                         dfgrd0,
-                                         dfgrd1,
-                                         &one,
-                                         &one,
-                                         &one,
-                                         &one,
-                                         kstep,
-                                         &kinc,
-                                         cmname_length);
-    AssertThrow(!(pnewdt < 1.),
-                ExcMessage("the UMAT of '" + section_name +
-                           "' asks for a step of " + text_of(pnewdt) +
-                           " times this length (PNEWDT), which is " +
-                           text_of(point.dt) +
-                           " s; explicit steps take a smaller 'Time/Step' or "
-                           "'Time/Safety'"));
-    for (int i = 0; i < ntens; ++i)
+    invoke(has_increment ? &point : nullptr, state.first.data());
+
+    std::copy_n(statev, state.more.size(), state.more.begin());
+    for (unsigned int i = 0; i < ntens; ++i)
       {
         point.stress.access_raw_entry(i) = stress[i];
         before[i]                        = J0 * before[i] + point.J * stress[i];
-        for (int j = 0; j < ntens; ++j)
+        for (unsigned int j = 0; j < ntens; ++j)
           C[i][j] = ddsdde[i + ntens * j];
       }
     state.first[work] += 0.5 * product(before, increment.strain);
@@ -489,7 +548,7 @@ namespace greville
     Increment none{};
     none.rotation = point.increment;
     Matrix C{};
-    call(point, none, C);
+    call(point, none, C, false);
     return C;
   }
 

@@ -5,6 +5,7 @@
 #include <greville/base/eigenvectors.h>
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/materials/umat_call.h>
 #include <greville/materials/umat_utilities.h>
 
 #include <cctype>
@@ -18,20 +19,8 @@ namespace greville
 
   namespace
   {
-    const std::string *calling_section = nullptr;
-
     constexpr unsigned int first_index[]  = {0, 1, 2, 0, 0, 1};
     constexpr unsigned int second_index[] = {0, 1, 2, 1, 2, 2};
-
-
-
-    std::string
-    caller()
-    {
-      return calling_section == nullptr
-               ? std::string("a UMAT")
-               : "the UMAT of '" + *calling_section + "'";
-    }
 
 
 
@@ -105,20 +94,6 @@ namespace greville
       return result;
     }
   } // namespace
-
-
-
-  UmatCall::UmatCall(const std::string &section)
-  {
-    calling_section = &section;
-  }
-
-
-
-  UmatCall::~UmatCall()
-  {
-    calling_section = nullptr;
-  }
 
 
 
@@ -197,7 +172,7 @@ namespace greville
   void
   xit_()
   {
-    AssertThrow(false, ExcMessage(caller() + " has called XIT"));
+    AssertThrow(false, ExcMessage(UmatCall::message("has called XIT")));
   }
 
 
@@ -213,10 +188,11 @@ namespace greville
   {
     const std::string format = Utilities::trim(std::string(text, text_length));
     const std::string message =
-      caller() + " says: " + filled(format, intv, realv, charv, charv_length);
-    AssertThrow(*lop > -2, ExcMessage(message));
+      "says: " + filled(format, intv, realv, charv, charv_length);
+    AssertThrow(*lop > -2, ExcMessage(UmatCall::message(message)));
     static std::set<std::string> said;
     if (said.insert(format).second)
-      std::cerr << (*lop < 0 ? "Warning: " : "Note: ") << message << std::endl;
+      std::cerr << (*lop < 0 ? "Warning: " : "Note: ") << UmatCall::caller()
+                << ' ' << message << std::endl;
   }
 } // namespace greville

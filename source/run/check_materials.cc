@@ -252,9 +252,9 @@ namespace greville
       if (dynamic_cast<const Umat *>(body.material))
         {
           double      error   = -1.;
-          std::string problem = "";
+          std::string problem = "", fault = "";
           body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-            if (error >= 0. || !problem.empty())
+            if (error >= 0. || !problem.empty() || !fault.empty())
               return;
             MaterialPoint point;
             load_material_point<dim>(p, body.points.layout(), point);
@@ -266,11 +266,16 @@ namespace greville
                 AssertThrow(std::isfinite(error),
                             ExcMessage("it is infinite or NaN"));
               }
+            catch (const UmatFault &exception)
+              {
+                fault = message_of(exception);
+              }
             catch (const std::exception &exception)
               {
                 problem = message_of(exception);
               }
           });
+          throw_on_all(fault, comm);
           problem = first_of_all(problem, comm);
           error   = Utilities::MPI::max(error, comm);
           out << "  tangent of 'Material " << body.parameters->material

@@ -2,7 +2,8 @@
 // Processes: 1
 
 // A plugin of this build is loaded. A plugin of another or of an unknown build
-// is refused before it is loaded.
+// is refused before it is loaded, and so is one that is linked with another
+// deal.II.
 
 #include <greville/base/plugin.h>
 #include <greville/base/shared_library.h>
@@ -67,6 +68,13 @@ test_main()
   has(without, "does not say for which build it was compiled");
   has(without, "GREVILLE_PLUGIN");
   has(without, "-DCMAKE_BUILD_TYPE=");
+
+  const std::string of_another_deal_ii =
+    message_with(std::string("\0libdeal", 8), std::string("\0libdeal~", 9));
+  has(of_another_deal_ii,
+      "'Simulation/Additional shared libraries' is <other.so>");
+  has(of_another_deal_ii, "which is linked with <libdeal~");
+  has(of_another_deal_ii, ">. This program has <libdeal");
 
   const auto has_sponge = [] {
     return material_names().find("sponge") != std::string::npos;

@@ -4,11 +4,13 @@
 // UMATs of benchmarks/umat against the laws of the library that they repeat,
 // step by step: stress, history, energies and tangents in plane strain and in
 // 3D; an incremental one where it is exact, and how it converges otherwise.
-// What a UMAT is given, state variables, errors.
+// What a UMAT is given, state variables, errors, and what a UMAT does to memory
+// that is not its own.
 #include <greville/materials/umat.h>
 #include <greville/run/check_materials.h>
 
 #include "materials.h"
+#include <functional>
 
 namespace
 {
@@ -38,6 +40,29 @@ namespace
       }
     law->reinit(section);
     return law;
+  }
+
+
+
+  // Print a message without the folder of libraries and the number of the call.
+  void
+  print_place(const std::function<void()> &action)
+  {
+    try
+      {
+        action();
+        print() << "accepted: FAILED" << std::endl;
+      }
+    catch (const std::exception &error)
+      {
+        std::string text = message_of(error);
+        for (std::size_t at; (at = text.find(BUILD_DIR)) != std::string::npos;)
+          text.erase(at, std::string(BUILD_DIR).size());
+        const std::size_t call = text.find(", call ");
+        if (call != std::string::npos)
+          text.erase(call + 6, text.find(' ', call + 7) - call - 6);
+        print() << text << std::endl;
+      }
   }
 
 
@@ -271,7 +296,7 @@ namespace
     f                     = one_tensor();
     f[0][0]               = 1.02;
     MaterialPoint too_far = flat;
-    print_message([&]() { step(*umat, too_far, f, 0.25); });
+    print_place([&]() { step(*umat, too_far, f, 0.25); });
 
     // Names, units, and the moduli of waves.
     settings = common;
@@ -298,21 +323,8 @@ namespace
   void
   test_messages()
   {
-    // Without the folder that the messages name.
     const auto bad = [](const std::vector<std::string> &settings) {
-      try
-        {
-          make_umat(settings);
-          print() << "accepted: FAILED" << std::endl;
-        }
-      catch (const std::exception &error)
-        {
-          std::string text = message_of(error);
-          for (std::size_t at;
-               (at = text.find(BUILD_DIR)) != std::string::npos;)
-            text.erase(at, std::string(BUILD_DIR).size());
-          print() << text << std::endl;
-        }
+      print_place([&]() { make_umat(settings); });
     };
     const std::string elastic = library("elastic_c.so");
     bad({});
@@ -330,6 +342,66 @@ namespace
     bad({library("umat_probe_c.so"),
          "Properties = 1e6, 1, 0",
          "State variables = 24"});
+  }
+
+
+
+  // The examples of doc/user/own_laws.md: both alike, and Hooke's law.
+  void
+  test_examples()
+  {
+    const std::vector<std::string> common  = {"Properties = 1e7, 0.3",
+                                              "State variables = theta"};
+    const auto                     example = [&](const std::string &file) {
+      auto settings = common;
+      settings.push_back(library(file));
+      return make_umat(settings);
+    };
+    const auto c = example("own_laws_c.so"), fortran = example("own_laws_f.so");
+    const auto law =
+      make("linear-elastic", {"Young modulus = 1e7", "Poisson ratio = 0.3"});
+    MaterialPoint a = rest(*c), b = rest(*fortran), exact = rest(*law);
+    Tensor2       f = one_tensor();
+    f[0][0] += 1e-7;
+    f[1][2] += 2e-7;
+    for (MaterialPoint *point : {&a, &b, &exact})
+      step(point == &a   ? static_cast<const Material &>(*c)
+           : point == &b ? static_cast<const Material &>(*fortran)
+                         : *law,
+           *point,
+           f);
+    check("examples alike", (a.stress - b.stress).norm(), 1e-12);
+    check("  and exact",
+          (a.stress - exact.stress).norm() / exact.stress.norm(),
+          1e-6);
+    check("  with their state",
+          std::abs(a.state[12] - 1e-7) < 1e-13 && a.state[12] == b.state[12]);
+  }
+
+
+
+  // Faults of tests/materials/umat_faults.c from a time on. Calls before it are
+  // right, also after a fault.
+  void
+  test_faults()
+  {
+    for (const unsigned int dim : {2, 3})
+      for (unsigned int fault = 1; fault < 20; ++fault)
+        {
+          const auto umat =
+            make_umat({library("umat_faults_c.so"),
+                       "Properties = 1e6, " + std::to_string(fault) + ", 0.25",
+                       "State variables = 1"});
+          MaterialPoint point = rest(*umat);
+          point.dim           = dim;
+          point.position      = Point<3>(1., 2., 3.);
+          MaterialPoint late  = point;
+          late.time           = 1.;
+          print_place([&]() { step(*umat, late, one_tensor(), 0.5); });
+          point.time = 0.5;
+          step(*umat, point, one_tensor(), 0.5);
+          check("a call after it", point.state[12] == 0.5);
+        }
   }
 } // namespace
 
@@ -372,4 +444,6 @@ test_main()
   test_incremental();
   test_interface();
   test_messages();
+  test_examples();
+  test_faults();
 }

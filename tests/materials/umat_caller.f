@@ -3,7 +3,7 @@ C
 C     Hooke's law in increments, which asks the routines of Abaqus about its stress.
 C     PROPS: Young's modulus, Poisson's ratio, and two stresses: q beyond the first one
 C     is a warning, beyond the second one calls XIT, and STDB_ABQERR with -3 if it is
-C     negative.
+C     negative. It stops after 7 ms if the second one is zero.
 C     STATEV: the invariants of SINV; the principal values of SPRINC; the largest
 C     differences of sum PS AN AN (SPRIND) from the stress, of AN S AN^T (ROTSIG) from
 C     PS, and of the strain that ROTSIG turns there and back.
@@ -75,6 +75,7 @@ C     PS, and of the strain that ROTSIG turns there and back.
           CALL STDB_ABQERR(-3,'no more than %R',INTV,PROPS(4),
      1     CHARV)
         END IF
-        CALL XIT
+        IF (PROPS(4).GT.0.D0) CALL XIT
+        IF (TIME(2).GT.7.D-3) STOP 'no convergence'
       END IF
       END

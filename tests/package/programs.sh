@@ -1,34 +1,58 @@
 #!/bin/sh
-# programs.sh CMAKE BUILD_TREE STEP MPIEXEC FLAG NUMDIFF: install the build tree,
-# build the step program in the folder STEP against what is installed, run it on
-# one and on two processes, and compare what it prints with the block @code in
-# its results.dox. The same with the program in doc/examples/own_law, whose law is
-# one of the library under another name, and with the plugin that has this law.
+# programs.sh BUILD_TREE ROOT MPIEXEC FLAG NUMDIFF: run the commands of
+# doc/developer/adding_a_law.md and the one of README.md for the step program, letter
+# by letter: they install the build tree and build the step program, the program in
+# doc/examples/own_law, and its plugin against what is installed. Then run the step
+# program on one and on two processes, and compare what it prints with the block
+# @code in its results.dox. The law of own_law is one of the library under another
+# name: the same results from the program, from the plugin and from the library.
 set -e
-cmake=$1
-folder=$2/package_test_programs
-step=$3
-mpiexec=$4
-np=$5
-numdiff=$6
+folder=$1/package_test_programs
+root=$2
+mpiexec=$3
+np=$4
+numdiff=$5
 rm -rf "$folder"
-"$cmake" --install "$2" --prefix "$folder/prefix" >/dev/null
+mkdir -p "$folder/tree/doc/examples"
+cp -r "$root/doc/step-greville" "$folder/tree/doc"
+cp -r "$root/doc/examples/own_law" "$folder/tree/doc/examples"
+ln -s "$1" "$folder/tree/build"
 if command -v ccache >/dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache
 fi
-linker=
 if command -v ld.lld >/dev/null; then
-  linker=-fuse-ld=lld
+  export LDFLAGS=-fuse-ld=lld
 fi
-# build_in FOLDER SOURCE
-build_in() {
-  "$cmake" -S "$2" -B "$1" -G Ninja \
-    -DCMAKE_PREFIX_PATH="$folder/prefix" -DCMAKE_EXE_LINKER_FLAGS=$linker
-  "$cmake" --build "$1"
+HOME=$folder/home
+export HOME
+sed -n '/^```sh/,/^```/{/^```/d;p}' "$root/doc/developer/adding_a_law.md" >"$folder/commands"
+sed -n 's/^Build it by `\(cmake .*\)`; its.*/\1/p' "$root/README.md" >"$folder/step"
+[ "$(wc -l <"$folder/commands")" = 4 ] && [ -s "$folder/step" ]
+cd "$folder/tree"
+sh -ex "$folder/commands"
+sh -ex "$folder/step"
+cd "$folder"
+prefix=$HOME/greville
+programs=$folder/tree/output
+step=$root/doc/step-greville
+law=$root/doc/examples/own_law
+
+# The documented commands choose the program's library of deal.II. A plugin that is
+# linked with the other one, too, is refused before it is loaded.
+deal_ii_of() {
+  ldd "$1" | sed -n 's/.*=> \(.*libdeal[^ ]*\) .*/\1/p'
 }
-law=$step/../examples/own_law
-build_in "$folder/build" "$step"
-build_in "$folder/build_law" "$law"
+library=$(deal_ii_of "$prefix/bin/greville")
+[ "$(deal_ii_of "$programs/own_law/sponge.so")" = "$library" ]
+debug=$(echo "$library" | sed 's/\.so/.g.so/')
+if [ -f "$debug" ]; then
+  c++ -shared -Wl,--no-as-needed -o "$folder/both.so" \
+    "$programs"/own_law/CMakeFiles/sponge.dir/plugin.cc.o "$library" "$debug"
+  ! "$prefix/bin/greville" "$law/sponge.prm" --set \
+    "Simulation/Additional shared libraries=$folder/both.so" 2>"$folder/refused" || exit 1
+  grep "is linked with <libdeal.*g.so" "$folder/refused"
+  [ ! -e output/sponge ]
+fi
 
 # Iterations may differ by two, where processes or round-off do. Other numbers
 # have to agree to 0.2 %, or to the last printed digit.
@@ -50,19 +74,19 @@ for n in 1 2; do
   mkdir "$folder/$n"
   cd "$folder/$n"
   sed -n '/^@code/,/^@endcode/{/^@/d;p}' "$step/doc/results.dox" >expected
-  "$mpiexec" "$np" $n "$folder/build/step-greville" | sed 's/ *$//' >printed
+  "$mpiexec" "$np" $n "$programs/step-greville/step-greville" | sed 's/ *$//' >printed
   cat printed
   compare $n
 
   # The last time, mass, momenta and energies.
-  "$mpiexec" "$np" $n "$folder/build_law/own_law" "$law/sponge.prm"
+  "$mpiexec" "$np" $n "$programs/own_law/own_law" "$law/sponge.prm"
   sed 's/= sponge$/= neo-hookean/; s/Shear modulus = 50 /Young modulus = 100\nset Poisson ratio = 0/' \
     "$law/sponge.prm" >neo-hookean.prm
-  "$mpiexec" "$np" $n "$folder/prefix/bin/greville" neo-hookean.prm \
+  "$mpiexec" "$np" $n "$prefix/bin/greville" neo-hookean.prm \
     --set Output/Directory=output/neo-hookean >/dev/null
-  "$mpiexec" "$np" $n "$folder/prefix/bin/greville" "$law/sponge.prm" \
+  "$mpiexec" "$np" $n "$prefix/bin/greville" "$law/sponge.prm" \
     --set Output/Directory=output/plugin --set \
-    "Simulation/Additional shared libraries=$folder/build_law/sponge.so" >/dev/null
+    "Simulation/Additional shared libraries=$programs/own_law/sponge.so" >/dev/null
   for name in sponge neo-hookean plugin; do
     tail -n 1 output/$name/statistics.csv | cut -d, -f1-8 | tr , ' ' >$name
     [ -s $name ]

@@ -1,12 +1,12 @@
 #!/bin/sh
 # command_line.sh PROJECT [all]: what the scripts answer to help and to wrong
-# command lines. Nothing is installed, built or run. Only with "all", scripts in
+# command lines. Nothing is installed or run, and a UMAT is built without a warning. Only with "all", scripts in
 # Python, which begin slowly, meet a wrong option and -h, and each table is asked
 # for help.
 cd "$1" || exit 1
 status=0
 out=$(mktemp)
-trap 'rm -f "$out"' EXIT
+trap 'rm -f "$out" "$out.so"' EXIT
 
 # answers STATUS LINES TEXT COMMAND...: the command ends with this status after
 # at most so many lines, one of which has the text.
@@ -53,6 +53,8 @@ if [ -x /usr/bin/python3 ]; then
     done
   fi
 fi
+answers 0 1 "$out.so" env FLAGS=-Wmissing-include-dirs \
+  scripts/build_umat benchmarks/umat/elastic.f "$out.so"
 answers 2 20 "Usage: scripts/run" scripts/run
 answers 2 1 "-np takes a number of processes." scripts/run -np
 answers 2 1 "not <a.prm>" scripts/run -np a.prm

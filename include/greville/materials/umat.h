@@ -6,6 +6,8 @@
 #include <greville/base/expression.h>
 #include <greville/materials/lanes.h>
 #include <greville/materials/material.h>
+#include <greville/materials/umat_call.h>
+#include <greville/materials/umat_memory.h>
 
 namespace greville
 {
@@ -42,11 +44,14 @@ namespace greville
    *
    * Parameters: "Library", "Properties", "State variables", "Initial state",
    * "Tangent", "Element length" (CELENT, m), "Bulk modulus" and "Shear modulus"
-   * (Pa), which are taken from DDSDDE without stress where they are zero.
+   * (Pa), which are taken from DDSDDE without stress where they are zero, and
+   * "Time limit" (s) of a call.
    * State: STRAN, SSE, SPD, SCD, the work, the dissipation and the largest
    * modulus, then STATEV.
    *
-   * update() throws dealii::ExcMessage where PNEWDT < 1. reinit() throws it
+   * update() throws dealii::ExcMessage where PNEWDT < 1 or results are not
+   * finite, and UmatFault where the UMAT writes where it must not or throws. It
+   * ends the process where the UMAT does (UmatCall). reinit() throws ExcMessage
    * for a library without a UMAT, wrong names or formulas, and a law without a
    * stiffness.
    */
@@ -109,11 +114,22 @@ namespace greville
               Increment           *increments);
 
     /**
+     * Call the function with what is in the memory, and check what it has left
+     * there. @p first, the beginning of the history, has SSE, SPD and SCD. The
+     * @p point is for messages, and null without an increment.
+     */
+    void
+    invoke(const MaterialPoint *point, double *first) const;
+
+    /**
      * One call: stress, state and wave_modulus of @p point at the end of the
      * step, and DDSDDE[i][j] = d sigma_i / d eps_j.
      */
     void
-    call(MaterialPoint &point, const Increment &increment, Matrix &C) const;
+    call(MaterialPoint   &point,
+         const Increment &increment,
+         Matrix          &C,
+         const bool       has_increment = true) const;
 
     /**
      * The state of a point at rest but for wave_modulus.
@@ -128,7 +144,6 @@ namespace greville
     Matrix
     stiffness(MaterialPoint point) const;
 
-    std::string              library;
     std::vector<double>      properties;
     std::string              state_variables = "0";
     std::string              initial_state;
@@ -138,7 +153,9 @@ namespace greville
     void                    *function = nullptr;
     std::vector<std::string> names, units; // of STATEV
     std::vector<Expression>  initial_formulas;
-    std::string              padded_name, section_name;
+    UmatCall::Law            law{"", "", 10.};
+    // Of one call at a time.
+    mutable UmatMemory memory;
   };
 } // namespace greville
 

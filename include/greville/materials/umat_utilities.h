@@ -4,28 +4,9 @@
 #define greville_materials_umat_utilities_h
 
 #include <cstddef>
-#include <string>
 
 namespace greville
 {
-  /**
-   * Says in messages whose UMAT calls the routines below, while it is there.
-   * Processes have one thread each.
-   */
-  class UmatCall
-  {
-  public:
-    explicit UmatCall(const std::string &section);
-
-    ~UmatCall();
-
-    UmatCall(const UmatCall &) = delete;
-
-    UmatCall &
-    operator=(const UmatCall &) = delete;
-  };
-
-
   // Routines that Abaqus supplies for UMATs, by the names that Fortran gives
   // them. Tensors are 11, 22, 33, 12, 13, 23, of which there are the first ndi
   // direct components and nshr shears; shears of strains (lstr = 2) are twice

@@ -45,7 +45,7 @@ namespace greville
   /**
    * Collective. Write tangent_error() along a path of 1 % strain in ten
    * steps of 0.1 s from the initial state of a point of each body with the law
-   * Umat.
+   * Umat. Throws on all processes if the law does what no law may (UmatFault).
    */
   template <int dim>
   void

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_materials_umat_call_h
+#define greville_materials_umat_call_h
+
+#include <deal.II/base/exceptions.h>
+
+#include <greville/materials/material_point.h>
+#include <greville/materials/umat_memory.h>
+
+#include <string>
+
+namespace greville
+{
+  /**
+   * What a UMAT has done that no law may do, as opposed to a step that is too
+   * long for it.
+   */
+  class UmatFault : public dealii::ExcMessage
+  {
+  public:
+    using dealii::ExcMessage::ExcMessage;
+  };
+
+
+
+  /**
+   * Exists while a UMAT is called, and lets messages say which one and where.
+   * Meanwhile a call of exit() (STOP in Fortran), a signal such as SIGSEGV, and
+   * a call that takes longer than its time limit end the process with one
+   * message and the exit status 1; MPI then ends the others. Nothing but the
+   * call is under way on any process then, so that no file is half written.
+   * Processes have one thread each.
+   */
+  class UmatCall
+  {
+  public:
+    /// Of a law: its section and library, and the longest time of a call, s,
+    /// or 0 if there is none.
+    struct Law
+    {
+      std::string section, library;
+      double      time_limit = 0.;
+    };
+
+    /**
+     * Let faults in calls end the process, those of a @p law among others. Once
+     * for each law, before its first call.
+     */
+    static void
+    catch_faults(const Law &law);
+
+    /**
+     * A call with this @p point at the end of the step, or a null pointer if it
+     * asks for the stiffness without an increment. All have to live as long.
+     */
+    UmatCall(const Law           &law,
+             const MaterialPoint *point,
+             const UmatMemory    &memory);
+
+    ~UmatCall();
+
+    UmatCall(const UmatCall &) = delete;
+
+    UmatCall &
+    operator=(const UmatCall &) = delete;
+
+    /**
+     * "the UMAT of 'Material sand' @p what (<soil.so>, call 7 at (0, 1), t =
+     * 0.2 s, step 0.1 s)", of the call under way; "a UMAT @p what" without one.
+     */
+    static std::string
+    message(const std::string &what);
+
+    /**
+     * "the UMAT of 'Material sand'".
+     */
+    static std::string
+    caller();
+
+    /**
+     * The same as message() in a @p buffer of @p size letters, without memory
+     * from the heap: for handlers of signals.
+     */
+    void
+    write_message(char *buffer, const std::size_t size, const char *what) const;
+
+    const Law           &law;
+    const MaterialPoint *point;
+    const UmatMemory    &memory;
+    /// The number of this call on its process.
+    std::uint64_t number;
+  };
+} // namespace greville
+
+#endif
