@@ -2,6 +2,8 @@
 
 #include <greville/run/simulation_program.h>
 
+#include "forget_threads.h"
+
 int
 main(int argc, char **argv)
 {

@@ -2,6 +2,8 @@
 
 #include <greville/benchmark/benchmark_program.h>
 
+#include "forget_threads.h"
+
 int
 main(int argc, char **argv)
 {

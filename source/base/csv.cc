@@ -45,7 +45,10 @@ namespace greville
     const std::string of =
       "<" + file + "> of the parameter '" + parameter + "'";
     const std::string cannot_read = "Cannot read the file " + of;
-    std::ifstream     stream      = open_text_file(file, cannot_read);
+    std::error_code   error;
+    AssertThrow(std::filesystem::exists(file, error),
+                ExcMessage("There is no file " + of + "."));
+    std::ifstream stream = open_text_file(file, cannot_read);
     AssertThrow(stream, ExcMessage(cannot_read + "."));
     CsvLine      line{true, "", {}, ""};
     bool         has_lines   = false;
@@ -86,7 +89,7 @@ namespace greville
 
 
 
-  void
+  bool
   CsvWriter::go_on(const std::string              &name,
                    const std::vector<std::string> &names,
                    const unsigned int              precision,
@@ -96,6 +99,17 @@ namespace greville
     file = name;
     comm = communicator;
     out.precision(precision);
+    unsigned int is_there = 0;
+    if (Utilities::MPI::this_mpi_process(comm) == 0)
+      {
+        std::error_code none;
+        is_there = std::filesystem::exists(file, none);
+      }
+    if (Utilities::MPI::max(is_there, comm) == 0)
+      {
+        open(name, names, precision, comm);
+        return false;
+      }
     run_on_first(
       [&]() {
         std::string header, found;
@@ -103,10 +117,11 @@ namespace greville
           header += (header.empty() ? "" : ",") + column;
         std::getline(std::ifstream(file), found);
         std::error_code error;
-        AssertThrow(std::filesystem::file_size(file, error) >= n_bytes &&
-                      !error,
-                    ExcMessage("<" + file +
-                               "> is shorter than it was at the checkpoint."));
+        AssertThrow(
+          std::filesystem::file_size(file, error) >= n_bytes && !error,
+          ExcMessage("<" + file +
+                     "> is shorter than it was at the checkpoint. Move it "
+                     "away, and the run begins a new one."));
         AssertThrow(found == header,
                     ExcMessage("<" + file + "> has the columns <" + found +
                                ">, and the run that goes on writes <" + header +
@@ -119,6 +134,7 @@ namespace greville
         size = n_bytes;
       },
       comm);
+    return true;
   }
 
 

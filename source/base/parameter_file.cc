@@ -305,6 +305,35 @@ namespace greville
 
 
 
+  namespace
+  {
+    /**
+     * " Did you mean <Contact NAME>?" for "contact" and "Contact base", or what
+     * did_you_mean() says.
+     */
+    std::string
+    hint_for_section(const std::string              &section,
+                     const std::vector<std::string> &known)
+    {
+      const auto small = [](std::string text) {
+        std::transform(text.begin(), text.end(), text.begin(), ::tolower);
+        return text;
+      };
+      const std::string end = " NAME";
+      for (const std::string &name : known)
+        if (name.size() > end.size() &&
+            name.compare(name.size() - end.size(), end.size(), end) == 0)
+          {
+            const std::string kind = small(name.substr(0, name.size() - 4));
+            if (small(section + " ").compare(0, kind.size(), kind) == 0)
+              return " Did you mean <" + name + ">?";
+          }
+      return did_you_mean(section, known);
+    }
+  } // namespace
+
+
+
   void
   describe_parameter(std::ostream           &out,
                      const ParameterHandler &prm,
@@ -327,7 +356,7 @@ namespace greville
                   "There is nothing to list of the name <" + what +
                   ">: it is no section, and no parameter, which "
                   "has the form SECTION/PARAMETER." +
-                  did_you_mean(what.substr(0, slash), names_of(sections))));
+                  hint_for_section(what.substr(0, slash), names_of(sections))));
     const std::string name  = what.substr(slash + 1);
     const auto        entry = place->second.find(name);
     AssertThrow(entry != place->second.end(),

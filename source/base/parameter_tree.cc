@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 
 namespace greville
@@ -91,10 +92,13 @@ namespace greville
     class Lines
     {
     public:
+      /// Lines of the @p text of JSON are found by the names in it.
       Lines(const std::string &file,
+            const std::string &text,
             const bool         is_mangled,
             const bool         splits_names)
         : place("<" + file + ">")
+        , text(text)
         , is_mangled(is_mangled)
         , splits_names(splits_names)
       {}
@@ -156,12 +160,33 @@ namespace greville
                     ExcMessage(place + ": the parameter '" + section + "/" +
                                name + "' is <" + value +
                                ">; values have no '#' and only one line."));
+        AssertThrow(given.insert(section + "/" + name).second,
+                    ExcMessage(place + ": the parameter '" + section + "/" +
+                               name + "' is given twice" + lines_with(name) +
+                               "."));
         result.push_back(
           {section, name, Utilities::trim(value), place, path, false});
       }
 
-      const std::string place;
-      const bool        is_mangled, splits_names;
+      /**
+       * " (lines with this name: 3, 9)"; nothing for XML, whose names are
+       * mangled.
+       */
+      std::string
+      lines_with(const std::string &name) const
+      {
+        std::string        found;
+        std::istringstream in(text);
+        unsigned int       number = 1;
+        for (std::string line; !is_mangled && std::getline(in, line); ++number)
+          if (line.find(name + '"') != std::string::npos)
+            found += (found.empty() ? "" : ", ") + std::to_string(number);
+        return found.empty() ? "" : " (lines with this name: " + found + ")";
+      }
+
+      const std::string     place, text;
+      std::set<std::string> given;
+      const bool            is_mangled, splits_names;
     };
 
 
@@ -337,7 +362,10 @@ namespace greville
       }
     AssertThrow(!tree.empty() && !is_list(tree),
                 ExcMessage("<" + file + "> has no sections."));
-    Lines lines(file, is_xml(file), !is_xml(file) && !has_descriptions(tree));
+    Lines lines(file,
+                text,
+                is_xml(file),
+                !is_xml(file) && !has_descriptions(tree));
     lines.add(tree, {});
     return lines.result;
   }

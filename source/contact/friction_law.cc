@@ -53,7 +53,9 @@ namespace greville
     {
     public:
       FormulaFriction(const std::string &text, const std::string &parameter)
-        : mu(text, parameter, {"p", "v"})
+        : what("The formula <" + text + "> of the parameter '" + parameter +
+               "' is ")
+        , mu(text, parameter, {"p", "v"})
       {
         // What is not defined there is found before the first contact.
         for (const double pressure : {0., 1., 1e6})
@@ -65,12 +67,19 @@ namespace greville
       strength(const double pressure, const double speed) const override
       {
         const std::array<double, 2> values{{pressure, speed}};
-        return pressure *
-               std::max(0., mu(ArrayView<const double>(values.data(), 2)));
+        const double                coefficient =
+          mu(ArrayView<const double>(values.data(), 2));
+        AssertThrow(coefficient >= 0.,
+                    ExcMessage(what + text_of(coefficient) + " at p = " +
+                               text_of(pressure) + ", v = " + text_of(speed) +
+                               ": a coefficient of friction is not negative. "
+                               "max(0, ...) makes it zero there."));
+        return pressure * coefficient;
       }
 
     private:
-      Expression mu;
+      std::string what;
+      Expression  mu;
     };
 
 

@@ -128,6 +128,8 @@ namespace greville
             read_surface<dim>(parameters.shape_file,
                               section + "/Shape file",
                               parameters.shape_file_unit));
+    // Throws for an empty shape.
+    surface->box();
     if (!parameters.velocity.empty())
       velocity = {parameters.velocity, section + "/Velocity", {"t"}};
     if (!parameters.rotation.empty())

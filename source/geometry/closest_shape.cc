@@ -263,10 +263,13 @@ namespace greville
                       high[d] = std::max(high[d], corner[d] + 1.);
                     }
               }
+            AssertThrow(low[0] <= high[0],
+                        ExcMessage("The parameter '" + parameter + "' is <" +
+                                   formula +
+                                   ">, which is empty: no point is inside."));
             for (unsigned int d = 0; d < dim; ++d)
               {
-                if (low[d] > high[d] ||
-                    (pass == 0 && (low[d] == 0. || high[d] == 16.)))
+                if (pass == 0 && (low[d] == 0. || high[d] == 16.))
                   return everything;
                 upper[d] = lower[d] + high[d] * size[d];
                 lower[d] += low[d] * size[d];

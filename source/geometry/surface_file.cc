@@ -270,6 +270,9 @@ namespace greville
     void
     check_readable(const std::string &file, const std::string &of)
     {
+      std::error_code none;
+      AssertThrow(std::filesystem::exists(file, none),
+                  ExcMessage("There is no file " + of + "."));
       AssertThrow(std::ifstream(file),
                   ExcMessage("Cannot read the file " + of + "."));
     }

@@ -306,13 +306,29 @@ namespace greville
                            "they are " +
                            text_of(time.cfl) + " and " + text_of(time.safety) +
                            "."));
-    for (unsigned int w = 0; w < 6; ++w)
-      AssertThrow((walls.friction[w] == 0. || walls.type[w] == "friction") &&
-                    (w < 2 * dim || walls.type[w] == "free"),
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      AssertThrow(walls.friction[w] == 0. || walls.type[w] == "friction",
                   ExcMessage("The wall '" + WallParameters::names[w] + "' is " +
-                             walls.type[w] +
-                             (w < 2 * dim ? ", but has a friction."
-                                          : ", but there is none in 2D.")));
+                             walls.type[w] + ", but has a friction."));
+    for (unsigned int w = 2 * dim; w < 6; ++w)
+      {
+        const std::string &name = WallParameters::names[w];
+        AssertThrow(walls.type[w] == "free",
+                    ExcMessage("The wall '" + name + "' is " + walls.type[w] +
+                               ", but there is none in 2D."));
+        for (const auto &[what, value] :
+             {std::make_pair(" velocity", walls.velocity[w]),
+              std::make_pair(" displacement", walls.displacement[w]),
+              std::make_pair(" region", walls.region[w]),
+              std::make_pair(" friction",
+                             walls.friction[w] == 0.
+                               ? std::string()
+                               : text_of(walls.friction[w]))})
+          AssertThrow(value.empty(),
+                      ExcMessage("The parameter 'Walls/" + name + what +
+                                 "' is <" + value +
+                                 ">, but there is no such wall in 2D."));
+      }
   }
 
 

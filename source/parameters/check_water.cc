@@ -117,6 +117,22 @@ namespace greville
 
 
 
+  bool
+  is_drained(const SimulationParameters &parameters)
+  {
+    return !parameters.water.free_surface_pressure.empty() ||
+           std::any_of(parameters.walls.pore_pressure.begin(),
+                       parameters.walls.pore_pressure.end(),
+                       [](const std::string &p) { return !p.empty(); }) ||
+           std::any_of(parameters.surface_loads.begin(),
+                       parameters.surface_loads.end(),
+                       [](const auto &load) {
+                         return !load.second.pore_pressure.empty();
+                       });
+  }
+
+
+
   void
   SimulationParameters::check_water() const
   {
@@ -243,14 +259,12 @@ namespace greville
   void
   SimulationParameters::check_water_of_stage() const
   {
-    bool is_drained = false;
     for (unsigned int w = 0; w < 6; ++w)
       {
         const std::string  section  = "Walls/";
         const std::string  name     = WallParameters::names[w];
         const std::string &pressure = walls.pore_pressure[w];
         const std::string &flux     = walls.flux[w];
-        is_drained                  = is_drained || !pressure.empty();
         if (!general.pore_water)
           {
             refuse_without_water(!pressure.empty(),
@@ -293,8 +307,22 @@ namespace greville
       }
     if (!general.pore_water)
       return;
+    for (unsigned int d = 0; d < general.dimension; ++d)
+      {
+        const unsigned int n =
+          grid.cells.size() == general.dimension ? grid.cells[d] : 0;
+        AssertThrow(!walls.is_periodic(2 * d) || n == 0 || n / 2 > grid.degree,
+                    ExcMessage(
+                      "The parameter 'Grid/Cells' has " + std::to_string(n) +
+                      " cells from '" + WallParameters::names[2 * d] +
+                      "' to '" + WallParameters::names[2 * d + 1] +
+                      "', which are periodic: the pressure of pore water has "
+                      "half as many, and B-splines of 'Grid/Order' " +
+                      std::to_string(grid.degree) + " need " +
+                      std::to_string(2 * (grid.degree + 1)) +
+                      " cells or more, so that none meets itself."));
+      }
     const std::string &outside = water.free_surface_pressure;
-    is_drained                 = is_drained || !outside.empty();
     if (!outside.empty())
       {
         const std::string given =
@@ -318,14 +346,6 @@ namespace greville
                             "that surface is a part of the free one. Give one "
                             "of them.");
       }
-    for (const auto &load : surface_loads)
-      is_drained = is_drained || !load.second.pore_pressure.empty();
-    AssertThrow(is_drained || water.bulk_modulus > 0.,
-                ExcMessage("The parameter 'Water/Bulk modulus' is 0, which "
-                           "makes water incompressible, and no 'Walls/... pore "
-                           "pressure', 'Surface load NAME/Pore pressure' or "
-                           "'Water/Free surface pressure' gives a pressure "
-                           "anywhere: give one of them."));
     const std::string given_scheme =
       "'Scheme/Stress update' = " + scheme.stress_update;
     if (is_explicit_scheme(scheme.stress_update))

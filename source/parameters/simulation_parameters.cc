@@ -266,7 +266,13 @@ namespace greville
   SimulationParameters::with(const std::string &changes) const
   {
     SimulationParameters result;
-    result.read("", parameter_lines_of(used_text + changes, general.name));
+    auto                 lines = parameter_lines_of(used_text, general.name);
+    for (ParameterLine &line : parameter_lines_of(changes, general.name))
+      {
+        line.place = "A run of the sweep";
+        lines.push_back(std::move(line));
+      }
+    result.read("", lines);
     return result;
   }
 

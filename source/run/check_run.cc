@@ -123,13 +123,16 @@ namespace greville
                  SimulationRun<dim>::columns_of(parameters, probes));
         set_up = seconds_since(begin, comm);
         print_header(out, ensemble, parameters, comm);
-        print_imbalance(out, ensemble, parameters, comm);
+        const std::string imbalance =
+          print_imbalance(out, ensemble, parameters, comm);
         print_materials(out, all.list);
         print_tangents(out, all.list, comm);
         print_bodies(all.list);
         print_surface_loads();
-        for (const std::string &note :
-             input_notes(ensemble.bodies(), parameters, comm))
+        auto notes = input_notes(ensemble.bodies(), parameters, comm);
+        if (!imbalance.empty())
+          notes.insert(notes.begin(), imbalance);
+        for (const std::string &note : notes)
           out << "  Note: " << note << '\n';
         print_warnings(ensemble);
       }

@@ -2,6 +2,8 @@
 
 // When a SimulationRun ends before its time, and its ramps.
 
+#include <deal.II/base/utilities.h>
+
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/base/step_errors.h>
@@ -26,6 +28,86 @@ namespace greville
              std::all_of(name.begin(), name.end(), [](const unsigned char c) {
                return std::isalnum(c) || c == '_';
              });
+    }
+
+
+
+    /**
+     * The sides of all comparisons in a formula.
+     */
+    std::vector<std::string>
+    compared_in(const std::string &formula)
+    {
+      struct Side
+      {
+        std::size_t begin;
+        bool        is_compared; // with what is in front
+      };
+      std::vector<std::string> result;
+      std::vector<Side>        open = {{0, false}}; // for each parenthesis
+      const auto end_side = [&](const std::size_t end, const bool is_compared) {
+        const std::string side = Utilities::trim(
+          formula.substr(open.back().begin, end - open.back().begin));
+        if ((is_compared || open.back().is_compared) && !side.empty())
+          result.push_back(side);
+      };
+      for (std::size_t i = 0; i < formula.size(); ++i)
+        {
+          const char c = formula[i];
+          if (c == '(')
+            open.push_back({i + 1, false});
+          else if (c == ')' && open.size() > 1)
+            {
+              end_side(i, false);
+              open.pop_back();
+            }
+          else if (std::string("<>=!&|?:,").find(c) != std::string::npos)
+            {
+              const bool compares =
+                std::string("<>=!").find(c) < std::string::npos;
+              end_side(i, compares);
+              if (i + 1 < formula.size() &&
+                  std::string("=&|").find(formula[i + 1]) != std::string::npos)
+                ++i;
+              open.back() = {i + 1, compares};
+            }
+        }
+      end_side(formula.size(), false);
+      return result;
+    }
+
+
+
+    /**
+     * Throw if a factor falls or is negative somewhere in a stage.
+     */
+    void
+    check_factor(const Expression &factor, const TimeParameters &time)
+    {
+      constexpr unsigned int n = 100;
+      const auto fail          = [&](const double t, const std::string &why) {
+        AssertThrow(false,
+                    ExcMessage("The parameter 'Time/Ramp until failure' is <" +
+                               time.ramp + ">, which " + why +
+                               " at t = " + text_of(t) +
+                               " s: it is a factor that is not negative and "
+                                        "grows from 'Time/Start' to 'Time/End'."));
+      };
+      double first = 0., last = 0.;
+      for (unsigned int k = 0; k <= n; ++k)
+        {
+          const double t     = time.start + (time.end - time.start) * k / n;
+          const double value = factor(ArrayView<const double>(&t, 1));
+          if (value < 0.)
+            fail(t, "is " + text_of(value));
+          if (k == 0)
+            first = value;
+          else if (value < last)
+            fail(t, "falls");
+          last = value;
+        }
+      if (time.end > time.start && last == first)
+        fail(time.end, "still is " + text_of(last));
     }
 
 
@@ -97,13 +179,49 @@ namespace greville
                                      " Columns of probes are those of "
                                      "'Output/Probes'."));
             }
+        for (const std::string &side : compared_in(stage.time.end_when))
+          {
+            const std::string itself = "(" + side + ") == (" + side + ")";
+            stages[k].compared.emplace_back(
+              side, Expression(itself, "Time/End when", names));
+            std::optional<Expression> constant;
+            try
+              {
+                constant.emplace(itself,
+                                 "Time/End when",
+                                 std::vector<std::string>());
+              }
+            catch (const std::exception &)
+              {
+                continue;
+              }
+            AssertThrow((*constant)({}) != 0.,
+                        ExcMessage("The parameter 'Time/End when' is <" +
+                                   stage.time.end_when + ">, where <" + side +
+                                   "> is NaN: comparisons with it are never "
+                                   "true."));
+          }
         if (!stage.time.ramp.empty())
-          stages[k].factor.emplace(stage.time.ramp,
-                                   "Time/Ramp until failure",
-                                   std::vector<std::string>{"t"});
+          {
+            stages[k].factor.emplace(stage.time.ramp,
+                                     "Time/Ramp until failure",
+                                     std::vector<std::string>{"t"});
+            check_factor(*stages[k].factor, stage.time);
+          }
         if (!any_factor && stages[k].factor)
           any_factor = stages[k].factor;
       }
+  }
+
+
+
+  std::vector<double>
+  EndOfRun::values_of(const std::vector<double> &row) const
+  {
+    std::vector<double> values;
+    for (const unsigned int place : places)
+      values.push_back(row[place]);
+    return values;
   }
 
 
@@ -112,12 +230,22 @@ namespace greville
   EndOfRun::holds(const unsigned int         stage,
                   const std::vector<double> &row) const
   {
-    if (!stages[stage].criterion)
-      return false;
-    std::vector<double> values;
-    for (const unsigned int place : places)
-      values.push_back(row[place]);
-    return (*stages[stage].criterion)(make_array_view(values)) != 0.;
+    const auto values = values_of(row);
+    return stages[stage].criterion &&
+           (*stages[stage].criterion)(make_array_view(values)) != 0.;
+  }
+
+
+
+  std::string
+  EndOfRun::undefined(const unsigned int         stage,
+                      const std::vector<double> &row) const
+  {
+    const auto values = values_of(row);
+    for (const auto &[side, equals_itself] : stages[stage].compared)
+      if (equals_itself(make_array_view(values)) == 0.)
+        return side;
+    return "";
   }
 
 
@@ -189,15 +317,20 @@ namespace greville
     const double step = given_step(ensemble);
     const double smallest =
       ensemble.first().stage_parameters().implicit.smallest_step;
-    const double time   = common().time;
-    auto         before = ensemble.state();
+    const double time      = common().time;
+    auto         before    = ensemble.state();
+    const auto   intervals = ensemble.contact_intervals();
+    const auto   go_back   = [&]() {
+      ensemble.set_state(before);
+      ensemble.set_contact_intervals(intervals);
+    };
     // The bracket is halved as far as steps go.
     const auto halve = [&]() {
       const double fraction =
         std::max(smallest, 0.5 * (ramp.failed_at - time) / step);
       for (State<dim> &state : before)
         state.step_fraction = std::min(state.step_fraction, fraction);
-      ensemble.set_state(before);
+      go_back();
     };
     if (std::isfinite(ramp.failed_at))
       halve();
@@ -211,7 +344,7 @@ namespace greville
     catch (const StepGivenUp &error)
       {
         // What is gone back to has single precision.
-        ensemble.set_state(before);
+        go_back();
         const double fraction = std::min(before[0].step_fraction, smallest);
         ramp.failed_at = std::min(ramp.failed_at, time + fraction * step);
         ramp.message   = message_of(error);
@@ -235,7 +368,7 @@ namespace greville
       ++state.n_all_rejections;
     if (is_narrow(time))
       {
-        ensemble.set_state(before);
+        go_back();
         end_ramp(time);
         return true;
       }
@@ -250,7 +383,23 @@ namespace greville
   SimulationRun<dim>::holds_now()
   {
     return ensemble.exceeds_displacement() ||
-           end_of_run.holds(common().stage, row_now());
+           criterion_holds(common().stage, row_now());
+  }
+
+
+
+  template <int dim>
+  bool
+  SimulationRun<dim>::criterion_holds(const unsigned int         stage,
+                                      const std::vector<double> &row)
+  {
+    const std::string undefined = end_of_run.undefined(stage, row);
+    if (!undefined.empty() && !has_noted_undefined)
+      notes.note("'Time/End when' compares <" + undefined +
+                 ">, which is NaN at t = " + text_of(row[0]) +
+                 " s: the comparison is false.");
+    has_noted_undefined = has_noted_undefined || !undefined.empty();
+    return end_of_run.holds(stage, row);
   }
 
 

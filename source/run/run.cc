@@ -183,6 +183,12 @@ namespace greville
       columns.push_back("stage");
     if (parameters.has_ramp())
       columns.push_back("factor");
+    for (const std::string &name : parameters.general.contacts)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          columns.push_back("contact_" + name + "_mean_" + "xyz"[d]);
+        columns.push_back("contact_" + name + "_peak");
+      }
     if (parameters.general.pore_water)
       {
         columns.insert(columns.end(), {"water_stored", "water_outflow"});
@@ -233,11 +239,15 @@ namespace greville
   {
     print_header(out, ensemble, parameters, comm);
     if (!is_resumed)
-      print_imbalance(out, ensemble, parameters, comm);
-    if (!is_resumed)
-      for (const std::string &note :
-           input_notes(ensemble.bodies(), parameters, comm))
-        notes.note(note);
+      {
+        const std::string imbalance =
+          print_imbalance(out, ensemble, parameters, comm);
+        if (!imbalance.empty())
+          notes.note(imbalance);
+        for (const std::string &note :
+             input_notes(ensemble.bodies(), parameters, comm))
+          notes.note(note);
+      }
     begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
     if (!is_resumed)
       {
@@ -484,11 +494,22 @@ namespace greville
   typename SimulationRun<dim>::Row
   SimulationRun<dim>::begin_row()
   {
-    Row row{common().n_steps, common().time, {}, common().stage};
+    Row row{common().n_steps,
+            common().time,
+            {},
+            common().stage,
+            ensemble.contact_intervals()};
     if (!parameters.stages.empty())
       row.more.push_back(common().stage + 1);
     if (end_of_run.has_ramp())
       row.more.push_back(end_of_run.factor(common().stage, common().time));
+    for (const ContactInterval<dim> &interval : row.intervals)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          row.more.push_back(
+            interval.time > 0. ? interval.impulse[d] / interval.time : 0.);
+        row.more.push_back(interval.largest_force);
+      }
     if (parameters.general.pore_water)
       {
         std::vector<unsigned int> numbers{0, 1};
@@ -512,6 +533,17 @@ namespace greville
           return part.state().n_partitions;
         }));
       }
+    return row;
+  }
+
+
+
+  template <int dim>
+  typename SimulationRun<dim>::Row
+  SimulationRun<dim>::begin_row_to_write()
+  {
+    Row row = begin_row();
+    ensemble.set_contact_intervals({});
     return row;
   }
 
@@ -549,7 +581,7 @@ namespace greville
       return;
     auto all = last_row;
     all.insert(all.end(), more.begin(), more.end());
-    ends = end_of_run.holds(row.stage, all);
+    ends = criterion_holds(row.stage, all);
     if (ends && end_of_run.is_ramp(row.stage))
       ramp_result = {end_of_run.factor(row.stage, last_time),
                      end_of_run.factor(row.stage, row.time)};
@@ -564,7 +596,7 @@ namespace greville
     late_row.reset();
     probes.forget();
     probes.take(0, ensemble.bodies());
-    write_row(begin_row(), ensemble.statistics());
+    write_row(begin_row_to_write(), ensemble.statistics());
   }
 
 
@@ -573,7 +605,7 @@ namespace greville
   void
   SimulationRun<dim>::ask_for_row()
   {
-    late_row = begin_row();
+    late_row = begin_row_to_write();
     probes.forget();
     if (probes.empty())
       ensemble.ask_for_row();

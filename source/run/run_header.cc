@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/parameters/unit_of_sums.h>
 #include <greville/run/run_header.h>
 
@@ -14,6 +15,11 @@ namespace greville
 
   namespace
   {
+    // Of the weight: bodies without stresses have 1.
+    constexpr double most_imbalance = 1.5;
+
+
+
     std::string
     cells_text(const std::vector<unsigned int> &cells)
     {
@@ -160,7 +166,7 @@ namespace greville
 
 
   template <int dim>
-  void
+  std::string
   print_imbalance(std::ostream               &out,
                   Ensemble<dim>              &ensemble,
                   const SimulationParameters &parameters,
@@ -170,12 +176,13 @@ namespace greville
       return body.second.K0 >= 0. || !body.second.stress.empty();
     };
     const auto &first = ensemble.first();
-    if (std::none_of(parameters.bodies.begin(),
-                     parameters.bodies.end(),
-                     has_stress) ||
+    if ((std::none_of(parameters.bodies.begin(),
+                      parameters.bodies.end(),
+                      has_stress) &&
+         parameters.water.table.empty()) ||
         !parameters.contacts.empty() || first.grid().walls().have_friction() ||
         !parameters.water.free_surface_pressure.empty())
-      return;
+      return "";
     double force = 0., mass = 0.;
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
@@ -209,6 +216,15 @@ namespace greville
     if (weight > 0.)
       out << ", " << 100. * force / weight << " % of the weight";
     out << "\n\n";
+    if (weight == 0. || force < most_imbalance * weight)
+      return "";
+    return "At the start " + rounded(force / weight, 3) +
+           " times the weight of all bodies is not in balance, so that "
+           "stresses "
+           "or pore pressures do not fit the loads. Compare 'Water/Table', "
+           "'Stress', 'K0' and 'Surface' of bodies with the level of the "
+           "ground, in m and Pa; water above the ground is a load, 'Water/Free "
+           "surface pressure' or 'Surface loads'.";
   }
 
 

@@ -5,6 +5,7 @@
 #include <greville/run/run_notes.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -126,6 +127,34 @@ namespace greville
 
 
 
+    /**
+     * The unit of columns that begin and end like this, with a name between
+     * and perhaps a component behind.
+     */
+    struct EndOfColumn
+    {
+      const char *begin, *end, *unit, *unit_2d;
+    };
+
+    constexpr EndOfColumn units_of_ends[] = {
+      {"contact_", "_moment", "N m", "N"},
+      {"contact_", "_gap", "m", "m"},
+      {"contact_", "_area", "m^2", "m"},
+      {"rigid_", "_vx", "m / s", "m / s"},
+      {"rigid_", "_vy", "m / s", "m / s"},
+      {"rigid_", "_vz", "m / s", "m / s"}};
+
+
+
+    bool
+    ends_with(const std::string &column, const std::string &end)
+    {
+      return column.size() >= end.size() &&
+             column.compare(column.size() - end.size(), end.size(), end) == 0;
+    }
+
+
+
     bool
     is_one_of(const std::string &column, const std::string &begin)
     {
@@ -146,14 +175,22 @@ namespace greville
           const unsigned int dim,
           const bool         is_axisymmetric)
   {
+    const auto in_dim = [&](const std::string &unit,
+                            const std::string &unit_2d) {
+      return dim == 3 || unit == unit_2d ? unit
+             : is_axisymmetric           ? unit + " / rad"
+                                         : unit_2d;
+    };
+    for (const EndOfColumn &candidate : units_of_ends)
+      if (file == "statistics.csv" &&
+          column.compare(0, std::strlen(candidate.begin), candidate.begin) ==
+            0 &&
+          (ends_with(column, candidate.end) ||
+           ends_with(column.substr(0, column.size() - 2), candidate.end)))
+        return in_dim(candidate.unit, candidate.unit_2d);
     for (const ColumnUnit &candidate : units)
       if (file == candidate.file && is_one_of(column, candidate.begin))
-        {
-          const std::string unit = candidate.unit, unit_2d = candidate.unit_2d;
-          if (dim == 3 || unit == unit_2d)
-            return unit;
-          return is_axisymmetric ? unit + " / rad" : unit_2d;
-        }
+        return in_dim(candidate.unit, candidate.unit_2d);
     // Probes have fields of points.
     return file == "probes.csv"
              ? unit_of("points.pvd", column, dim, is_axisymmetric)

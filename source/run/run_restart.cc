@@ -18,7 +18,8 @@ namespace greville
   namespace
   {
     // Names of what a run adds to the state of its ensemble.
-    constexpr const char *run_name = "run", *series_name = "series of the run";
+    constexpr const char *run_name = "run", *series_name = "series of the run",
+                         *intervals_name = "contacts of the run";
 
     const std::vector<std::string> run_columns = {"bytes_of_statistics",
                                                   "bytes_of_probes",
@@ -30,6 +31,44 @@ namespace greville
                                                   "ramp_from",
                                                   "ramp_to",
                                                   "failed_at"};
+
+
+
+    template <int dim>
+    DistributedTable
+    table_of(const std::vector<ContactInterval<dim>> &intervals,
+             const bool                               is_first)
+    {
+      DistributedTable table{intervals_name, {"time", "largest_force"}, {}};
+      for (unsigned int d = 0; d < dim; ++d)
+        table.columns.push_back(std::string("impulse_") + "xyz"[d]);
+      for (unsigned int k = 0; is_first && k < intervals.size(); ++k)
+        {
+          table.values.insert(table.values.end(),
+                              {intervals[k].time, intervals[k].largest_force});
+          for (unsigned int d = 0; d < dim; ++d)
+            table.values.push_back(intervals[k].impulse[d]);
+        }
+      return table;
+    }
+
+
+
+    template <int dim>
+    std::vector<ContactInterval<dim>>
+    intervals_of(const std::vector<double> &values)
+    {
+      std::vector<ContactInterval<dim>> intervals(values.size() / (2 + dim));
+      const double                     *value = values.data();
+      for (ContactInterval<dim> &interval : intervals)
+        {
+          interval.time          = *value++;
+          interval.largest_force = *value++;
+          for (unsigned int d = 0; d < dim; ++d)
+            interval.impulse[d] = *value++;
+        }
+      return intervals;
+    }
 
 
 
@@ -175,12 +214,25 @@ namespace greville
             added.second.push_back(series[k + 1]);
           }
         measured.set_added(added);
-        statistics_file.go_on(statistics_file_in(directory),
-                              columns_of(parameters),
-                              14,
-                              std::uint64_t(numbers[0]),
-                              comm);
-        probes.go_on(probes_file_in(directory), std::uint64_t(numbers[1]));
+        if (!parameters.contacts.empty())
+          ensemble.set_contact_intervals(
+            intervals_of<dim>(content.table(intervals_name).gather(comm)));
+        const auto warn_if_new = [&](const std::string &file,
+                                     const bool         is_there) {
+          if (!is_there)
+            notes.warn("There is no file <" + file +
+                       ">, which the run has written before. A new one begins "
+                       "with the next row, without those before it.");
+        };
+        warn_if_new(statistics_file_in(directory),
+                    statistics_file.go_on(statistics_file_in(directory),
+                                          columns_of(parameters),
+                                          14,
+                                          std::uint64_t(numbers[0]),
+                                          comm));
+        warn_if_new(probes_file_in(directory),
+                    probes.go_on(probes_file_in(directory),
+                                 std::uint64_t(numbers[1])));
         const std::string warning = fields.go_on(content.text("written"), comm);
         if (!warning.empty())
           notes.warn(warning);
@@ -229,7 +281,8 @@ namespace greville
             largest_front_99,
             late_row.has_value(),
             fields.record(),
-            measured.added()};
+            measured.added(),
+            late_row ? late_row->intervals : ensemble.contact_intervals()};
   }
 
 
@@ -264,6 +317,8 @@ namespace greville
       }
     content.tables.push_back(run);
     content.tables.push_back(series);
+    if (!parameters.contacts.empty())
+      content.tables.push_back(table_of(at.intervals, is_first));
     checkpoint_file =
       greville::write_checkpoint(directory, common().n_steps, content, comm);
     checkpoint_step = common().n_steps;
@@ -286,6 +341,7 @@ namespace greville
         now.fields                = written;
       }
     ensemble.set_from_tables(write_checkpoint(now));
+    ensemble.set_contact_intervals(now.intervals);
     if (late_row)
       ask_for_row();
     mark            = now;

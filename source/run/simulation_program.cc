@@ -13,15 +13,45 @@
 #include <greville/steps/grid_mass.h>
 
 #include <boost/algorithm/string/join.hpp>
+#include <filesystem>
 #include <map>
 
 namespace greville
 {
   namespace
   {
-    void
-    run_or_check(const std::string &file, const GivenOptions &given)
+    /**
+     * The parameter file in a folder with results, or the file itself.
+     */
+    std::string
+    file_to_run(const std::string &file, const bool resumes)
     {
+      std::error_code none;
+      if (!std::filesystem::is_directory(file, none))
+        return file;
+      const auto own         = std::filesystem::path(file) / "parameters.prm";
+      const bool has_results = std::filesystem::exists(own, none);
+      AssertThrow(has_results || !resumes,
+                  dealii::ExcMessage("The folder <" + file +
+                                     "> has no results to go on with: there is "
+                                     "no file <" +
+                                     own.string() + ">."));
+      AssertThrow(resumes || !has_results,
+                  dealii::ExcMessage("<" + file +
+                                     "> is a folder with results, not a "
+                                     "parameter file. --resume goes on with "
+                                     "them, and <" +
+                                     own.string() + "> has their parameters."));
+      return resumes ? own.string() : file;
+    }
+
+
+
+    void
+    run_or_check(const std::string &given_file, const GivenOptions &given)
+    {
+      const std::string file =
+        file_to_run(given_file, given.count("resume") > 0);
       const auto value = [&](const std::string &name) {
         return given.count(name) > 0 ? given.at(name)[0] : "";
       };
@@ -100,7 +130,10 @@ namespace greville
       {"draw",
        "FOLDER",
        "with --check: write the initial points to a new folder"},
-      {"resume", "", "go on from the last checkpoint of its folder"},
+      {"resume",
+       "",
+       "go on from the last checkpoint of its folder; FILE.prm may be this "
+       "folder"},
       {"from", "FOLDER", "begin with the last checkpoint of another run"},
       {"element-test",
        "TEST",

@@ -194,7 +194,7 @@ namespace greville
           AssertThrow(sweep.parameter.empty(),
                       ExcMessage("The parameter 'Sweep/Parameter' is <" +
                                  sweep.parameter + ">, with the value <" +
-                                 value + ">: " + message_of(error)));
+                                 value + ">. " + message_of(error)));
           throw;
         }
       row.parameters.sweep = sweep;

@@ -105,6 +105,7 @@ namespace greville
       }
     for (const std::string &name : parameters.general.contacts)
       make_contact(parameters, name);
+    set_intervals({});
     for (Simulation<dim> *part : parts)
       {
         part->current.rigid_bodies = positions;
@@ -545,7 +546,8 @@ namespace greville
   void
   BodyContacts<dim>::begin_step(const double dt)
   {
-    at_start             = now;
+    at_start = now;
+    add_to_intervals(at_start, dt);
     const auto positions = moved_bodies(dt);
     commit();
     for (Simulation<dim> *part : parts)
@@ -565,6 +567,34 @@ namespace greville
       }
     for (unsigned int k = 0; k < parts.size(); ++k)
       stamps[k] = parts[k]->current.points_stamp;
+    add_to_intervals(now, parts.front()->current.step);
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::add_to_intervals(const Results &results, const double dt)
+  {
+    for (unsigned int k = 0; k < contacts.size(); ++k)
+      {
+        ContactInterval<dim> &interval = of_interval[k];
+        const Tensor<1, dim> &force    = results.contacts[k].force;
+        interval.impulse += dt * force;
+        interval.time += dt;
+        interval.largest_force = std::max(interval.largest_force, force.norm());
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::set_intervals(
+    const std::vector<ContactInterval<dim>> &intervals)
+  {
+    of_interval = intervals;
+    of_interval.resize(contacts.size());
   }
 
 

@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/geometry/inside.h>
+#include <greville/parameters/pores.h>
 #include <greville/points/water_table.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
@@ -353,6 +354,53 @@ namespace greville
 
 
 
+  template <int dim>
+  void
+  check_closed_box(const std::vector<Body<dim>> &bodies,
+                   const SimulationParameters   &parameters,
+                   const SplineSpace<dim>       &space)
+  {
+    // A layer between the bodies and a wall, in cells, that is round-off.
+    constexpr double least_layer = 0.1;
+    if (!parameters.general.pore_water || parameters.water.bulk_modulus > 0. ||
+        is_drained(parameters))
+      return;
+    const Lattice<dim>   &lattice = space.lattice();
+    const WallParameters &walls   = parameters.walls;
+    double                box     = 1.;
+    unsigned int          most    = 1;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        box *= lattice.upper(d) - lattice.lower(d);
+        most = std::max(most, lattice.n_cells()[d]);
+        for (const unsigned int w : {2 * d, 2 * d + 1})
+          if (!(walls.is_periodic(w) ||
+                (w == 0 && parameters.grid.has_axis()) ||
+                (walls.type[w] != "free" && !walls.is_contact(w) &&
+                 walls.region[w].empty())))
+            return;
+      }
+    if (parameters.grid.is_axisymmetric())
+      box *= 0.5 * (lattice.lower(0) + lattice.upper(0));
+    double volume = 0.;
+    for (const Body<dim> &body : bodies)
+      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        volume +=
+          parameters.scheme.is_total_lagrangian() ? p.volume0() : p.volume();
+      });
+    volume = Utilities::MPI::sum(volume, space.communicator());
+    AssertThrow(volume < (1. - least_layer / most) * box,
+                ExcMessage(
+                  "The parameter 'Water/Bulk modulus' is 0, which makes water "
+                  "incompressible, the bodies fill the grid, whose walls all "
+                  "hold their normals, and no 'Walls/... pore pressure', "
+                  "'Surface load NAME/Pore pressure' or 'Water/Free surface "
+                  "pressure' gives a pressure anywhere: give one of them, a "
+                  "'Bulk modulus', or a surface without a wall."));
+  }
+
+
+
   template decltype(check_overlap<2>)           check_overlap<2>;
   template decltype(check_overlap<3>)           check_overlap<3>;
   template decltype(check_overlap_of_shapes<2>) check_overlap_of_shapes<2>;
@@ -363,4 +411,6 @@ namespace greville
   template decltype(initial_signals<3>)         initial_signals<3>;
   template decltype(make_initial_state<2>)      make_initial_state<2>;
   template decltype(make_initial_state<3>)      make_initial_state<3>;
+  template decltype(check_closed_box<2>)        check_closed_box<2>;
+  template decltype(check_closed_box<3>)        check_closed_box<3>;
 } // namespace greville

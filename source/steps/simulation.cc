@@ -62,6 +62,7 @@ namespace greville
           enter_stage(k);
         loads.find_points(current.bodies, comm);
       }
+    check_closed_box(current.bodies, parameters, discretization.space());
     if (!parameters.stages.empty())
       start_stage();
     guard.start(current);
@@ -172,6 +173,7 @@ namespace greville
     enter_stage(current.stage + 1);
     if (changes)
       change_bodies_from(materials, energy);
+    check_closed_box(current.bodies, parameters, discretization.space());
     start_stage();
     for (unsigned int k = 0; k < kept.size(); ++k)
       current.fields[k].history = kept[k];

@@ -41,6 +41,11 @@ runs 0 'number of steps: about' --check --set "Grid/Cells=45, 12" marked.prm
 runs 0 'running greville_benchmark other.prm' --set Benchmark/Cells=4 --set Benchmark/Orders=2 other.prm
 runs 1 'there is no parameter' --set Grid/Odrer=3 slope.prm
 
+# deal.II would end with an assertion.
+for program in "$greville" "$benchmark"; do
+  DEAL_II_NUM_THREADS=0 "$program" --version >out 2>&1 || fail "no threads"
+done
+
 # bash completes options, lists, templates and files.
 "$greville" --completion bash >completion || fail "--completion"
 . ./completion

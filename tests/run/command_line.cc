@@ -214,6 +214,9 @@ namespace
       accept({"greville", "--list", name}, words);
     refuse("it is no section, and no parameter",
            {"greville", "--list", "nothing"});
+    refuse("Did you mean <Contact NAME>?", {"greville", "--list", "Contact"});
+    refuse("Did you mean <Rigid body NAME>?",
+           {"greville", "--list", "rigid body plate"});
   }
 
 
@@ -328,6 +331,7 @@ namespace
     refuse("is given twice", {"greville", "slope.prm", "--check", "--check"});
     refuse("--resume and --from exclude each other",
            {"greville", "slope.prm", "--resume", "--from", "there"});
+    refuse("has no results to go on with", {"greville", "--resume", "."});
 
     // A check writes nothing.
     if (is_first())

@@ -107,6 +107,7 @@ namespace
         for (const std::string &line : lines)
           changed << line << '\n';
         changed << "subsection Time\n  set End = 0.03\nend\n";
+        std::filesystem::remove("newton/statistics.csv");
       }
     MPI_Barrier(MPI_COMM_WORLD);
     RunOptions options;
@@ -116,6 +117,14 @@ namespace
     check("a note",
           lines_of("newton/messages.log").back() ==
             "Note: The run goes on after step 2.");
+    const auto messages   = lines_of("newton/messages.log");
+    const auto statistics = lines_of("newton/statistics.csv");
+    check("a file that is gone begins anew",
+          messages[messages.size() - 2].find(
+            "newton/statistics.csv>, which the run has written before.") !=
+              std::string::npos &&
+            statistics[0].rfind("time,dt,", 0) == 0 &&
+            statistics[1].rfind("0.03,", 0) == 0);
     check("newton.csv goes on",
           more.size() > rows.size() &&
             std::equal(rows.begin(), rows.end(), more.begin()) &&

@@ -67,9 +67,10 @@ namespace greville
     /**
      * Go on with a file of open() after its first @p n_bytes: what comes
      * behind them is removed. Throws where the file is shorter or has other
-     * columns.
+     * columns. Where it is not there a new one is opened, and the result is
+     * false.
      */
-    void
+    bool
     go_on(const std::string              &file,
           const std::vector<std::string> &names,
           const unsigned int              precision,

@@ -55,7 +55,8 @@ namespace greville
 
     /**
      * A box around the body, which may be larger by a quarter, or infinite
-     * where the end of the body is not known.
+     * where the end of the body is not known. Throws dealii::ExcMessage for a
+     * shape that certainly is empty.
      */
     virtual dealii::BoundingBox<dim>
     box() const = 0;

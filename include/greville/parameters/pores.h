@@ -17,6 +17,12 @@ namespace greville
   bool
   has_pores(const SimulationParameters     &parameters,
             const std::vector<std::string> &bodies);
+
+  /**
+   * Whether a boundary gives the pressure of pore water in the stage at hand.
+   */
+  bool
+  is_drained(const SimulationParameters &parameters);
 } // namespace greville
 
 #endif

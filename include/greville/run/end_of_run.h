@@ -21,7 +21,8 @@ namespace greville
   public:
     /**
      * @p columns are those of statistics.csv and probes.csv. Throws
-     * dealii::ExcMessage where a formula is wrong.
+     * dealii::ExcMessage where a formula is wrong, compares what is NaN
+     * whatever the columns are, or is a factor that falls or is negative.
      */
     EndOfRun(const SimulationParameters     &parameters,
              const std::vector<std::string> &columns);
@@ -32,6 +33,13 @@ namespace greville
      */
     bool
     holds(const unsigned int stage, const std::vector<double> &row) const;
+
+    /**
+     * What 'End when' of a stage compares and is NaN in the @p row, so that the
+     * comparison is false; empty if there is nothing.
+     */
+    std::string
+    undefined(const unsigned int stage, const std::vector<double> &row) const;
 
     /**
      * Whether the factor of a stage grows until it fails.
@@ -69,7 +77,12 @@ namespace greville
     struct Stage
     {
       std::optional<Expression> criterion, factor;
+      /// Sides of comparisons, and whether each equals itself: NaN does not.
+      std::vector<std::pair<std::string, Expression>> compared;
     };
+
+    std::vector<double>
+    values_of(const std::vector<double> &row) const;
 
     std::vector<Stage>        stages;
     std::optional<Expression> any_factor;

@@ -50,10 +50,10 @@ namespace greville
      * Collective. Go on with the first @p n_bytes of a file, and remove what an
      * earlier run has written behind them.
      */
-    void
+    bool
     go_on(const std::string &file_name, const std::uint64_t n_bytes)
     {
-      file.go_on(file_name, columns(), 12, n_bytes, comm);
+      return file.go_on(file_name, columns(), 12, n_bytes, comm);
     }
 
     /**

@@ -33,10 +33,11 @@ namespace greville
    * is not in balance: sum |f_i|, N (2D: N / m), over the functions of the grid
    * that walls do not hold, with the force f_i by stresses, gravity and loads,
    * and its part of the weight of all bodies. Nothing where friction walls or
-   * contacts would carry them.
+   * contacts would carry them. Returns a note if it is more than bodies without
+   * stresses have, and else nothing.
    */
   template <int dim>
-  void
+  std::string
   print_imbalance(std::ostream               &out,
                   Ensemble<dim>              &ensemble,
                   const SimulationParameters &parameters,

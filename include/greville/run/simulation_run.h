@@ -83,6 +83,10 @@ namespace greville
     bool
     holds_now();
 
+    /// Whether 'End when' holds for a row; a note says where it compares NaN.
+    bool
+    criterion_holds(const unsigned int stage, const std::vector<double> &row);
+
     /// Values of the columns of statistics.csv and probes.csv.
     std::vector<double>
     row_now();
@@ -117,6 +121,7 @@ namespace greville
       bool          row_is_due = false;
       std::string   fields;
       std::pair<std::vector<double>, std::vector<double>> series;
+      std::vector<ContactInterval<dim>>                   intervals;
     };
 
     Mark
@@ -164,10 +169,16 @@ namespace greville
       double              time    = 0.;
       std::vector<double> more;
       unsigned int        stage = 0;
+      /// Of contacts, up to the row.
+      std::vector<ContactInterval<dim>> intervals;
     };
 
     Row
     begin_row();
+
+    /// The same for a row that is written: the next interval begins.
+    Row
+    begin_row_to_write();
 
     std::vector<double>
     values_of(const Row &row, const Statistics<dim> &statistics) const;
@@ -234,6 +245,12 @@ namespace greville
     bytes_per_point() const;
 
     /**
+     * Iterations of linear systems, the mean of all steps.
+     */
+    double
+    iterations_per_step();
+
+    /**
      * A state whose time, steps and stage are those of all parts.
      */
     const State<dim> &
@@ -259,7 +276,7 @@ namespace greville
     std::vector<std::pair<unsigned int, std::string>>  outflows;
     EndOfRun                                           end_of_run;
     // Whether the run ends before its time, and how.
-    bool                          ends = false;
+    bool                          ends = false, has_noted_undefined = false;
     Ramp<std::vector<State<dim>>> ramp;
     std::optional<RampResult>     ramp_result;
     std::vector<double>           last_row;

@@ -21,6 +21,17 @@ namespace greville
   class TrialContacts;
 
   /**
+   * What a contact did in the steps of an interval, on its first side.
+   */
+  template <int dim>
+  struct ContactInterval
+  {
+    dealii::Tensor<1, dim> impulse;            // N s (2D: N s / m)
+    double                 time          = 0.; // s
+    double                 largest_force = 0.; // N (2D: N / m)
+  };
+
+  /**
    * The contacts of bodies that are parts of an Ensemble, and the rigid bodies
    * that they meet. At the start of each explicit step, with all parts at the
    * same time, a contact gives forces to the points of its surfaces, as loads
@@ -77,6 +88,21 @@ namespace greville
      */
     void
     add_to(Statistics<dim> &row, const bool at_start_of_step) const;
+
+    /**
+     * What each contact did in the steps of the interval.
+     */
+    const std::vector<ContactInterval<dim>> &
+    intervals() const
+    {
+      return of_interval;
+    }
+
+    /**
+     * Go on from earlier intervals(); from none, begin them anew.
+     */
+    void
+    set_intervals(const std::vector<ContactInterval<dim>> &intervals);
 
     const std::vector<RigidBody<dim>> &
     all_rigid_bodies() const
@@ -136,6 +162,10 @@ namespace greville
     void
     make_contact(const SimulationParameters &parameters,
                  const std::string          &name);
+
+    /// Let results that acted for a time @p dt, s, count for intervals().
+    void
+    add_to_intervals(const Results &results, const double dt);
 
     bool
     steps_are_implicit() const;
@@ -266,6 +296,8 @@ namespace greville
     bool                           are_implicit = false; // steps, at set_laws()
     std::vector<std::uint64_t>     stamps; // of the parts, at the last act()
     Results                        now, at_start;
+
+    std::vector<ContactInterval<dim>> of_interval;
   };
 } // namespace greville
 

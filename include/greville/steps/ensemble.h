@@ -90,6 +90,23 @@ namespace greville
     set_state(const std::vector<State<dim>> &states);
 
     /**
+     * See BodyContacts::intervals(); none without contacts.
+     */
+    std::vector<ContactInterval<dim>>
+    contact_intervals() const
+    {
+      return contacts ? contacts->intervals()
+                      : std::vector<ContactInterval<dim>>();
+    }
+
+    void
+    set_contact_intervals(const std::vector<ContactInterval<dim>> &intervals)
+    {
+      if (contacts)
+        contacts->set_intervals(intervals);
+    }
+
+    /**
      * Collective. The states as tables, see make_tables().
      */
     std::vector<DistributedTable>

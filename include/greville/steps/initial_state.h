@@ -38,6 +38,17 @@ namespace greville
   make_initial_state(const SimulationParameters &parameters,
                      const Loads<dim>           &loads,
                      Discretization<dim>        &discretization);
+
+  /**
+   * Collective. Throws dealii::ExcMessage where incompressible water has no
+   * pressure: bodies without drained boundaries fill a grid whose walls all
+   * hold their normals. Elsewhere the total stress of a surface gives it.
+   */
+  template <int dim>
+  void
+  check_closed_box(const std::vector<Body<dim>> &bodies,
+                   const SimulationParameters   &parameters,
+                   const SplineSpace<dim>       &space);
 } // namespace greville
 
 #endif
